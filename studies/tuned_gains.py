@@ -21,7 +21,7 @@ from cogging.design.tuning import Tuning, tune
 from cogging.model.model import Model
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.xu2001 import setup as xu2001
-from cogging.simulation.closed_loop import closed_loop
+from cogging.simulation.run import closed_loop
 from cogging_command import run_command
 
 RANGE = 10.0  # above and below the printed gain

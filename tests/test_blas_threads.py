@@ -11,8 +11,8 @@ import pytest
 import threadpoolctl
 
 import cogging
-from cogging import blas_threads
-from cogging.blas_threads import ONE_THREAD, on_one_blas_thread
+from cogging import resources
+from cogging.resources import ONE_THREAD, on_one_blas_thread
 
 #: Public functions without linear algebra of their own, or with that of a few numbers alone.
 WITHOUT = {"check_against_model", "closed_loop", "closed_loop_batch", "parameters_of", "pid_gains", "pid_poles"}
@@ -68,7 +68,7 @@ def test_scipy_is_loaded_before_its_threads_are_set():
     """Loaded only within a function, its BLAS would have the threads that the environment asks for."""
     program = """
 import sys
-from cogging.blas_threads import on_one_blas_thread
+from cogging.resources import on_one_blas_thread
 from threadpoolctl import threadpool_info
 def number():
     return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
@@ -88,4 +88,4 @@ def test_each_public_function_computes_on_one_thread_or_needs_none(name):
     while function is not None:
         rooms.add(function.__globals__["__name__"])
         function = getattr(function, "__wrapped__", None)
-    assert (blas_threads.__name__ in rooms) == (name not in WITHOUT)
+    assert (resources.__name__ in rooms) == (name not in WITHOUT)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import correlate
 
-from cogging.correlation import cross_correlation
+from cogging.arrays import cross_correlation
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -30,7 +30,7 @@ def test_a_row_is_most_alike_where_it_was_moved_to(lag):
 
 def test_it_loads_no_package_of_signals():
     code = (
-        "import sys, numpy as np; from cogging.correlation import cross_correlation as c; "
+        "import sys, numpy as np; from cogging.arrays import cross_correlation as c; "
         "c(np.ones(9), np.ones(4)); print(any(name.startswith('scipy.signal') for name in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

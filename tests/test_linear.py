@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cogging.linear import least_squares
+from cogging.arrays import least_squares
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -19,7 +19,10 @@ MISTAKES = {
         lambda: cogging.simulate(MODEL, cogging.SineParameters()),
         r"simulate: reference: must be .* got a SineParameters: Sine\(parameters\) is the motion",
     ),
-    "a keyword": (lambda: cogging.simulate(MODEL, MOVE, sed=1), r"simulate: sed: is no argument .* did you mean seed"),
+    "a keyword": (
+        lambda: cogging.simulate(MODEL, MOVE, sed=1),
+        r"simulate: sed: is not an argument.* did you mean seed",
+    ),
     "swapped": (lambda: cogging.diagnose(MODEL, LOG), r"diagnose: logs: .* a Model: the log stands before"),
     "no model": (lambda: cogging.identify(LOG), r"identify\(\) missing 1 required positional argument: 'model'"),
     "an array for a log": (
@@ -31,14 +34,14 @@ MISTAKES = {
     "a file for a log": (lambda: cogging.audit("a.csv"), r"audit: log: must be a Log, got 'a\.csv': read_log reads"),
     "an unknown key": (
         lambda: cogging.Model.from_dict({"axis": {"mas": 1, "mass": 1}}),
-        r"axis\.mas: is not known here; did you mean mass\?",
+        r"axis\.mas: is unknown; did you mean mass\?",
     ),
-    "an unknown section": (lambda: cogging.Model.from_dict({"axes": {}}), r"axes: is not known .* mean axis\?"),
+    "an unknown section": (lambda: cogging.Model.from_dict({"axes": {}}), r"axes: is unknown.* mean axis\?"),
     "a field of a class": (
         lambda: cogging.Model(axis=MODEL.axis, efects=[]),
-        r"Model: efects: is no argument of it; did you mean effects\?",
+        r"Model: efects: is not an argument; did you mean effects\?",
     ),
-    "a field of the core": (lambda: cogging.PidParameters(kpp=1), r"PidParameters: kpp: is no .* did you mean kp\?"),
+    "a field of the core": (lambda: cogging.PidParameters(kpp=1), r"PidParameters: kpp: is not .* did you mean kp\?"),
     "a type of the core": (lambda: cogging.PidParameters(kp="1"), r"PidParameters: kp: must be a number, got '1'"),
     "by position": (lambda: cogging.PidParameters(1.0), r"PidParameters: must be given its arguments by keyword"),
     "nothing": (lambda: cogging.Pid(), r"Pid: parameters: must be given, got nothing"),
@@ -46,7 +49,7 @@ MISTAKES = {
     "the class itself": (lambda: cogging.Pid(cogging.PidParameters), r"got the class PidParameters itself"),
     "an effect's field": (
         lambda: cogging.effects.CableSpring(stifness=1.0),
-        r"CableSpring: stifness: is no argument of it; did you mean stiffness\?",
+        r"CableSpring: stifness: is not an argument; did you mean stiffness\?",
     ),
     "a dict for an effect": (
         lambda: cogging.Plant(MODEL.axis, effects=[{"name": "cable_spring"}]),
@@ -85,7 +88,7 @@ MISTAKES = {
         lambda: cogging.closed_loop(PLANT, MODEL.controller, SINE),
         r"controller: PidParameters\.command must be given, got nothing: a controller is an object with",
     ),
-    "a replaced field": (lambda: MODEL.axis.replace(mas=1.0), r"AxisParameters: mas: is no .* did you mean mass\?"),
+    "a replaced field": (lambda: MODEL.axis.replace(mas=1.0), r"AxisParameters: mas: is not .* did you mean mass\?"),
     "a paper": (lambda: cogging.reproduce("lu2009"), r"paper: must be one of lu2008, .* got 'lu2009'"),
     "a shown progress": (lambda: cogging.identify(LOG, MODEL, progress="yes"), r"progress: must be True, False or a"),
 }
@@ -118,5 +121,5 @@ def test_every_mistyped_field_is_told_with_the_one_meant(name):
         typed = field[:2] + field[3:]
         if typed in kind.FIELDS:
             continue
-        with pytest.raises(TypeError, match=rf"^{name}: {typed}: is no argument of it; did you mean \w+\?$"):
+        with pytest.raises(TypeError, match=rf"^{name}: {typed}: is not an argument; did you mean \w+\?$"):
             kind(**{typed: 1.0})

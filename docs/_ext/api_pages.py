@@ -35,7 +35,7 @@ ROOMS = {
     "files": "Files and errors",
     "cpp_library": "The core from C++",
 }
-ALSO_FILES = {"file_schema", "core_values"}
+ALSO_FILES = {"file_schema", "values"}
 #: Public names of the core by the folder of the core that they are of.
 CORE = {
     "closed_loop": "simulation",

@@ -1,6 +1,6 @@
 """Cogging of permanent-magnet linear motors: simulate, control and identify the axis.
 
-A name is imported when it is first asked for; `__init__.pyi` lists all of them and where they stand.
+A name is imported when it is first used; `__init__.pyi` lists all names and their modules.
 """
 
 import ast
@@ -9,9 +9,9 @@ import sys
 
 from cogging._core import controllers as _controllers
 from cogging._core import references as _references
-from cogging._core.controllers import *  # noqa: F403  (the lists stand in the core alone)
+from cogging._core.controllers import *  # noqa: F403  (only the core lists them)
 from cogging._core.references import *  # noqa: F403
-from cogging.core_values import as_values
+from cogging.values import as_values
 
 with open(f"{__file__}i", encoding="utf-8") as _file:
     _STUB = ast.parse(_file.read())
@@ -27,7 +27,7 @@ as_values()
 
 
 def __getattr__(name: str) -> object:
-    """A public name, a module of the package or its version, imported now."""
+    """Return a public name, a module of the package or its version, imported now."""
     home = _HOMES.get(name, "cogging")
     if home != "cogging":
         value = getattr(importlib.import_module(home), name)
@@ -42,5 +42,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """The public names: what else stands here is the machinery of importing."""
+    """Return the public names."""
     return sorted(__all__)

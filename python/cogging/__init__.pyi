@@ -63,7 +63,7 @@ from cogging.design.observer import ObserverDesign, ObserverProblem, design_obse
 from cogging.papers.reproduction import compare, reproduce
 from cogging.model.parameters import parameters_of
 from cogging.simulation.batch import Batch, closed_loop_batch
-from cogging.simulation.closed_loop import closed_loop
+from cogging.simulation.run import closed_loop
 from cogging.simulation.reference import read_reference
 from cogging.simulation.sweep import SweepRuns, sweep
 from cogging.file_schema import schema

@@ -1,4 +1,4 @@
-"""Types of arrays, for annotations, and arrays of what a user gives."""
+"""Array types, checks of arrays that a user gives, least squares and correlation."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]  # which rows, or entries, count
-DEEPEST = 4  # lists in one another
+DEEPEST = 4  # nested lists that are searched
+SIGMAS_95 = 1.959963984540054  # half width of a 95 % interval of a normal variable, in standard deviations
 
 
 def no_number_in(values: Any, depth: int = DEEPEST) -> list[Any]:
-    """The first truth value or text in a number's place, alone in a list; an empty list where there is none.
+    """Return the first truth value or text where numbers belong, in a list; an empty list if there is none.
 
-    numpy makes 1 of True and 3.2 of "3.2": neither was meant as a number.
+    numpy converts True to 1 and "3.2" to 3.2, which no caller means.
     """
     if isinstance(values, bool | np.bool_ | str | bytes):
         return [values]
@@ -27,7 +28,7 @@ def no_number_in(values: Any, depth: int = DEEPEST) -> list[Any]:
         return []
     try:
         array = np.asarray(values)
-    except Exception:  # whatever an object answers: it is told where it is made an array
+    except Exception:  # any error of a foreign object: it is reported where the array is used
         return []
     if array.dtype.kind in "bSU":
         return list(array.ravel()[:1].tolist())
@@ -35,11 +36,7 @@ def no_number_in(values: Any, depth: int = DEEPEST) -> list[Any]:
 
 
 def real_array(name: str, values: npt.ArrayLike) -> FloatArray:
-    """An argument as an array of real numbers.
-
-    Raises:
-        ValueError: it is none, or holds a truth value, a text or a complex number.
-    """
+    """Return an argument as an array of floats; raise ValueError for truth values, texts and complex numbers."""
     try:
         found = no_number_in(values)
         if not found and not np.iscomplexobj(values):
@@ -48,3 +45,27 @@ def real_array(name: str, values: npt.ArrayLike) -> FloatArray:
         found = []
     got = f"{found[0]!r} among them" if found else type(values).__name__
     raise ValueError(f"{name}: must be real numbers, got {got}")
+
+
+def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-12) -> FloatArray:
+    """Return the weights (p,) of least norm with which columns (p, n) best approximate a row (n,).
+
+    Columns are scaled to unit rms first, so that units do not matter. Singular values of the scaled columns below
+    `rcond` times the largest count as zero.
+    """
+    matrix = np.ascontiguousarray(columns.T)
+    size = np.sqrt(np.mean(matrix**2, axis=0))
+    size[size == 0.0] = 1.0
+    return np.asarray(np.linalg.lstsq(matrix / size, row, rcond=rcond)[0] / size)
+
+
+def cross_correlation(row: FloatArray, other: FloatArray) -> FloatArray:
+    """Return sum_k row_(k + lag) other_k for lags from 1 - m to n - 1, (n + m - 1,), of rows (n,) and (m,).
+
+    Equal to scipy.signal.correlate, whose import takes longer than the correlations computed here.
+    """
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    length = len(row) + len(other) - 1
+    padded = next_fast_len(length, real=True)
+    return np.asarray(irfft(rfft(row, padded) * rfft(other[::-1], padded), padded)[:length])

@@ -1,4 +1,4 @@
-"""Where the C++ library lies that the package carries: headers, and what `find_package(cogging)` reads."""
+"""Paths of the C++ library in the package: headers, and the CMake package for `find_package(cogging)`."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from cogging.files import InputError
 
 __all__ = ["get_cmake_dir", "get_include"]
 
-#: Of the source tree, where there is no installed copy: what stands beside `python/cogging`.
+#: The core in a source tree, for a package that is not installed.
 SOURCES = Path(__file__).resolve().parents[2] / "cpp"
 
 
 def get_include() -> str:
-    """The folder for the compiler's `-I`: it holds `cogging/control/pid.hpp` and all other headers of the core.
+    """Return the folder for the compiler's `-I`, which holds `cogging/control/pid.hpp` and all headers of the core.
 
-    Of a package that is used from its source tree, uninstalled or editable, the folder `cpp` there.
+    In a source tree, uninstalled or editable, that is the folder `cpp`.
 
     Returns:
         The path.
@@ -36,7 +36,7 @@ def get_include() -> str:
 
 
 def get_cmake_dir() -> str:
-    """The folder with `coggingConfig.cmake`, for `cmake -Dcogging_DIR=...`.
+    """Return the folder with `coggingConfig.cmake`, for `cmake -Dcogging_DIR=...`.
 
     Returns:
         The path.
@@ -58,8 +58,8 @@ def get_cmake_dir() -> str:
 
 
 def installed(place: str) -> list[Path]:
-    """Where something stands below the package, if it is there at all."""
-    # Of an editable installation the package has two folders: the sources and what was built.
+    """Return the paths that a place below the package may have."""
+    # An editable installation has two folders: the sources and the build.
     package = importlib.util.find_spec("cogging")
     assert package is not None
     return [Path(folder) / place for folder in package.submodule_search_locations or ()]

@@ -1,4 +1,4 @@
-"""One schema of the files that users write, made from what the C++ parameter structs say of themselves."""
+"""The JSON Schema of input files, generated from the C++ parameter structs."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
 from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
 from cogging.model.units import LABEL
 from cogging.simulation.reference import REFERENCES
-from cogging.simulation.sweep_file import KEYS as SWEEP
-from cogging.simulation.sweep_file import NEEDED as SWEEP_NEEDED
+from cogging.simulation.sweep import KEYS as SWEEP
+from cogging.simulation.sweep import NEEDED as SWEEP_NEEDED
 from cogging.simulation.varied import METHODS
 
 NUMBER = {"type": "number"}
@@ -102,12 +102,11 @@ TUNE_INDEXES: dict[str, tuple[str, bool, str]] = {
 def schema() -> dict[str, Any]:
     """The JSON Schema (2020-12) of model, reference, limits, sweep and tune files, which are TOML.
 
-    `$defs` holds `model`, `reference`, `limits`, `sweep` and `tune`; every field has its meaning
-    (`description`), its unit (`unit`) and, where it is finite, default. Whole numbers may stand for numbers.
-    Rules between fields are checked when a file is read.
+    `$defs` has `model`, `reference`, `limits`, `sweep` and `tune`. Every field has a `description`, a `unit` and, if it
+    is finite, a default. Integers are allowed for numbers. Rules between fields are checked when a file is read.
 
     Returns:
-        The document, as JSON can hold it.
+        The schema as a JSON document.
 
     Example:
         >>> sorted(cogging.schema())

@@ -1,4 +1,4 @@
-"""Reading files so that a bad one is answered in one line that names file, field, rule and value."""
+"""Reading text files: a bad one raises one line that names file, field, rule and value."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-MOST_TEXT = 1 << 28  # bytes of a model, a reference, or what stands beside a log
-DEEPEST = 32  # tables and lists in one another: no file of ours has more than four
+MOST_TEXT = 1 << 28  # bytes of a model, a reference or a sidecar
+DEEPEST = 32  # nested tables and lists; files of this package nest at most four
 DOTTED = rf"""(?<![\w-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.[ \t]*){{{DEEPEST + 1}}}"""
 MARK = re.compile(r"""[=\[{]|\.[ \t]*[\w"'-]+(?=[ \t]*[.=\]])""")  # of a key, a table or a list
-MOST_MARKS = 500_000  # keys, tables and lists of a file: each takes the parser 7 us and a kilobyte where it is worst
-BYTES_A_MARK, BYTES_A_LETTER = 1100.0, 16.0  # that the parser takes: 1003 and 10 were seen
-LARGEST = 1e30  # of a finite number in any unit: the square of its square is still a number
-WHOLE = 1 << 63  # TOML's whole numbers have 64 bits
+MOST_MARKS = 500_000  # keys, tables and lists in a file; the parser needs at most 7 us and a kilobyte for each
+BYTES_A_MARK, BYTES_A_LETTER = 1100.0, 16.0  # memory of the parser: 1003 and 10 measured
+LARGEST = 1e30  # finite number in any unit: its fourth power is finite
+WHOLE = 1 << 63  # TOML's integers have 64 bits
 
 
 class InputError(ValueError):
@@ -41,19 +41,14 @@ class FieldError(ValueError):
         super().__init__(f"{path}: {problem}")
 
     def in_file(self, path: str | os.PathLike[str], text: str) -> InputError:
-        """Make the error that names the file and, where it can be found, the line."""
+        """Return the error that names the file and, if it can be found, the line."""
         line = line_of(text, self.section, self.key, self.occurrence)
         place = f"{path}: line {line}" if line else f"{path}"
         return InputError(f"{place}: {self}")
 
 
 def require_file(path: str | os.PathLike[str], called: str = "") -> int:
-    """Refuse what is no file with an end, before it is opened: a pipe would wait for ever. Its size in bytes.
-
-    Raises:
-        InputError: a directory, a device or a pipe.
-        OSError: it is not there.
-    """
+    """Return the size of a regular file in bytes; raise InputError for a folder, device or pipe, which may block."""
     status = os.stat(path)
     if not stat.S_ISREG(status.st_mode):
         what = "a directory" if stat.S_ISDIR(status.st_mode) else "a device or pipe"
@@ -62,11 +57,7 @@ def require_file(path: str | os.PathLike[str], called: str = "") -> int:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Read a text file.
-
-    Raises:
-        InputError: the file is missing, cannot be read, is larger than MOST_TEXT or is no text.
-    """
+    """Return the content of a UTF-8 text file of at most MOST_TEXT bytes."""
     try:
         size = require_file(path)
         with open(path, encoding="utf-8-sig") as file:
@@ -85,11 +76,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read a TOML file.
-
-    Raises:
-        InputError: the file cannot be read, breaks TOML's grammar, or holds what parse_toml refuses; names the line.
-    """
+    """Return the content of a TOML file; an InputError names the line."""
     text = read_text(path)
     try:
         return parse_toml(text)
@@ -100,15 +87,21 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Parse TOML text.
+    """Return the content of TOML text of limited nesting and size.
 
     Raises:
-        ValueError: it breaks TOML's grammar, or is nested without end.
-        FieldError: a number that 64 bits do not hold, which would be another one or infinite.
+        ValueError: the text breaks TOML's grammar or a limit.
+        FieldError: a number exceeds 64 bits; it would become another number or infinite.
     """
-    if re.search(DOTTED, text):  # the parser takes a time that grows as the square of their number
+    if re.search(DOTTED, text):  # the parser's time grows with the square of the dots
         raise ValueError(f"a key must have at most {DEEPEST} dots")
-    _require_room(text)
+    marks = sum(1 for _ in MARK.finditer(text))
+    if marks > MOST_MARKS:
+        raise ValueError(f"keys, tables and lists must be at most {MOST_MARKS} together, got {marks}")
+    from cogging._core import require_memory  # not in the processes that read binary logs
+
+    size = BYTES_A_MARK * marks + BYTES_A_LETTER * len(text)
+    require_memory("text", size, f"{marks} keys, tables and lists", f"{len(text)} letters")
     try:
         document = tomllib.loads(text, parse_float=_float)
     except RecursionError:
@@ -118,29 +111,14 @@ def parse_toml(text: str) -> dict[str, Any]:
     except ValueError:  # Python's own limit of digits
         raise ValueError("a whole number must have 64 bits, got one of thousands of digits") from None
     for path, value in _entries(document):
-        if isinstance(value, _Beyond) or (isinstance(value, int) and not -WHOLE <= value < WHOLE):
+        if isinstance(value, _Overflow) or (isinstance(value, int) and not -WHOLE <= value < WHOLE):
             *sections, key = path
-            number = value.text if isinstance(value, _Beyond) else quoted(value)
+            number = value.text if isinstance(value, _Overflow) else quoted(value)
             raise FieldError(".".join(sections), key, f"must be a number that 64 bits hold, got {number}")
     return document
 
 
-def _require_room(text: str) -> None:
-    """Refuse what the parser would make too much of, before it begins.
-
-    Raises:
-        ValueError: too many keys, tables and lists, or too little memory.
-    """
-    marks = sum(1 for _ in MARK.finditer(text))
-    if marks > MOST_MARKS:
-        raise ValueError(f"keys, tables and lists must be at most {MOST_MARKS} together, got {marks}")
-    from cogging._core import require_memory  # which the processes that read binary logs do without
-
-    size = BYTES_A_MARK * marks + BYTES_A_LETTER * len(text)
-    require_memory("text", size, f"{marks} keys, tables and lists", f"{len(text)} letters")
-
-
-class _Beyond(float):
+class _Overflow(float):
     """An infinity that was written as a finite number, `1e309`."""
 
     text = ""
@@ -149,17 +127,13 @@ class _Beyond(float):
 def _float(text: str) -> float:
     value = float(text)
     if math.isinf(value) and "inf" not in text:
-        value = _Beyond(text)
+        value = _Overflow(text)
         value.text = text
     return value
 
 
 def _entries(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """The values of a document with the keys that lead to them; entries of lists have their list's.
-
-    Raises:
-        ValueError: tables and lists are nested too deep.
-    """
+    """Yield the keys that lead to each value, and the value; entries of a list have the keys of the list."""
     pending: list[tuple[tuple[str, ...], Any]] = [((), document)]
     for _ in range(DEEPEST + 1):
         below: list[tuple[tuple[str, ...], Any]] = []
@@ -176,10 +150,13 @@ def _entries(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Any
 
 
 def line_of(text: str, section: str, key: str, occurrence: int = 0) -> int | None:
-    """The line (from 1) on which a key of a section stands; occurrence counts [[section]] tables from 0."""
+    """Return the line (from 1) of a key of a section; occurrence counts [[section]] tables from 0."""
     here, seen = "", -1
     for number, line in enumerate(text.splitlines(), start=1):
-        header = _header_in(line)
+        begun, header = line.lstrip(), ""
+        if begun.startswith("["):  # parsed by hand: a regular expression takes the square of a line of blanks
+            name, closed, _ = begun[2 if begun.startswith("[[") else 1 :].partition("]")
+            header = name.strip() if closed else ""
         if header:
             here = header
             seen += here == section
@@ -192,34 +169,17 @@ def line_of(text: str, section: str, key: str, occurrence: int = 0) -> int | Non
     return None
 
 
-def _header_in(line: str) -> str:
-    """The section that a line begins, or nothing. No pattern: one would look at many blanks once for each three."""
-    begun = line.lstrip()
-    if not begun.startswith("["):
-        return ""
-    name, closed, _ = begun[2 if begun.startswith("[[") else 1 :].partition("]")
-    return name.strip() if closed else ""
-
-
 def refuse_unknown_keys(given: Iterable[str], known: Iterable[str], section: str) -> None:
-    """Raise if a key is not known: an unknown key is an error, never ignored.
-
-    Raises:
-        FieldError: names the key and the known ones.
-    """
+    """Raise FieldError for a key that is not known: an unknown key is never ignored."""
     known = list(known)
     for key in given:
         if key not in known:
-            raise FieldError(section, key, f"is not known here; {did_you_mean(key, known)}")
+            raise FieldError(section, key, f"is unknown; {did_you_mean(key, known)}")
 
 
 def refuse_mistyped(given: Iterable[str], key: str, section: str, occurrence: int = 0) -> None:
-    """Raise if a key that must be given is not there, and one that is nearly it is.
-
-    Raises:
-        FieldError: names what stands there, and the key.
-    """
+    """Raise FieldError if a required key is absent and a similar one is given."""
     given = list(given)
     near = None if key in given else nearest_name(key, given)
     if near is not None:
-        raise FieldError(section, near, f"is not known here; did you mean {key}?", occurrence)
+        raise FieldError(section, near, f"is unknown; did you mean {key}?", occurrence)

@@ -1,4 +1,4 @@
-"""Writing files so that none is left half written: never over an input, and no output twice."""
+"""Writing files: whole or not at all, never over an input, no output twice."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import unicodedata
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import tomli_w
 
@@ -24,19 +24,16 @@ from cogging.files import InputError, require_file
 from cogging.shown import printable
 
 AnyPath = str | os.PathLike[str]
-PART_FILE = re.compile(r"\.cogging-[0-9a-f]{16}\.part")  # beside a file: one that is not whole yet
+PART_FILE = re.compile(r"\.cogging-[0-9a-f]{16}\.part")  # an incomplete file, in the folder of its target
 synced = True  # data reach the disk before their names do; tests switch it off
 
 
 def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPath] = ()) -> None:
-    """Refuse what would destroy an input or another output, before anything is computed.
+    """Raise InputError if an output would overwrite an input or another output, or cannot be written.
 
     Args:
-        outputs: files that the call writes, by what asks for them (`--out`); None where nothing does.
-        inputs: files that it reads, those that may stand beside them included (with_sidecars).
-
-    Raises:
-        InputError: an output is an input by whatever name, or another output, or cannot be written.
+        outputs: files to write, by the option that names them (`--out`); None where the option was not given.
+        inputs: files to read, with their sidecars (with_sidecars).
     """
     given = {name: path for name, path in outputs.items() if path is not None}
     read = list(inputs)
@@ -44,19 +41,19 @@ def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPat
         for other in read:
             if same_file(path, other):
                 raise InputError(f"{name}: {path}: must not be a file that is read, got {os.fspath(other)}")
-    for (name, path), (second, other) in itertools.combinations(given.items(), 2):
-        if same_file(path, other):
-            raise InputError(f"{name}, {second}: must be different files, got one twice")
+    _require_different(given)
     for path in given.values():
         target_of(path)
 
 
-def require_folder() -> None:
-    """Refuse to work in a current folder that is gone: no name of a file means anything there.
+def _require_different(paths: Mapping[str, AnyPath]) -> None:
+    for (name, path), (second, other) in itertools.combinations(paths.items(), 2):
+        if same_file(path, other):
+            raise InputError(f"{name}, {second}: must be different files, got one twice")
 
-    Raises:
-        InputError: it was deleted, or may not be entered.
-    """
+
+def require_folder() -> None:
+    """Raise InputError if the current folder was deleted: relative paths mean nothing then."""
     try:
         os.getcwd()
     except OSError as error:
@@ -64,11 +61,7 @@ def require_folder() -> None:
 
 
 def check_folder(path: AnyPath) -> None:
-    """Refuse a folder for results that is none and cannot be made, before anything is computed.
-
-    Raises:
-        InputError: a file stands there or on the way there, or nothing may be written there.
-    """
+    """Raise InputError if a folder for results neither exists nor can be created."""
     place = Path(os.path.realpath(path))
     while not place.exists() and place != place.parent:
         place = place.parent
@@ -80,11 +73,7 @@ def check_folder(path: AnyPath) -> None:
 
 @contextlib.contextmanager
 def made_folder(path: AnyPath) -> Iterator[None]:
-    """Make a folder for what is written within, with those on the way there; where that fails they go again.
-
-    Raises:
-        InputError: it cannot be made.
-    """
+    """Create a folder and its parents; remove the new ones again if the block raises and they are empty."""
     folder = Path(path)
     made = list(itertools.takewhile(lambda place: not os.path.lexists(place), (folder, *folder.parents)))
     try:
@@ -94,50 +83,45 @@ def made_folder(path: AnyPath) -> Iterator[None]:
             raise InputError(f"{path}: cannot be made: {error.strerror}") from None
         yield
     except BaseException:
-        with contextlib.suppress(OSError):  # one that was not made, or in which something stands
+        with contextlib.suppress(OSError):  # not created, or not empty
             for place in made:
                 place.rmdir()
         raise
 
 
 def sidecar(log: AnyPath) -> str:
-    """The file beside a log in which stands what a table of numbers cannot hold."""
+    """Return the path of the file that holds a log's metadata."""
     return f"{os.fspath(log)}.toml"
 
 
 def with_sidecars(logs: Iterable[AnyPath]) -> list[AnyPath]:
-    """Logs and what may stand beside them."""
+    """Return the paths of logs and of their sidecars."""
     return [path for log in logs for path in (log, sidecar(log))]
 
 
 def write_text(path: AnyPath, text: str) -> None:
-    """Write a file beside its place and rename it, so that it is there whole or not at all."""
+    """Write a text file (see write_files)."""
     write_bytes(path, text.encode())
 
 
 def write_bytes(path: AnyPath, content: bytes, *, sync: bool = True) -> None:
-    """Write a binary file beside its place and rename it (see write_files)."""
+    """Write a binary file (see write_files)."""
     write_files({os.fspath(path): [content]}, sync=sync)
 
 
 def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = True) -> None:
-    """Write files that belong together, each given in pieces.
+    """Write files that belong together, all or none.
 
-    All are written beside their places before the first takes its place, so that each is whole or not there. They take
-    their places in reverse order: a log after its sidecar. What stands there is replaced: behind a link its target,
-    with the mode that it had. A new file has the mode that the user's mask leaves.
+    All are written to part files beside their targets and then renamed in reverse order: a log after its sidecar. A
+    link is followed; an existing file keeps its owner and mode, a new one gets those of the user's mask. After an
+    InputError no part file remains.
 
     Args:
-        files: pieces by path; None where no file is to stand.
-        sync: data reach the disk before their names do, so that a power failure too leaves the old or the new.
-
-    Raises:
-        InputError: one cannot be written, or two are one file; no part file is left behind.
+        files: content in pieces, by path; None: the file is removed.
+        sync: data reach the disk before the rename, so that a power failure leaves the old or the new file.
     """
-    targets = {path: target_of(path) if pieces is not None else _own_place(path) for path, pieces in files.items()}
-    for path, other in itertools.combinations(targets, 2):
-        if same_file(targets[path], targets[other]):
-            raise InputError(f"{path}, {other}: must be different files, got one twice")
+    targets = {path: target_of(path) if pieces is not None else _link_itself(path) for path, pieces in files.items()}
+    _require_different(targets)
     parts: dict[str, Path] = {}
     path = ""
     try:
@@ -152,15 +136,45 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
                 target.unlink(missing_ok=True)
     except OSError as error:
         named = {os.fspath(place): path for places in (targets, parts) for path, place in places.items()}
-        raise InputError(_unwritten(error, named, path)) from None
+        why = error.strerror or str(error)
+        for place in (error.filename2, error.filename):
+            if isinstance(place, str | os.PathLike):
+                if os.fspath(place) in named:
+                    path = named[os.fspath(place)]
+                    break
+                why = f"{os.fspath(place)}: {why}"
+        raise InputError(f"{path}: cannot be written: {why}") from None
     finally:
         for part in parts.values():
             with contextlib.suppress(OSError):  # the first error is reported
                 part.unlink(missing_ok=True)
 
 
+def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -> None:
+    """Write a new file with the owner and the mode of the one that it will replace."""
+    old = target.stat() if target.exists() else None
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(part, flags, 0o666 if old is None else 0o600)
+    with os.fdopen(descriptor, "wb") as file:
+        if old is not None and hasattr(os, "fchown"):
+            if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
+                with contextlib.suppress(OSError):  # only an administrator may
+                    os.fchown(descriptor, old.st_uid, old.st_gid)
+            os.fchmod(descriptor, stat.S_IMODE(old.st_mode))
+        for piece in pieces:
+            file.write(piece)
+        if sync:
+            file.flush()
+            os.fsync(descriptor)
+
+
+def _link_itself(path: AnyPath) -> Path:
+    given = Path(path)
+    return Path(os.path.realpath(given.parent), given.name)
+
+
 class Checksum:
-    """Pieces of a file on their way to it, and the checksum of those that have passed."""
+    """CRC-32 of the pieces of a file, computed as they are written; `str` gives it."""
 
     def __init__(self, pieces: Iterable[bytes] = ()) -> None:
         self._pieces = pieces
@@ -176,7 +190,7 @@ class Checksum:
 
 
 def checksum_of(path: AnyPath) -> str:
-    """Return the checksum of a file, as Checksum gives it."""
+    """Return the checksum of a file, as Checksum formats it."""
     with open(path, "rb") as file:
         checksum = Checksum(iter(lambda: file.read(1 << 20), b""))
         for _ in checksum:
@@ -184,69 +198,32 @@ def checksum_of(path: AnyPath) -> str:
     return str(checksum)
 
 
-def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -> None:
-    with _new_file(part, target) as file:
-        for piece in pieces:
-            file.write(piece)
-        if sync:
-            file.flush()
-            os.fsync(file.fileno())
-
-
-def _unwritten(error: OSError, named: Mapping[str, str], path: str) -> str:
-    """What to tell of an error: the output of the call that it concerns, and the file where that is another."""
-    why = error.strerror or str(error)
-    for place in (error.filename2, error.filename):
-        if isinstance(place, str | os.PathLike):
-            if os.fspath(place) in named:
-                return f"{named[os.fspath(place)]}: cannot be written: {why}"
-            why = f"{os.fspath(place)}: {why}"
-    return f"{path}: cannot be written: {why}"
-
-
-def _own_place(path: AnyPath) -> Path:
-    """Where a name itself stands, be it a link."""
-    given = Path(path)
-    return Path(os.path.realpath(given.parent), given.name)
-
-
-def _new_file(part: Path, target: Path) -> IO[bytes]:
-    """Open a file that was not there before, with owner and mode of the one that it will replace."""
-    old = target.stat() if target.exists() else None
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-    descriptor = os.open(part, flags, 0o666 if old is None else 0o600)
-    if old is not None and hasattr(os, "fchown"):
-        if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
-            with contextlib.suppress(OSError):  # what only an administrator may
-                os.fchown(descriptor, old.st_uid, old.st_gid)
-        os.fchmod(descriptor, stat.S_IMODE(old.st_mode))
-    return os.fdopen(descriptor, "wb")
-
-
 def target_of(path: AnyPath, *, looks: int = 10) -> Path:
-    """The file that an output is written to, behind links.
+    """Return the file behind links to which an output is written; raise InputError if it cannot be written.
 
-    Raises:
-        InputError: there is a folder, a device or a pipe, its folder is missing, or it may not be written.
+    `looks`: attempts, as another process may replace the file between two checks.
     """
     called = os.fspath(path) or "."
+
+    def refused(code: int) -> InputError:
+        return InputError(f"{called}: cannot be written: {os.strerror(code)}")
+
     try:
         target = Path(os.path.realpath(called))
         if target.is_symlink():
-            raise InputError(f"{called}: cannot be written: {os.strerror(errno.ELOOP)}")
+            raise refused(errno.ELOOP)
         if target.exists():
             if target.is_dir():
-                raise InputError(f"{called}: cannot be written: {os.strerror(errno.EISDIR)}")
+                raise refused(errno.EISDIR)
             require_file(target, called)
         elif not target.parent.is_dir():
-            code = errno.ENOTDIR if target.parent.exists() else errno.ENOENT
-            raise InputError(f"{called}: cannot be written: {os.strerror(code)}")
+            raise refused(errno.ENOTDIR if target.parent.exists() else errno.ENOENT)
         if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
-            raise InputError(f"{called}: cannot be written: {os.strerror(errno.EACCES)}")
+            raise refused(errno.EACCES)
         if target.exists() and not _may_replace(target):
-            raise InputError(f"{called}: cannot be written: {os.strerror(errno.EPERM)}")
+            raise refused(errno.EPERM)
     except OSError as error:
-        if isinstance(error, FileNotFoundError) and looks > 1:  # another writer replaced it between two looks
+        if isinstance(error, FileNotFoundError) and looks > 1:
             return target_of(path, looks=looks - 1)
         raise InputError(f"{called}: cannot be written: {error.strerror}") from None
     except InputError:
@@ -257,21 +234,21 @@ def target_of(path: AnyPath, *, looks: int = 10) -> Path:
 
 
 def _may_replace(target: Path) -> bool:
-    """Whether the folder of a file lets this user rename another over it: where it is shared as /tmp is, its owner."""
+    """Return whether this user may rename a file over another: in a sticky folder such as /tmp only its owner."""
     folder = target.parent.stat()
     owners = {0, folder.st_uid, target.stat().st_uid}
     return not folder.st_mode & stat.S_ISVTX or not hasattr(os, "geteuid") or os.geteuid() in owners
 
 
 def same_file(one: AnyPath, other: AnyPath) -> bool:
-    """Whether two paths lead to one file, by whatever name; of files that are not there yet, whether they would."""
+    """Return whether two paths lead to one file, or would if it existed."""
     try:
         return os.path.samefile(one, other)
     except (OSError, ValueError):
-        return _place(one) == _place(other)
+        return _canonical(one) == _canonical(other)
 
 
-def _place(path: AnyPath) -> str:
+def _canonical(path: AnyPath) -> str:
     try:
         place = os.path.normcase(os.path.realpath(path))
     except ValueError:  # a zero byte in the name
@@ -280,29 +257,25 @@ def _place(path: AnyPath) -> str:
 
 
 def to_toml(document: Mapping[str, Any]) -> str:
-    """Format a document as TOML text, numbers to their last bit.
-
-    Raises:
-        ValueError: a key or a text in it that UTF-8 cannot hold; names its line.
-    """
+    """Return a document as TOML, numbers to their last bit; raise ValueError for text that UTF-8 cannot encode."""
     text = tomli_w.dumps(document)
-    for line in text.splitlines() if any("\ud800" <= letter <= "\udfff" for letter in text) else ():
-        if any("\ud800" <= letter <= "\udfff" for letter in line):
+    for line in text.splitlines() if re.search("[\ud800-\udfff]", text) else ():
+        if re.search("[\ud800-\udfff]", line):
             raise ValueError(f"{printable(line)}: must be text that UTF-8 holds, got half of a pair of surrogates")
     return text
 
 
 def to_json(document: Any, *, indent: int = 1) -> str:
-    """Format a document as strict JSON text with a line end: null stands for a number that is not finite."""
+    """Return a document as strict JSON with a final newline; numbers that are not finite become null."""
     return json.dumps(finite(document), indent=indent, allow_nan=False) + "\n"
 
 
 def finite(value: Any) -> Any:
-    """A copy for JSON: tuples and arrays as lists, numbers that are not finite as None, texts that UTF-8 can hold."""
+    """Return a copy for JSON: tuples and arrays as lists, numbers that are not finite as None, surrogates escaped."""
     if isinstance(value, Mapping):
         return {str(key): finite(entry) for key, entry in value.items()}
     if isinstance(value, str):
-        return value if value.isascii() else "".join(printable(c) if "\ud800" <= c <= "\udfff" else c for c in value)
+        return value if value.isascii() else re.sub("[\ud800-\udfff]", lambda one: printable(one[0]), value)
     if isinstance(value, bool | int) or value is None:
         return value
     if isinstance(value, Sequence):

@@ -1,4 +1,4 @@
-"""How a function that takes long says what it is doing."""
+"""Progress of long computations."""
 
 from __future__ import annotations
 
@@ -7,22 +7,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Union
 
-#: What a user gives as `progress`: False says nothing, True shows a bar on standard error where somebody looks at it (a
-#: terminal or a notebook), and a function is told each step in words.
+#: What users pass as `progress`: False shows nothing, True a bar on standard error if that is a terminal or a notebook,
+#: and a function is called with each step in words.
 Progress = Union[bool, Callable[[str], None]]  # noqa: UP007 - evaluated when it is imported, also by Python 3.10
 
 
 @contextmanager
 def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[Callable[[str], None]]:
-    """A function to be told each step in words as it is begun or done, for as long as the block lasts.
+    """Yield a function to call with each step in words.
 
     Args:
         progress: as the user gave it.
-        name: what takes long.
-        total: how many steps there are, where it is known.
-
-    Raises:
-        TypeError: progress is neither.
+        name: of the computation.
+        total: number of steps, if known.
     """
     if callable(progress):
         yield progress

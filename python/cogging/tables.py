@@ -1,8 +1,9 @@
-"""Tables for others: pandas frames with their units, and small HTML tables that a notebook shows."""
+"""Tables: pandas frames with units, and small HTML tables for notebooks."""
 
 from __future__ import annotations
 
 import html
+import importlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -11,40 +12,36 @@ import numpy as np
 
 from cogging.shown import printable, shortened
 
-#: The extra of the package that brings a library.
+#: Extra of the package that installs a library.
 EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
 LONGEST_CELL = 80  # characters
-#: No colours of its own: it takes those of the page, light or dark.
+#: Without colours, so that a table suits light and dark pages.
 STYLE = "border-collapse: collapse; text-align: left; font-size: inherit"
 SPACED = "padding: 0 1em 0 0; text-align: left"
 RULE = "border-bottom: 1px solid currentColor; opacity: 0.75"
 
 
 def library(name: str, submodule: str = "") -> Any:
-    """Import a library, or a module of it.
-
-    Raises:
-        ImportError: it is not there; names the extra that brings it.
-    """
-    import importlib
-
+    """Return an optional library, or a module of it; the ImportError of an absent one names the extra."""
     try:
         return importlib.import_module(f"{name}.{submodule}" if submodule else name)
     except ImportError as error:
         extra = EXTRAS[name]
-        raise ImportError(f"{name} is needed for this and is not there: pip install 'cogging[{extra}]'") from error
+        raise ImportError(f"{name} is needed but not installed: pip install 'cogging[{extra}]'") from error
+
+
+def to_pandas(table: Mapping[str, Any]) -> Any:
+    """Return columns by name as a pandas DataFrame."""
+    return library("pandas").DataFrame(dict(table))
 
 
 def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Mapping[str, str], **more: Any) -> Any:
-    """A pandas DataFrame with the units of its columns in `attrs["units"]`.
+    """Return a pandas DataFrame with the units of its columns in `attrs["units"]`.
 
     Args:
         columns: arrays by name, or rows of values by name.
-        units: by name of a column; those of pure numbers and of words are left out.
+        units: by column; those of pure numbers and of words are left out.
         more: further entries of `attrs`.
-
-    Raises:
-        ImportError: pandas is not there; names the extra that brings it.
     """
     frame = library("pandas").DataFrame(dict(columns) if isinstance(columns, Mapping) else list(columns))
     frame.attrs.update(more)
@@ -53,23 +50,16 @@ def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Ma
 
 
 def html_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[Any]], notes: Iterable[str] = ()) -> str:
-    """A small table as HTML: a title, a line of headers, rows, and notes below; every text in it is escaped.
+    """Return a table as HTML with all text escaped: a title, headers, rows, and notes below.
 
-    Args:
-        title: above the table.
-        headers: of the columns.
-        rows: numbers (six digits), texts, None or nan for what is not known.
-        notes: lines below the table.
+    Numbers have six digits; None and NaN are empty cells.
     """
     head = "".join(f'<th style="{RULE}; {SPACED}">{_cell(name)}</th>' for name in headers)
-    body = "".join(f"<tr>{''.join(_spaced(value) for value in row)}</tr>" for row in rows)
+    lines = ("".join(f'<td style="{SPACED}">{_cell(value)}</td>' for value in row) for row in rows)
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
     below = "".join(f"<div>{_text(note)}</div>" for note in notes)
     table = f'<table style="{STYLE}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
     return f'<div class="cogging"><div><b>{_text(title)}</b></div>{table}{below}</div>'
-
-
-def _spaced(value: Any) -> str:
-    return f'<td style="{SPACED}">{_cell(value)}</td>'
 
 
 def _text(text: str) -> str:

@@ -1,31 +1,45 @@
-"""What public values share: equality by content, a line that tells them apart, and their text where they have one."""
+"""Public values: equality by content, a one-line repr with units, copies and pickles.
+
+Results in Python inherit from `ByValue`; `as_values` gives the classes of the core the same behaviour. Both hold arrays
+and mappings, so neither has a hash.
+"""
 
 from __future__ import annotations
 
+import copyreg
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-SHOWN = 4  # entries of a list that are shown
+from cogging import _core
+
+SHOWN = 4  # entries of a list in a repr
+#: Maps a unit in V and m to the label that a model gives it (Units.of).
+UnitLabel = Callable[[str], str]
+#: Properties that define an object of the core without a parameter struct, with their units.
+DEFINING = {
+    "BSpline": {"order": "", "origin": "m", "pitch": "m", "control_points": ""},
+    "SplineHarmonics": {"pitch": "m", "harmonics": "", "periods": "m", "spline": ""},
+    "CoggingModel": {"basis": "", "sine": "V", "cosine": "V"},
+    "Plant": {"axis": "", "cogging": "", "effects": "", "encoder": "", "noise": ""},
+    "Performance": dict.fromkeys(("error_max", "error_rms", "error_final_max"), "m")
+    | {"command_rms": "V", "command_change_rms": "V", "command_chatter": ""},
+    "Sampled": {"samples": ""},
+}
 
 
 class ByValue:
-    """A result or a description: equal where all it holds is equal, shown in one line, printed as its text.
-
-    It holds arrays and mappings, so that it has no hash.
-    """
+    """Base of results: equal if all fields are equal, shown in one line, printed as `text()` where that exists."""
 
     __hash__ = None  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(
-            same(getattr(self, field.name), getattr(other, field.name))
-            for field in dataclasses.fields(self)  # type: ignore[arg-type]
-        )
+        names = [field.name for field in dataclasses.fields(self)]  # type: ignore[arg-type]
+        return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._brief()})"
@@ -35,15 +49,18 @@ class ByValue:
         return str(text()) if callable(text) else repr(self)
 
     def _brief(self) -> str:
-        """What stands between the brackets of the one line: the few numbers that matter, with their units."""
+        """Return what the repr shows in brackets: the few numbers that matter, with units."""
         fields = dataclasses.fields(self)  # type: ignore[arg-type]
         return ", ".join(f"{field.name}={brief(getattr(self, field.name))}" for field in fields if field.repr)
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two values have the same type and content; numbers that are no number are equal to each other."""
+    """Return whether two values have the same type and content; NaN equals NaN."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        return type(one) is type(other) and _same_arrays(one, other)
+        if type(one) is not type(other) or one.shape != other.shape:
+            return False
+        floats = one.dtype.kind == "f" and other.dtype.kind == "f"
+        return bool(np.array_equal(one, other, equal_nan=floats))
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         return one.keys() == other.keys() and all(same(value, other[key]) for key, value in one.items())
     if type(one) is type(other) and isinstance(one, list | tuple):
@@ -53,13 +70,8 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other) or (one is not None and one != one and other != other)
 
 
-def _same_arrays(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> bool:
-    numbers = one.dtype.kind == "f" and other.dtype.kind == "f"
-    return one.shape == other.shape and bool(np.array_equal(one, other, equal_nan=numbers))
-
-
 def brief(value: Any, unit: str = "") -> str:
-    """A value in a few characters: six digits of a number, the shape of an array, the length of a long list."""
+    """Return a value in a few characters: six digits, the shape of an array, the length of a long list."""
     unit = f" {unit}" if unit and unit != "1" else ""
     if isinstance(value, np.ndarray):
         return f"{' x '.join(map(str, value.shape))} array"
@@ -67,10 +79,6 @@ def brief(value: Any, unit: str = "") -> str:
         return repr(value)
     if isinstance(value, int | float | np.number):
         return f"{value:.6g}{unit}"
-    return _brief_collection(value, unit)
-
-
-def _brief_collection(value: Any, unit: str) -> str:
     if isinstance(value, Mapping):
         return f"{len(value)} of {{{', '.join(map(str, list(value)[:SHOWN]))}{', ...' * (len(value) > SHOWN)}}}"
     if not isinstance(value, list | tuple):
@@ -78,3 +86,119 @@ def _brief_collection(value: Any, unit: str) -> str:
     if len(value) <= SHOWN and all(isinstance(entry, int | float | str | np.number) for entry in value):
         return f"[{', '.join(brief(entry) for entry in value)}]{unit}"
     return f"{len(value)} entries"
+
+
+# Objects of the core ------------------------------------------------------------------------------------------------
+
+
+def line_of(value: Any, label: UnitLabel) -> str:
+    """Return an object of the core in one line, with the units of a model's labels."""
+    kind = _core_class(value)
+    name, struct = kind.__name__, value if hasattr(kind, "FIELDS") else getattr(value, "parameters", None)
+    if struct is not None:
+        fields = _core_class(struct)
+        now, default = struct.to_dict(), fields().to_dict()
+        changed = [key for key in now if not same(now[key], default[key]) or len(now) == 1]
+        contents = ", ".join(f"{key}={brief(now[key], label(fields.FIELDS[key][0]))}" for key in changed)
+    elif name == "SplineHarmonics":
+        contents = _basis_contents(value, label)
+    elif name == "CoggingModel":
+        largest = max(float(abs(value.sine).max()), float(abs(value.cosine).max()))
+        contents = f"{_basis_contents(value.basis, label)}, amplitudes up to {largest:.4g} {label('V')}"
+    elif name == "Plant":
+        cogging = [] if value.cogging is None else [f"cogging of {value.cogging.basis.terms} terms"]
+        mass = f"mass {value.axis.mass:.6g} {label('V/(m/s^2)')}"
+        contents = ", ".join([mass, *cogging, *(effect.NAME for effect in value.effects)])
+    elif name == "Sampled":
+        times = value.samples["time"]
+        contents = f"{len(times)} samples from {times[0]:.6g} to {times[-1]:.6g} s"
+    else:
+        contents = ", ".join(f"{key}={brief(getattr(value, key), label(unit))}" for key, unit in DEFINING[name].items())
+    return f"{name}({contents})"
+
+
+def _basis_contents(basis: Any, label: UnitLabel) -> str:
+    if basis.harmonics:
+        terms = f"harmonics {brief(list(basis.harmonics))} of {basis.pitch:g} {label('m')}"
+    else:
+        terms = f"periods {brief(list(basis.periods), label('m'))}"
+    spline = basis.spline
+    if spline.control_points == 1:
+        return terms
+    origin = f"{spline.origin:g} {label('m')}"
+    return f"{terms}, {spline.control_points} control points of order {spline.order} from {origin}"
+
+
+def _core_class(value: Any) -> Any:
+    """Return the class of the core that an object has, also where a user's class derives from it."""
+    return next((one for one in type(value).__mro__ if one.__module__.startswith("cogging._core")), None)
+
+
+def _defining_values(value: Any) -> Any:
+    kind = _core_class(value)
+    if kind.__name__ in DEFINING:
+        return [getattr(value, name) for name in DEFINING[kind.__name__]]
+    if hasattr(kind, "FIELDS"):
+        return value.to_dict()
+    return value.__getstate__() if hasattr(kind, "sample_rate") else value.parameters  # a controller has learned
+
+
+def _equal(self: Any, other: object) -> bool:
+    if _core_class(other) is not _core_class(self):
+        return NotImplemented  # type: ignore[no-any-return]
+    return same(_defining_values(self), _defining_values(other))
+
+
+def _reduce(self: Any) -> Any:
+    kind = type(self)
+    if hasattr(kind, "parameters"):
+        return _rebuild, (kind, self.parameters)
+    if hasattr(kind, "FIELDS"):
+        return _rebuild, (kind, self.to_dict())
+    return _rebuild, (kind, {name: getattr(self, name) for name in DEFINING[kind.__name__]})
+
+
+def _rebuild(kind: Any, parts: Any) -> Any:
+    """Return an object of the core from what `_reduce` kept of it."""
+    if kind is _core.SplineHarmonics:
+        spline = parts["spline"]
+        terms = {name: parts[name] for name in ("harmonics", "periods") if parts[name]}
+        pitch = parts["pitch"] if parts["pitch"] > 0.0 else spline.pitch
+        knots = {"order": spline.order, "origin": spline.origin, "control_points": spline.control_points}
+        return kind(pitch=pitch, **knots, **terms)
+    if kind is _core.Sampled:
+        columns = ("time", "reference", "reference_velocity", "reference_acceleration")
+        return kind(*(parts["samples"][name] for name in columns))
+    if kind is _core.Plant:
+        return kind(parts.pop("axis"), **parts)
+    return kind(parts) if hasattr(kind, "parameters") else kind(**parts)
+
+
+def _reduce_state(self: Any) -> Any:
+    return copyreg.__newobj__, (type(self),), self.__getstate__()  # type: ignore[attr-defined]
+
+
+def _refuse_pickle(self: Any) -> Any:
+    kind = type(self)
+    raise TypeError(f"cannot pickle '{kind.__module__}.{kind.__qualname__}' object")
+
+
+def as_values() -> None:
+    """Give the classes of the core equality, repr, copies and pickles.
+
+    Every class gets a `__reduce__`, if only one that refuses: Python's default for protocols 0 and 1 would create an
+    uninitialised pybind11 object, which ends the process.
+    """
+    for kind in (*vars(_core).values(), *vars(_core.effects).values()):
+        if not isinstance(kind, type) or issubclass(kind, Exception):
+            continue
+        methods: dict[str, Any] = {}
+        if kind.__reduce__ is object.__reduce__:
+            methods["__reduce__"] = _reduce_state if hasattr(kind, "__setstate__") else _refuse_pickle
+        is_value = hasattr(kind, "FIELDS") or hasattr(kind, "parameters") or kind.__name__ in DEFINING
+        if is_value and kind is not _core.CompiledController:  # the core compares that one: it alone sees its functions
+            methods |= {"__eq__": _equal, "__repr__": lambda self: line_of(self, str), "__hash__": None}
+            if not hasattr(kind, "__setstate__"):
+                methods["__reduce__"] = _reduce
+        for name, method in methods.items():
+            setattr(kind, name, method)

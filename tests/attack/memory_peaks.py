@@ -51,7 +51,7 @@ def model_of(points: int) -> cogging.Model:
 
 
 def call_of(task: str, rows: int) -> Callable[[], object]:
-    """What is measured: a task of cogging.memory.ROW, `+13` for so many control points of the map, or `map`."""
+    """What is measured: a task of cogging.resources.ROW, `+13` for so many control points of the map, or `map`."""
     name, _, points = task.partition("+")
     if name == "map":
         there = np.linspace(0.0, 0.5, rows // 2)

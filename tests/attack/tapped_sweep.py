@@ -51,7 +51,7 @@ def main() -> int:
             from cogging.cli.main import main as command
 
             return command(words)
-        from cogging.simulation.sweep_file import read_sweep, run_sweep
+        from cogging.simulation.sweep import read_sweep, run_sweep
 
         with ProcessPoolExecutor(int(processes)) as pool:
             run_sweep(words[1], read_sweep(words[1]), out=words[words.index("--out") + 1], executor=pool)

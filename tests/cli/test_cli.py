@@ -78,7 +78,7 @@ def test_the_command_is_installed(folder):
 
 
 def bad_calls():
-    yield "unknown key", MODEL + "speed = 3\n", REFERENCE, r"model.toml: line 21: controller.speed: is not known"
+    yield "unknown key", MODEL + "speed = 3\n", REFERENCE, r"model.toml: line 21: controller.speed: is unknown"
     yield "outside", MODEL, REFERENCE.replace("0.1\n", "0.9\n"), "reference: must stay within travel [0, 0.51]"
     yield "diverging", MODEL.replace("48.0", "4800.0"), REFERENCE, "the run diverged at 0."
     yield "no controller", MODEL[: MODEL.index("[controller]")], REFERENCE, "controller: must be given to simulate"

@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
-from cogging.cli.colour import PLAIN, VERDICTS, coloured, wants_colour
 from cogging.cli.main import main
+from cogging.cli.terminal import PLAIN, VERDICTS, coloured, wants_colour
 from tests.fixtures import command_files
 
 CODES = re.compile(r"\x1b\[[0-9;]*m")

@@ -151,9 +151,7 @@ def test_without_its_library_the_extra_is_named(monkeypatch, capsys):
     assert main(["completion", "bash"]) == 2
     said = capsys.readouterr()
     assert said.out == ""
-    assert said.err == (
-        "cogging: the completion needs shtab, which the extra `completion` brings: pip install 'cogging[completion]'\n"
-    )
+    assert said.err == ("cogging: the completion needs shtab: pip install 'cogging[completion]'\n")
 
 
 def test_a_shell_that_is_none_is_answered_with_the_nearest(capsys):

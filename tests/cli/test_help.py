@@ -67,7 +67,7 @@ def test_help_fits_the_terminal(columns, monkeypatch, capsys):
     for command in (None, *COMMANDS):
         text = help_of(capsys, *([command] if command else []))
         assert text.isascii(), "a terminal of few letters shows it"
-        for heading in (".toml:\n", "once and for all:", "forms:\n", f"\n{EXAMPLES}"):
+        for heading in (".toml:\n", "permanently:", "forms:\n", f"\n{EXAMPLES}"):
             text = text.partition(heading)[0]
         longest = max(text.splitlines(), key=len)
         assert len(longest) <= min(columns, 100) or " " not in longest.strip(), longest

@@ -19,7 +19,7 @@ import pytest
 
 import cogging
 from cogging import _core
-from cogging.threads import on_threads
+from cogging.resources import on_threads
 from tests.fixtures.files import MODEL, REFERENCE
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")

@@ -159,7 +159,7 @@ DOCUMENTS = {
         "mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [4294967296]",
         r"line 5: cogging.harmonics: must be at most 2147483647 in size, got 4294967296",
     ),
-    "escape codes": ('mass = 1.0\n"\\u001b[2J" = 1', r"axis\.\\x1b\[2J: is not known here"),
+    "escape codes": ('mass = 1.0\n"\\u001b[2J" = 1', r"axis\.\\x1b\[2J: is unknown"),
     "endless": ('mass = "' + "x" * 100000 + '"', r"axis.mass: must be a number, got 'xxx.* \.\.\. xxx"),
 }
 

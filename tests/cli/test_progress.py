@@ -12,7 +12,7 @@ import time
 
 import pytest
 
-from cogging.cli import working
+from cogging.cli import terminal
 from tests.fixtures import command_files
 from tests.fixtures.commands import examples_of
 
@@ -27,7 +27,7 @@ WAITS = {
     "predict": "cogging.design.error_prediction.predict_error",
     "simulate": "cogging.cli.simulate.simulate",
 }
-SLOW_SWEEP = "cogging.simulation.sweep_file.run_sweep"
+SLOW_SWEEP = "cogging.simulation.sweep.run_sweep"
 BARS = ("identify", "reproduce", "sweep", "tune")  # which know how many steps there are, and show them at once
 #: A command that waits there for half a second, which counts as long; papers are done at once, and tell their steps.
 PROGRAM = """
@@ -36,7 +36,7 @@ from cogging_command import run_command
 
 def run():
     sys.stderr.isatty() and print("ready", end="", file=sys.stderr, flush=True)
-    import cogging.cli.working
+    import cogging.cli.terminal
     from cogging.cli.main import main
     import cogging.papers.malaize2009.reproduce as paper
     from cogging.papers.result import Reproduction
@@ -44,7 +44,7 @@ def run():
     paper.reproduce = lambda progress: [*map(progress, paper.STEPS)] and Reproduction("malaize2009", [], {})
     where, name = sys.argv[1].rpartition(".")[::2]
     if where:
-        cogging.cli.working.PATIENCE, cogging.cli.working.BETWEEN = 0.05, 0.05
+        cogging.cli.terminal.PATIENCE, cogging.cli.terminal.BETWEEN = 0.05, 0.05
         module = importlib.import_module(where)
         plain = getattr(module, name)
         def slow(*arguments, **options):
@@ -145,7 +145,7 @@ def test_a_terminal_gets_progress_beside_json_that_is_piped(folder):
 
 
 def test_long_is_what_takes_two_seconds():
-    assert 0.5 <= working.PATIENCE <= 2.0 - working.BETWEEN
+    assert 0.5 <= terminal.PATIENCE <= 2.0 - terminal.BETWEEN
 
 
 def test_what_takes_a_moment_shows_nothing(folder):

@@ -8,7 +8,7 @@ import pytest
 from cogging.cli.main import main
 from cogging.files import parse_toml
 from cogging.outputs import to_toml
-from cogging.simulation.sweep_file import KEYS
+from cogging.simulation.sweep import KEYS
 from tests.fixtures.sweeps import DOCUMENT, MOVE
 
 FILES = 'model = "model.toml"\nreference = "move.toml"\n'
@@ -25,8 +25,8 @@ FAULTY = [
     ("model = ", "must be TOML: "),
     ('model = "model.toml"\n' + MASS, "reference: must be given, got nothing"),
     (FILES, "vary: must be given, got nothing"),
-    (f'{FILES}metod = "grid"\n{MASS}', "line 3: metod: is not known here; did you mean method?"),
-    (f"{FILES}{MASS}[vari]\n", "vari: is not known here; did you mean vary?"),
+    (f'{FILES}metod = "grid"\n{MASS}', "line 3: metod: is unknown; did you mean method?"),
+    (f"{FILES}{MASS}[vari]\n", "vari: is unknown; did you mean vary?"),
     (f'model = 3\nreference = "move.toml"\n{MASS}', "line 1: model: must be a text, got 3"),
     (f'model = "no.toml"\nreference = "move.toml"\n{MASS}', "line 1: model: must be a file .* got 'no.toml'"),
     (f'model = ""\nreference = "move.toml"\n{MASS}', "line 1: model: must be a file .* got ''"),
@@ -51,7 +51,7 @@ FAULTY = [
     (f"{FILES}final_window = 0\n{MASS}", "line 3: final_window: must be above 0, got 0"),
     (f'{FILES}reductions = "error_max"\n{MASS}', "line 3: reductions: must be a list of names, got 'error_max'"),
     (f"{FILES}reductions = [3]\n{MASS}", "line 3: reductions: must be names, got 3"),
-    (f'{FILES}reductions = ["eror_max"]\n{MASS}', "line 3: reductions: 'eror_max' is none; did you mean error_max?"),
+    (f'{FILES}reductions = ["eror_max"]\n{MASS}', "line 3: reductions: 'eror_max' is unknown; did you mean error_max?"),
     (f'{FILES}reductions = ["error_quantile(2)"]\n{MASS}', "line 3: reductions: error_.*: must be from 0 to 1, got 2"),
     (f'{FILES}reductions = ["error_tone(0)"]\n{MASS}', "line 3: reductions: .*frequency: must be .* above 0, got 0"),
     (f'{FILES}reductions = ["error_wave(-1)"]\n{MASS}', "line 3: reductions: .*period: must be .* above 0, got -1"),
@@ -60,8 +60,8 @@ FAULTY = [
     (f'{FILES}vary = "bound"\n', "line 3: vary: must be a section or \"bounds\", got 'bound'"),
     (f"{FILES}[vary]\n", "vary: must give at least one number"),
     (f'{FILES}vary = "bounds"\n', "vary.axis.mass: must have values, or from, to and points, on a grid"),
-    (vary("axis.mas", "[1]"), "line 4: vary.axis.mas: is no number of this run; did you mean axis.mass?"),
-    (vary("controler.kp", "[1]"), "line 4: vary.controler.kp: is no number .* did you mean controller.kp?"),
+    (vary("axis.mas", "[1]"), "line 4: vary.axis.mas: is not a number of this run; did you mean axis.mass?"),
+    (vary("controler.kp", "[1]"), "line 4: vary.controler.kp: is not a number .* did you mean controller.kp?"),
     (vary("reference.freqency", "[1]"), "line 4: vary.reference.freqency: is .* did you mean reference.frequency?"),
     (vary("axis.mass", "[]"), "line 4: vary.axis.mass: values: must hold at least one number, got none"),
     (vary("axis.mass", '["a"]'), "line 4: vary.axis.mass: values: must be numbers .* got ['a']"),
@@ -83,7 +83,7 @@ FAULTY = [
     ),
     (vary("axis.mass", '{from = 1, to = 2, points = 2, scale = "lin"}'), "line 4: vary.axis.mass: scale: .* got 'lin'"),
     (vary("axis.mass", "{mean = 1, deviation = -1}"), "line 4: vary.axis.mass: deviation: must be at least 0, got -1"),
-    (vary("axis.mass", "{mean = 1, deviaton = 1}"), "vary.axis.mass.deviaton: is not known here; did you mean devia"),
+    (vary("axis.mass", "{mean = 1, deviaton = 1}"), "vary.axis.mass.deviaton: is unknown; did you mean devia"),
     (vary("axis.mass", "{mean = 1, deviation = 1}"), "line 4: vary.axis.mass: must have values, or from, to and"),
     (vary("axis.coulomb", '"bounds"'), "line 4: vary.axis.coulomb: must have a finite interval .* got [0.0, inf]"),
     (vary("encoder.noise", '"bounds"'), "line 4: vary.encoder.noise: must have a finite interval .* got none"),

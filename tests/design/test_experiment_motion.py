@@ -68,7 +68,7 @@ def drawn_model(random, limits):
         ({"travel": [0.4, 0.0]}, "travel: must be its lower and its upper end"),
         ({"travel": [0.4]}, "travel: must be its lower and its upper end"),
         ({"travel": 0.4}, "travel: must be its lower and its upper end"),
-        ({"speed": 0.5}, "speed: is not known here"),
+        ({"speed": 0.5}, "speed: is unknown"),
     ],
 )
 def test_a_limit_that_is_none_is_refused(change, said):

@@ -7,9 +7,8 @@ import cogging
 from cogging import Model, _core
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.replay import Replay
-from cogging.model.difference_steps import central
 from cogging.model.model import CONTROLLERS
-from cogging.model.parameters import parameters_of, with_values
+from cogging.model.parameters import central, parameters_of, with_values
 from tests.fixtures.plants_by_hand import EXAMPLES, effect
 
 SETS = ["none", *_core.instruction_sets()]

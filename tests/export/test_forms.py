@@ -7,7 +7,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.export.drive_frame import frame_of
+from cogging.export.drive_table import frame_of
 from cogging.export.forms import FORMS
 from tests.fixtures.files import MODEL
 

@@ -234,4 +234,4 @@ def test_the_fit_stays(fault):
         assert abs(q.value - p.value) <= 0.5 * width, (p.path, p.value, q.value, width)
         assert width == 0.0 or 0.7 < (q.ci95[1] - q.ci95[0]) / width < 1.6, p.path
     if "drop" not in fault:
-        assert "put between their neighbours" in found.notes[0]
+        assert "replaced by interpolation" in found.notes[0]

@@ -14,9 +14,9 @@ from cogging import files
 from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.columns import read_columns
+from cogging.logs.readers import column_request as requests
 from cogging.logs.readers import isolate, text_table
-from cogging.logs.readers import request as requests
-from cogging.logs.readers.request import Request
+from cogging.logs.readers.column_request import Request
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
 ROWS = 863_000_000  # 6.9 GB a column

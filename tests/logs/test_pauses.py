@@ -57,8 +57,8 @@ print(json.dumps(told))
     assert told["verdict"] == "no_gap"
     pause, replay = told["notes"]
     assert pause == (
-        "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 3999: cut to 0.5 s, and all times here count "
-        "without the rest"
+        "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 3999: cut to 0.5 s, and all times here "
+        "exclude what was cut"
     )
     assert replay.startswith("time: must be evenly spaced")
     assert replay.endswith("the gap is that of the force balance")
@@ -103,7 +103,7 @@ def test_even_rows_are_bounded_by_rows_whatever_the_time():
         running, said = without_pauses(log)
         if dynamics.pauses:
             cut += 1
-            assert "all times here count without the rest" in said
+            assert "all times here exclude what was cut" in said
             assert (np.diff(running.time) <= np.diff(time) * (1.0 + 1e-6) + 1e-9).all()
         else:
             plain += 1

@@ -141,7 +141,7 @@ BAD_REFERENCES = {
         'type = "circle"\n',
         r"r\.toml: line 1: type: must be one of point_to_point, sine, filtered_sine, sampled, got 'circle'",
     ),
-    "unknown": ('type = "sine"\nduration = 1\nphase = 1\n', r"line 3: phase: is not known"),
+    "unknown": ('type = "sine"\nduration = 1\nphase = 1\n', r"line 3: phase: is unknown"),
     "endless": ('type = "sine"\n', r"duration: must be given for a motion without an end"),
     "duration": ('type = "sine"\nduration = "long"\n', r"duration: must be a number of seconds"),
     "velocity": ('type = "point_to_point"\nvelocity = 0\n', r"velocity: must be finite and above 0, got 0"),
@@ -188,7 +188,7 @@ def test_every_effect_comes_back_from_a_file(name, tmp_path):
     assert again.to_dict() == model.to_dict()
     assert again.plant().effects == [made]
     document = {**model.to_dict(), "effects": [{"name": name, "unheard_of": 1.0}]}
-    with pytest.raises(ValueError, match=r"effects\.unheard_of: is not known here"):
+    with pytest.raises(ValueError, match=r"effects\.unheard_of: is unknown"):
         cogging.Model.from_dict(document)
 
 

@@ -5,8 +5,16 @@ import pytest
 
 from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
 from cogging.identification.determinability import size_of
-from cogging.model.difference_steps import central, one_sided
-from cogging.model.parameters import Parameter, Scales, effect_at, effect_paths, role_of, with_values
+from cogging.model.parameters import (
+    Parameter,
+    Scales,
+    central,
+    effect_at,
+    effect_paths,
+    one_sided,
+    role_of,
+    with_values,
+)
 
 SCALES = Scales(force=2.0, position=0.5, velocity=0.4, acceleration=5.0, time=20.0, sample_time=2e-4)
 

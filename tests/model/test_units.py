@@ -68,7 +68,7 @@ def test_a_model_carries_them_and_a_model_without_keeps_the_usual_ones(tmp_path)
         ("[units]\nposition = 3", "units.position: must be the label of a unit"),
         ('[units]\ncommand = "a unit of two words"', "units.command: must be the label of a unit"),
         ('[units]\ncommand = "<b>"', "units.command: must be the label of a unit"),
-        ('[units]\nforce = "N"', "units.force: is not known here"),
+        ('[units]\nforce = "N"', "units.force: is unknown"),
         ('units = "A"', "units: must be a section"),
     ],
 )

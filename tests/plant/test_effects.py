@@ -174,7 +174,7 @@ EXCEPTIONS = {
     "mapping/result.py": {"order"},  # of the splines
     "mapping/request.py": {"pitch", "order", "origin"},  # the same
     "simulation/reference.py": {"sine"},  # of a motion
-    "core_values.py": SECTION,  # what classes of the core are made of
+    "values.py": SECTION,  # what classes of the core are made of
     "cli/parser.py": {"width"},  # of a terminal
     "log_check/": {"start"},  # columns of a fit
     "first_model/": {"sine", "center", "start"},  # of a motion

@@ -17,11 +17,10 @@ from matplotlib.figure import Figure
 import cogging
 from cogging.diagnosis.entries import Gap, Step
 from cogging.plot.canvas import Panels
-from cogging.plot.gap_shares import shares
-from cogging.plot.rows import UNITS
+from cogging.plot.gaps import shares
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import COLOURS, look, marker, named
-from cogging.plot.traces import gaps, trace
+from cogging.plot.traces import UNITS, gaps, trace
 from tests.fixtures.covering import covering
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
@@ -427,7 +426,7 @@ def test_mistakes_are_told_in_one_line(name):
     function = getattr(cogging.plot, name)
     with pytest.raises(TypeError, match=r"ax: must be axes of matplotlib, as plt\.subplots\(\) gives them, got"):
         function(*PICTURES[name], ax="here")
-    with pytest.raises(TypeError, match=rf"{name}: axs: is no argument of it; did you mean ax\?"):
+    with pytest.raises(TypeError, match=rf"{name}: axs: is not an argument; did you mean ax\?"):
         function(*PICTURES[name], axs=None)
     if name != "ledger":
         with pytest.raises(TypeError, match=r"units: must be cogging\.Units\(.*\), got 'A'"):

@@ -113,7 +113,7 @@ def test_a_failed_run_is_a_row(tmp_path):
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"reductions": ["eror_max"]}, r"reductions: 'eror_max' is none; did you mean error_max\?"),
+        ({"reductions": ["eror_max"]}, r"reductions: 'eror_max' is unknown; did you mean error_max\?"),
         ({"reductions": ["error_quantile(2)"]}, r"quantile: must be from 0 to 1, got 2"),
         ({"reductions": ["error_wave(0)"]}, r"period: must be finite and above 0, got 0"),
         ({"reductions": ["error_tone(x)"]}, r"error_tone\(x\): must have a number in its brackets, got 'x'"),

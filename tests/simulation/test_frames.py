@@ -9,8 +9,8 @@ import pandas
 import pytest
 
 import cogging
-from cogging.simulation.frames import write_frame
 from cogging.simulation.reductions import COLUMNS, INDEXES, unit_of
+from cogging.simulation.runs_table import write_runs
 from tests.fixtures.sweeps import MOVE, SMALL, read_table
 
 ASKED = ["error_quantile(0.9)", "command_tone(5.0)", "true_error_max"]
@@ -158,8 +158,8 @@ def test_every_column_and_index_has_a_unit():
 
 def test_no_cell_of_a_csv_is_a_formula(runs, batch, tmp_path):
     """Spreadsheets run cells that begin with = + - @: what is written here is a number, or begins with a letter."""
-    write_frame(tmp_path / "runs.csv", runs.table)
-    write_frame(tmp_path / "batch.csv", {"run": [0, 1, 2], "reason": batch.to_frame()["reason"].to_numpy()})
+    write_runs(tmp_path / "runs.csv", runs.table)
+    write_runs(tmp_path / "batch.csv", {"run": [0, 1, 2], "reason": batch.to_frame()["reason"].to_numpy()})
     cogging.simulate(SMALL, MOVE, seed=1).write(tmp_path / "log.csv")
     texts = []
     for name in ("runs.csv", "batch.csv", "log.csv"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import _core, memory
+from cogging import _core, resources
 from tests.fixtures import command_files
 from tests.fixtures.files import MODEL
 
@@ -120,12 +120,15 @@ def test_what_is_left_is_more_than_a_little_and_less_than_all():
     ("asks", "told"),
     [
         (
-            lambda much: memory.require_rows("identify", [range(much)], 10),
+            lambda much: resources.require_rows("identify", [range(much)], 10),
             "rows: .*the tables of identify, 2e.03 bytes",
         ),
-        (lambda much: memory.require_rows("audit", [range(much), range(2)]), "rows: .*the tables of audit, 500 bytes"),
-        (lambda much: memory.require_machines("samples", much, 4), "samples: .*[0-9]+ machines take"),
-        (lambda much: memory.require_table("rows", much, 6, 4.0), "rows: .*6 columns, 4 times, take"),
+        (
+            lambda much: resources.require_rows("audit", [range(much), range(2)]),
+            "rows: .*the tables of audit, 500 bytes",
+        ),
+        (lambda much: resources.require_machines("samples", much, 4), "samples: .*[0-9]+ machines take"),
+        (lambda much: resources.require_table("rows", much, 6, 4.0), "rows: .*6 columns, 4 times, take"),
     ],
 )
 def test_tables_are_counted_before_they_are_made(asks, told):

@@ -108,7 +108,7 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
 @pytest.mark.parametrize(
     ("vary", "options", "text"),
     [
-        ({"axis.mas": [1]}, {}, r"^vary.axis.mas: is no number of this run; did you mean axis.mass\?"),
+        ({"axis.mas": [1]}, {}, r"^vary.axis.mas: is not a number of this run; did you mean axis.mass\?"),
         ({"controler.kp": [1]}, {}, r"did you mean controller.kp\?"),
         ({"reference.freqency": [1]}, {}, r"did you mean reference.frequency\?"),
         ({}, {}, r"vary: must give at least one number"),
@@ -117,12 +117,12 @@ def test_runs_that_fail_are_rows_and_the_others_stand():
         ({"axis.mass": {"from": 2, "to": 1}}, {}, r"from: must be below to"),
         ({"axis.mass": {"from": 0, "to": 1, "scale": "log"}}, {}, r"above 0 on a logarithmic scale"),
         ({"axis.mass": {"from": 0}}, {}, r"must be values, or from and to, or mean and deviation"),
-        ({"axis.mass": {"mean": 1, "deviaton": 1}}, {}, r"deviaton: is not known here; did you mean deviation"),
+        ({"axis.mass": {"mean": 1, "deviaton": 1}}, {}, r"deviaton: is unknown; did you mean deviation"),
         ({"axis.mass": {"mean": 1, "deviation": 1}}, {}, r"must have values, or from, to and points, on a grid"),
         ({"axis.coulomb": "bounds"}, {}, r"axis.coulomb: "),
         ({"axis.mass": [0.1]}, {"method": "sobol", "runs": 0}, r"runs: must be from 1"),
         ({"axis.mass": [0.1]}, {"method": "gird"}, r"method: must be one of grid, random"),
-        ({"axis.mass": [0.1]}, {"reductions": ["rms"]}, r"reductions: 'rms' is none"),
+        ({"axis.mass": [0.1]}, {"reductions": ["rms"]}, r"reductions: 'rms' is unknown"),
     ],
 )
 def test_a_wrong_sweep_is_answered_in_one_line(vary, options, text):
@@ -221,7 +221,9 @@ def test_a_full_disk_ends_in_one_line_and_keeps_what_is_done(tmp_path, monkeypat
         plain(path, content, **options)
 
     monkeypatch.setattr(sweeps, "write_bytes", fills)
-    text = r"No space left on device; finished runs stand in .*runs\.csv\.pieces, the same call goes on from there$"
+    text = (
+        r"No space left on device; finished runs are kept in .*runs\.csv\.pieces, the same call continues from there$"
+    )
     with pytest.raises(cogging.InputError, match=text):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN)
     assert len(list((tmp_path / "runs.csv.pieces").glob("*.npz"))) == 5
@@ -254,7 +256,7 @@ def test_a_disk_that_is_full_indeed(tmp_path):
     assert (status, left, again, whole) == ("2", "runs.csv.pieces", "0", "runs.csv")
     assert 3 < int(pieces) < 100
     first, second, *_, following = done.stderr.splitlines()
-    assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs stand in .*", first)
+    assert re.fullmatch(r"cogging: .*cannot be written: No space left on device; finished runs are kept in .*", first)
     assert "800 runs over axis.mass" in second
     assert following.startswith("next: cogging ")
     cogging.sweep(SMALL, MOVE, MANY, **DRAWN).write(tmp_path / "alone.csv")

@@ -79,7 +79,7 @@ def test_a_worker_that_lacks_the_package_is_one_line(started, tmp_path, good, is
     with pytest.raises(cogging.InputError, match=f"^executor: ClientExecutor has a worker that {text}") as found:
         cogging.sweep(SMALL, MOVE, MANY, out=out, executor=client.get_executor(), **FEW)
     assert "\n" not in str(found.value)
-    stands = str(found.value).endswith("runs.csv.pieces, the same call goes on from there")
+    stands = str(found.value).endswith("runs.csv.pieces, the same call continues from there")
     assert stands == (tmp_path / "runs.csv.pieces").exists()
     assert not (stands and good == 0)
     del cluster.worker_spec["lacking"]
@@ -98,9 +98,7 @@ def test_where_no_worker_is_left_it_ends(started, monkeypatch, tmp_path):
         if step.startswith("40 of"):
             cluster.scale(0)
 
-    text = (
-        r"^executor: ClientExecutor has had no worker left for 1\.5 s; finished runs stand in .*pieces, the same call"
-    )
+    text = r"^executor: ClientExecutor has had no worker left for 1\.5 s; finished runs are kept in .*pieces, the same"
     with pytest.raises(cogging.InputError, match=text):
         cogging.sweep(
             SMALL,
@@ -122,7 +120,9 @@ def test_a_connection_that_is_lost_is_one_line(started, ends, tmp_path):
         if step.startswith("24 of"):
             (client if ends == "client" else cluster).close()
 
-    with pytest.raises(cogging.InputError, match=r"^executor: ClientExecutor [^\n]*; finished runs stand in [^\n]*$"):
+    with pytest.raises(
+        cogging.InputError, match=r"^executor: ClientExecutor [^\n]*; finished runs are kept in [^\n]*$"
+    ):
         cogging.sweep(
             SMALL, MOVE, MANY, out=tmp_path / "runs.csv", executor=client.get_executor(), progress=close, **FEW
         )

@@ -55,7 +55,7 @@ class Dies(concurrent.futures.Executor):
 def test_an_executor_that_dies_is_one_line_and_finished_runs_stand(tmp_path, error, text):
     out = tmp_path / "runs.csv"
     with pytest.raises(
-        cogging.InputError, match=f"^executor: {text}.*finished runs stand in .*pieces, the same"
+        cogging.InputError, match=f"^executor: {text}.*finished runs are kept in .*pieces, the same"
     ) as found:
         cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **DRAWN)
     assert "\n" not in str(found.value)
@@ -78,7 +78,9 @@ def test_a_process_that_is_killed_is_one_line_and_the_same_call_goes_on(tmp_path
             if len(told) == 7:
                 os.kill(next(iter(pool._processes)), signal.SIGKILL)
 
-        text = r"^executor: ProcessPoolExecutor has died: BrokenProcessPool: .*; finished runs stand in .*\.pieces, the"
+        text = (
+            r"^executor: ProcessPoolExecutor has died: BrokenProcessPool: .*; finished runs are kept in .*\.pieces, the"
+        )
         with pytest.raises(cogging.InputError, match=text) as found:
             cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, out=out, executor=pool, progress=kill_one, **DRAWN)
     assert "\n" not in str(found.value)

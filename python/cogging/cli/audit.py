@@ -1,28 +1,27 @@
-"""`cogging audit`: what a log is like, and whether a stated controller made it."""
+"""`cogging audit`: check a log, and whether the stated controller produced it."""
 
 from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_command import after_an_audit
+from cogging.cli.next_command import after_audit
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.files import InputError
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "audit",
-        help="what a log is like, and whether a stated controller made it",
-        description="Say of each log how many rows it has and how evenly they stand, where rows are missing, the step "
-        "of the encoder, travel, speed and command, and outliers. With a model, also whether its controller made the "
-        "log.",
+        help="check a log, and whether the stated controller produced it",
+        description="Report of each log the rows and their time steps, missing rows, the resolution of the encoder, "
+        "travel, speed and command, and outliers. With a model, also whether its controller produced the log.",
         examples=(
             "cogging audit log.csv",
             "cogging audit log.csv --model model.toml --json audit.json",
@@ -30,9 +29,9 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
-    command.add_argument("--model", metavar="MODEL.toml", help="whose controller and travel are compared")
+    command.add_argument("--model", metavar="MODEL.toml", help="model with the controller and travel to compare")
     add_log_options(command)
-    add_answer_options(command.add_argument_group(COMES_OUT), json="what was found, one object a log,")
+    add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the findings, one object for each log,")
     command.set_defaults(run=run)
 
 
@@ -44,8 +43,8 @@ def run(arguments: argparse.Namespace) -> None:
     inputs = [*with_sidecars(arguments.logs), *([arguments.model] if arguments.model else [])]
     check_outputs({"--json": json_file(arguments)}, inputs)
     model = Model.read(arguments.model) if arguments.model else None
-    told, texts = [], []
-    with working(arguments, "audit") as begin:
+    documents, texts = [], []
+    with status_line(arguments, "audit") as begin:
         for path, log in zip(arguments.logs, read_logs(arguments, arguments.logs), strict=True):
             begin(printable(path))
             if model is not None:
@@ -54,6 +53,6 @@ def run(arguments: argparse.Namespace) -> None:
                 found = audit(log, model)
             except ValueError as error:
                 raise InputError(f"{path}: {error}") from None
-            told.append({"log": path, **found.to_dict()})
+            documents.append({"log": path, **found.to_dict()})
             texts.append(f"{printable(path)}\n{found.text()}\n")
-    give(arguments, "\n".join(texts), document=told, next_command=after_an_audit(arguments))
+    print_result(arguments, "\n".join(texts), document=documents, next_command=after_audit(arguments))

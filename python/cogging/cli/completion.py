@@ -1,38 +1,36 @@
-"""`cogging completion`: what lets a shell complete the command's words.
+"""`cogging completion`: a script that completes the command's words in a shell.
 
-The script is made by shtab from the same parser that reads the words. It holds all that can be completed, so that the
-TAB key starts no Python: to import this package takes a third of a second.
+shtab writes it from the parser. It contains all completions, so that the TAB key does not start Python.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from typing import Any
 
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.screen import say
+from cogging.cli.terminal import print_text
 from cogging.files import InputError
 from cogging.papers.reproduction import PAPERS
 
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
-EXTRA = "the completion needs shtab, which the extra `completion` brings: pip install 'cogging[completion]'"
-INSTALLED = """once and for all:
+EXTRA = "the completion needs shtab: pip install 'cogging[completion]'"
+INSTALLED = """permanently:
   bash         cogging completion bash > ~/.local/share/bash-completion/completions/cogging
   zsh          cogging completion zsh > ~/.zfunc/_cogging      (with fpath+=~/.zfunc before compinit)
   fish         cogging completion fish > ~/.config/fish/completions/cogging.fish
-for this shell alone:
+for this shell:
   bash         eval "$(cogging completion bash)\""""
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "completion",
-        help="print what lets a shell complete these commands",
-        description="Print a script for a shell that completes commands, options, their values and files with the TAB "
-        "key. It must be printed anew after an update.",
+        help="print a completion script for a shell",
+        description="Print a script with which a shell completes commands, options, their values and files. Print it "
+        "again after an update.",
         epilog=INSTALLED,
         examples=("cogging completion bash", "cogging completion zsh"),
     )
@@ -41,45 +39,29 @@ def add_parser(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print the script.
-
-    Raises:
-        InputError: shtab is not installed.
-    """
+    """Print the script."""
     try:
         import shtab
     except ImportError:
         raise InputError(EXTRA) from None
     whole = arguments.whole
     for action in _actions(whole):
-        complete = _completed(action, shtab)
-        if complete:
-            action.complete = complete  # type: ignore[attr-defined]
-        elif action.metavar == "PAPER":
+        metavar = action.metavar if isinstance(action.metavar, str) else ""
+        if metavar == "DIR":
+            action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+        elif metavar in ("LOG", "SCAN", "OUT", "FILE") or "." in metavar.removesuffix("..."):
+            action.complete = shtab.FILE  # type: ignore[attr-defined]
+        elif metavar == "PAPER":
             action.choices = PAPERS
-        elif action.metavar == "COMMAND" and not isinstance(action, argparse._SubParsersAction):
-            action.choices = list(_commands(whole).choices)
-    say(shtab.complete(whole, shell=arguments.shell), plain=True)
-
-
-def _commands(parser: argparse.ArgumentParser) -> argparse._SubParsersAction[Any]:
-    return next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+        elif metavar == "COMMAND" and not isinstance(action, argparse._SubParsersAction):
+            action.choices = next(list(one.choices) for one in whole._actions if hasattr(one, "add_parser"))
+    print_text(shtab.complete(whole, shell=arguments.shell), plain=True)
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """All words of the command and of its commands."""
+    """Yield the arguments of a parser and of its subcommands."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):
             for other in action.choices.values():
                 yield from _actions(other)
-
-
-def _completed(action: argparse.Action, shtab: Any) -> dict[str, str]:
-    """What shtab calls the completion of a file or folder; nothing for other words."""
-    named = action.metavar if isinstance(action.metavar, str) else ""
-    if named == "DIR":
-        return dict(shtab.DIRECTORY)
-    if named in ("LOG", "SCAN", "OUT", "FILE") or "." in named.removesuffix("..."):
-        return dict(shtab.FILE)
-    return {}

@@ -5,25 +5,25 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_diagnosis import after_a_diagnosis
+from cogging.cli.next_command import after_diagnose
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs, to_toml, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "diagnose",
         help="find, name and add the effect that a model lacks",
-        description="Re-tune the model to the logs, measure the gap that is left between what it says and what was "
-        "logged, find where it sits, and name the effect that explains it, with its parameters, how sure that is and "
-        "what else it could be. The first line is the verdict: no_gap, named, ambiguous, unlisted, data_mismatch, "
-        "controller_mismatch or insufficient_excitation; the exit status is 0 whichever it is.",
+        description="Re-tune the model to the logs, measure the gap that remains between model and logs, locate it, "
+        "and name the effect that explains it, with its parameters, the confidence and the alternatives. The first "
+        "line is the verdict: no_gap, named, ambiguous, unlisted, data_mismatch, controller_mismatch or "
+        "insufficient_excitation; the exit status is 0 whichever it is.",
         examples=(
             "cogging diagnose log.csv --model model.toml",
             "cogging diagnose log.csv --model model.toml --confirm other.csv --out patched.toml --report report.html",
@@ -31,20 +31,18 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
-    command.add_argument("--model", required=True, metavar="MODEL.toml", help="what is believed of the machine")
+    command.add_argument("--model", required=True, metavar="MODEL.toml", help="model of the machine")
     command.add_argument(
-        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check what was found"
+        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check the result"
     )
     add_log_options(command)
-    group = command.add_argument_group(COMES_OUT)
-    group.add_argument("--report", metavar="OUT.html", help="where the report is written: one page, figures inside")
-    group.add_argument("--out", metavar="MODEL.toml", help="where the model with the missing effect is written")
+    group = command.add_argument_group(OUTPUT_GROUP)
+    group.add_argument("--report", metavar="OUT.html", help="write the report: one page with figures")
+    group.add_argument("--out", metavar="MODEL.toml", help="write the model with the missing effect")
     group.add_argument(
-        "--empirical", action="store_true", help="add what no effect explains to that model, as a force of any shape"
+        "--empirical", action="store_true", help="add the unexplained force to that model, with any shape"
     )
-    group.add_argument(
-        "--verbose", action="store_true", help="print all that the result holds, not what to act on alone"
-    )
+    group.add_argument("--verbose", action="store_true", help="print the whole result, not only its conclusions")
     add_answer_options(group)
     command.set_defaults(run=run)
 
@@ -59,7 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
-    with working(arguments, "diagnose") as begin:
+    with status_line(arguments, "diagnose") as begin:
         result = diagnose(
             given,
             model,
@@ -70,14 +68,14 @@ def run(arguments: argparse.Namespace) -> None:
             progress=begin,
         )
         files = {}
-        following = after_a_diagnosis(arguments, result)
+        following = after_diagnose(arguments, result)
         if arguments.report:
             begin("writing the report")
             title = ", ".join(printable(Path(path).name) for path in arguments.logs)
             files[arguments.report] = [result.html(title=title, step=following).encode()]
         if arguments.out:
             files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
-    give(
+    print_result(
         arguments,
         result.text(verbose=arguments.verbose),
         document=result.to_dict(),

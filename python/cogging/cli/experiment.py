@@ -1,19 +1,18 @@
-"""`cogging experiment`: the motion that would tell most, computed."""
+"""`cogging experiment`: the most informative motion."""
 
 from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import command_line, files, log_options, option
-from cogging.cli.parser import Commands, add_command
-from cogging.cli.run_options import add_seed, require_seed
-from cogging.cli.working import working
+from cogging.cli.parser import Commands, add_command, add_seed, require_seed
+from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError, read_text
 from cogging.outputs import check_outputs, with_sidecars
 
-PURPOSES = "separate: alternatives of the result stand apart; detect: small effects are seen; fit: intervals narrow"
+PURPOSES = "separate: alternatives of the result; detect: small effects; fit: narrow intervals"
 LIMITS = """LIMITS.toml:
   velocity = 0.3          # m/s
   acceleration = 5.0      # m/s^2
@@ -22,14 +21,14 @@ LIMITS = """LIMITS.toml:
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "experiment",
-        help="compute the motion that would tell alternatives apart",
-        description="Compute a motion within the machine's limits that best tells apart the alternatives of a result, "
-        "shows small effects, or narrows the intervals of a fit, and say what is to be expected of it. It writes the "
-        "reference (for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it.",
+        help="compute the motion that best separates alternatives",
+        description="Compute a motion within the machine's limits that best separates the alternatives of a result, "
+        "reveals small effects, or narrows the intervals of a fit, and predict its benefit. It writes the reference "
+        "(for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it.",
         epilog=LIMITS,
         examples=(
             "cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml",
@@ -39,18 +38,18 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model that the result is of")
     command.add_argument("--result", metavar="RESULT.json", help="what `diagnose --json` wrote")
     command.add_argument(
-        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result: their motion is not proposed again"
+        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result, whose motion is not proposed again"
     )
     add_log_options(command)
-    command.add_argument("--limits", required=True, metavar="LIMITS.toml", help="what the machine may do, as below")
+    command.add_argument("--limits", required=True, metavar="LIMITS.toml", help="limits of the machine, as below")
     command.add_argument(
         "--goal",
         choices=("separate", "detect", "fit"),
         help=f"{PURPOSES} (default: separate where the result has alternatives, else detect)",
     )
     add_seed(command, of="the simulated noise")
-    group = command.add_argument_group(COMES_OUT)
-    group.add_argument("--out", required=True, metavar="REF.toml", help="where the reference is written")
+    group = command.add_argument_group(OUTPUT_GROUP)
+    group.add_argument("--out", required=True, metavar="REF.toml", help="write the reference")
     add_answer_options(group, json="the plan")
     command.set_defaults(run=run)
 
@@ -77,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
         "goal": arguments.goal,
         "seed": arguments.seed,
     }
-    with working(arguments, "experiment") as begin:
+    with status_line(arguments, "experiment") as begin:
         try:
             plan = plan_experiment(model, limits, progress=begin, **options)
         except FieldError as error:  # of the limits beside the model, or of the result
@@ -87,7 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
         except NoMotion as error:
             raise InputError(f"{arguments.limits} with {arguments.model}: {error.why}") from None
     again = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
-    give(
+    print_result(
         arguments,
         f"{plan.text()}\nrun this motion on the machine, and log it",
         document=plan.to_dict(),

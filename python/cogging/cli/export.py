@@ -1,6 +1,6 @@
-"""`cogging export`: a map in the form that a drive takes, a controller or the axis as code.
+"""`cogging export`: a map for a drive, a controller or the axis as code.
 
-The forms and their options stand in cogging.export.forms, which says how one is added: nothing here names a form.
+cogging.export.forms lists the forms and their options, and explains how to add one.
 """
 
 from __future__ import annotations
@@ -9,24 +9,24 @@ import argparse
 from typing import Any
 
 from cogging.calls import did_you_mean
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
-from cogging.cli.next_command import after_an_export
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
+from cogging.cli.next_command import after_export
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
-from cogging.export.forms import FORMS, Form, Option, option_of, shown_forms, to
+from cogging.cli.terminal import status_line
+from cogging.export.forms import FORMS, Option, option_of, shown_forms, to
 from cogging.files import InputError
 from cogging.outputs import check_outputs
 from cogging.shown import quoted
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command, its arguments, and the options of all forms."""
+    """Add the command with the options of all forms."""
     command = add_command(
         commands,
         "export",
-        help="write a map as a drive takes it, a controller or the axis as code",
-        description="Write a model, or a part of it, in a form that another machine takes. Printed are what it will "
-        "take of it, what it cannot, and what is assumed of it.",
+        help="write a map for a drive, a controller or the axis as code",
+        description="Write a model, or a part of it, for another machine. The command prints what the machine uses, "
+        "what it cannot represent, and the assumptions.",
         examples=(
             "cogging export motor.toml --to csv --out map.csv",
             "cogging export motor.toml --to akd --scale 0.8 --out akd.csv",
@@ -44,54 +44,42 @@ def add_parser(commands: Commands) -> None:
         else:
             how: dict[str, Any] = {"choices": option.choices} if option.choices else {"metavar": option.metavar}
             command.add_argument(option_of(option.name), help=taken, type=option.kind, **how)
-    group = command.add_argument_group(COMES_OUT)
-    group.add_argument("--out", required=True, metavar="FILE", help="where it is written")
-    add_answer_options(group, json="what is printed")
+    group = command.add_argument_group(OUTPUT_GROUP)
+    group.add_argument("--out", required=True, metavar="FILE", help="write the file")
+    add_answer_options(group, json="the printed text")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Make the form, write it, and print what the machine takes of it."""
+    """Export the model, write the files, and print what the machine takes of it."""
     if arguments.to not in FORMS:
-        raise InputError(
-            f"--to: must be one of {', '.join(FORMS)}, got {quoted(arguments.to)}: {did_you_mean(arguments.to, FORMS)}"
-        )
+        got = f"{quoted(arguments.to)}: {did_you_mean(arguments.to, FORMS)}"
+        raise InputError(f"--to: must be one of {', '.join(FORMS)}, got {got}")
     form = FORMS[arguments.to]
-    options = _given(arguments, form)
+    taken = {option.name for option in form.options}
+    given = {option.name: getattr(arguments, option.name) for option, _ in _options()}
+    options = {name: value for name, value in given.items() if value is not None}
+    for name in options:
+        if name not in taken:
+            rest = ", ".join(option_of(other) for other in sorted(taken)) or "no option"
+            rule = f"must be one that the form {form.name} takes ({rest})"
+            raise InputError(f"{option_of(name)}: {rule}, got one that is not")
     read = [options[option.name] for option in form.options if option.reads and option.name in options]
-    asked = {"--json": json_file(arguments)}
-    check_outputs({"--out": arguments.out, **asked}, [arguments.model, *read])
-    with working(arguments, "export"):
+    json = {"--json": json_file(arguments)}
+    check_outputs({"--out": arguments.out, **json}, [arguments.model, *read])
+    with status_line(arguments, "export"):
         made = to(arguments.model, arguments.to, **options)
     files = made.files(arguments.out)
-    check_outputs({**{name: name for name in files}, **asked}, [arguments.model, *read])
+    check_outputs({**{name: name for name in files}, **json}, [arguments.model, *read])
     document = {"form": form.name, "files": list(files), "said": made.text.splitlines()}
-    following = after_an_export(arguments, of_map=form.of_map)
-    give(arguments, made.text, document=document, files=files, next_command=following)
+    following = after_export(arguments, of_map=form.of_map)
+    print_result(arguments, made.text, document=document, files=files, next_command=following)
 
 
 def _options() -> list[tuple[Option, list[str]]]:
-    """The options of all forms by name, each with the forms that take it."""
+    """Return the options of all forms, each with the forms that take it."""
     found: dict[str, tuple[Option, list[str]]] = {}
     for form in FORMS.values():
         for option in form.options:
             found.setdefault(option.name, (option, []))[1].append(form.name)
     return list(found.values())
-
-
-def _given(arguments: argparse.Namespace, form: Form) -> dict[str, Any]:
-    """The options that were given.
-
-    Raises:
-        InputError: one that the form does not take.
-    """
-    taken = {option.name for option in form.options}
-    given = {option.name: getattr(arguments, option.name) for option, _ in _options()}
-    given = {name: value for name, value in given.items() if value is not None}
-    for name in given:
-        if name not in taken:
-            rest = ", ".join(option_of(other) for other in sorted(taken)) or "no option"
-            raise InputError(
-                f"{option_of(name)}: must be one that the form {form.name} takes ({rest}), got one that is not"
-            )
-    return given

@@ -1,4 +1,4 @@
-"""`cogging help`: the commands, or what one of them takes."""
+"""`cogging help`: show the commands, or the help of one of them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from cogging.cli.parser import Commands, add_command, refuse_unknown
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "help",
-        help="the commands, or what one of them takes",
+        help="show the commands, or the help of one of them",
         description="Print what `cogging --help` prints, or `cogging COMMAND --help`.",
         examples=("cogging help", "cogging help diagnose"),
     )

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_command import after_a_fit
+from cogging.cli.next_command import after_identify
 from cogging.cli.parser import Commands, add_command
 from cogging.outputs import check_outputs, to_toml, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "identify",
         help="fit the parameters of a model to logs, with intervals",
         description="Fit mass, friction and the other parameters of a model to logs, by two methods that check each "
-        "other. Printed are what each log is like, what the logs can determine, each parameter with its 95 % interval, "
-        "and what the fitted model leaves unexplained.",
+        "other. The command prints a check of each log, what the logs can determine, each parameter with its 95 % "
+        "interval, and what the fitted model leaves unexplained.",
         examples=(
             "cogging identify log.csv --model model.toml --out fitted.toml",
             "cogging identify log.csv other.csv --model model.toml --free axis.mass,axis.viscous --json fit.json",
@@ -32,8 +32,8 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--free", metavar="PATH,...", help="parameters to fit, as axis.mass (default: all)")
     command.add_argument("--cutoff", type=float, metavar="HZ", help="of the filter (default: found from the noise)")
     add_log_options(command)
-    group = command.add_argument_group(COMES_OUT)
-    group.add_argument("--out", metavar="MODEL.toml", help="where the fitted model is written, with [bounds]")
+    group = command.add_argument_group(OUTPUT_GROUP)
+    group.add_argument("--out", metavar="MODEL.toml", help="write the fitted model with [bounds]")
     add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
 
@@ -51,5 +51,5 @@ def run(arguments: argparse.Namespace) -> None:
     logs = read_logs(arguments, arguments.logs)
     found = identify(logs, model, free=free, cutoff=arguments.cutoff, names=names, progress=not arguments.quiet)
     files = {arguments.out: [to_toml(found.model.to_dict()).encode()]} if arguments.out else {}
-    following = after_a_fit(arguments, found)
-    give(arguments, found.text(), document=found.to_dict(), files=files, next_command=following)
+    following = after_identify(arguments, found)
+    print_result(arguments, found.text(), document=found.to_dict(), files=files, next_command=following)

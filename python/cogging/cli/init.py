@@ -1,47 +1,46 @@
-"""`cogging init`: a commented model and reference from what a log shows."""
+"""`cogging init`: draft a commented model and reference from a log."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known
 from cogging.cli.next_command import command_line
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.files import InputError
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "init",
-        help="a commented model and reference from what a log shows",
-        description="Look at a log as its owner has it, find its columns, units, rate, quantum, travel and moves, and "
-        "write a model and a reference with comments that say where each number comes from and what is to be filled "
-        "in. Nothing that stands is replaced.",
+        help="draft a commented model and reference from a log",
+        description="Find the columns, units, rate, resolution, travel and moves of a log, and write a model and a "
+        "reference with comments on the origin of each number and on what to fill in. Existing files are not replaced.",
         examples=(
             "cogging init log.csv --out first.toml --reference moves.toml",
             "cogging init drive.csv --columns position=qm,command=vir --out drive.toml --reference drive_moves.toml",
         ),
     )
-    command.add_argument("log", metavar="LOG", help="as you have it: columns of any names and units")
+    command.add_argument("log", metavar="LOG", help="with columns of any names and units")
     add_log_options(command)
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument(
-        "--out", metavar="MODEL.toml", default="model.toml", help="where the model is written (default: model.toml)"
+        "--out", metavar="MODEL.toml", default="model.toml", help="write the model (default: model.toml)"
     )
     group.add_argument(
         "--reference",
         metavar="REF.toml",
         default="reference.toml",
-        help="where its motion is written (default: reference.toml)",
+        help="write its motion (default: reference.toml)",
     )
-    add_answer_options(group, json="all that was found")
+    add_answer_options(group, json="all findings")
     command.set_defaults(run=run)
 
 
@@ -56,9 +55,9 @@ def run(arguments: argparse.Namespace) -> None:
     how, zero = options_of(arguments, arguments.log)
     if zero:
         raise InputError("--zero: must not be given to init: a model's travel may begin anywhere")
-    with working(arguments, "init"):
+    with status_line(arguments, "init"):
         draft = draft_model(arguments.log, **how)
     written = ", ".join(map(printable, draft.write(arguments.out, arguments.reference)))
     text = f"{draft.text()}\nwritten: {written}: read their comments, and fill in what you know better"
     following = command_line(shlex.split(draft.next_command(arguments.out))[1:])
-    give(arguments, text, document=draft.to_dict(), next_command=following)
+    print_result(arguments, text, document=draft.to_dict(), next_command=following)

@@ -1,6 +1,6 @@
-"""The options of every command that reads logs or scans: names, factors and zeros of columns, the rows to take.
+"""Options of commands that read logs or scans: names, factors and zeros of columns, and rows.
 
-Each may be given for all files, or for one of several by its name before a colon: `--scale a.csv:command=35`.
+An option applies to all files, or to one file named before a colon: `--scale a.csv:command=35`.
 """
 
 from __future__ import annotations
@@ -23,52 +23,56 @@ OPTIONS = ("columns", "scale", "zero", "rows")
 
 
 def add_log_options(command: argparse.ArgumentParser) -> None:
-    """Give a command the options `--columns`, `--scale`, `--zero` and `--rows`."""
-    group = command.add_argument_group("how files are read")
+    """Add the options `--columns`, `--scale`, `--zero` and `--rows`."""
+    group = command.add_argument_group("reading files")
     for option, kind, metavar, text, example in (
-        ("--columns", _names, "NAME=IN_FILE,...", "what columns are called in the file", "a.csv:position=qm"),
+        ("--columns", _names, "NAME=IN_FILE,...", "names of columns in the file", "a.csv:position=qm"),
         ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", "a.csv:command=35,b.csv:command=2"),
-        ("--zero", _zeros, "NAME=VALUE,...", "what is taken off columns, after the factors", "a.csv:position=0.012"),
-        ("--rows", _rows, "FIRST:END", "the data rows to take, from 0", "a.csv:0:500,b.csv:100:"),
+        (
+            "--zero",
+            _zeros,
+            "NAME=VALUE,...",
+            "values subtracted from columns, after the factors",
+            "a.csv:position=0.012",
+        ),
+        ("--rows", _rows, "FIRST:END", "the data rows to read, from 0", "a.csv:0:500,b.csv:100:"),
     ):
         group.add_argument(
             option,
-            type=_told(kind),
+            type=_with_text(kind),
             default={},
             metavar=metavar,
             help=f"{text}; {ONE_FILE % example}",
-            action=_Together,
+            action=_Merge,
         )
 
 
 def options_of(arguments: argparse.Namespace, path: str) -> tuple[dict[str, Any], dict[str, float]]:
-    """How a file is read: columns, scale and rows, and what is taken off which column after that."""
-    columns, scale, zero, rows = ({**_of(arguments, option, ""), **_of(arguments, option, path)} for option in OPTIONS)
+    """Return columns, scale and rows with which a file is read, and the zeros of columns."""
+    found: list[dict[str, Any]] = []
+    for option in OPTIONS:
+        given: Mapping[str, Mapping[str, Any]] = getattr(arguments, option)
+        found.append(dict(given.get("", {})))
+        for file, entries in given.items():
+            if file and _names_file(file, path):
+                found[-1] |= entries
+    columns, scale, zero, rows = found
     return {"columns": columns, "scale": scale, "rows": rows.get("rows")}, zero
 
 
 def read_logs(arguments: argparse.Namespace, paths: Sequence[str]) -> list[Log]:
-    """Read logs as the options say.
-
-    Raises:
-        InputError: one cannot be read as a log, or an option names a file that is none of them.
-    """
+    """Return logs read with these options."""
     require_known(arguments, [*arguments.logs, *getattr(arguments, "confirm", ())])
-    return [_read(arguments, path) for path in paths]
-
-
-def _read(arguments: argparse.Namespace, path: str) -> Log:
-    how, zero = options_of(arguments, path)
-    log = read_log(path, **how)
-    return Log.of(without_zero(log.columns(), zero, path), log.metadata) if zero else log
+    logs = []
+    for path in paths:
+        how, zero = options_of(arguments, path)
+        log = read_log(path, **how)
+        logs.append(Log.of(without_zero(log.columns(), zero, path), log.metadata) if zero else log)
+    return logs
 
 
 def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], path: str) -> dict[str, FloatArray]:
-    """Columns less what stands for their zero.
-
-    Raises:
-        InputError: a zero of a column that is not there.
-    """
+    """Return columns with their zeros subtracted."""
     for name in zero:
         if name not in columns:
             raise InputError(
@@ -78,68 +82,53 @@ def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], p
 
 
 def require_known(arguments: argparse.Namespace, paths: Sequence[str]) -> None:
-    """Refuse an option for a file that the call does not name.
-
-    Raises:
-        InputError: names the option, the file and those that there are.
-    """
+    """Raise InputError if an option names a file that the call does not read."""
     for option in OPTIONS:
         for file in getattr(arguments, option):
-            if file and not any(_means(file, path) for path in paths):
+            if file and not any(_names_file(file, path) for path in paths):
                 raise InputError(
                     f"--{option}: {quoted(file)}: must be a file of this call, {', '.join(paths)}{nearest(file, paths)}"
                 )
 
 
-def _means(file: str, path: str) -> bool:
+def _names_file(file: str, path: str) -> bool:
     return file in (path, Path(path).name)
 
 
-def _of(arguments: argparse.Namespace, option: str, path: str) -> dict[str, Any]:
-    """What an option says of one file, or ("") of all."""
-    given: Mapping[str, Mapping[str, Any]] = getattr(arguments, option)
-    found: dict[str, Any] = {}
-    for file, entries in given.items():
-        if (file == "" and path == "") or (file and path and _means(file, path)):
-            found |= entries
-    return found
-
-
-class _Together(argparse.Action):
-    """An option that may be given several times: all that was said counts."""
+class _Merge(argparse.Action):
+    """Option that may be given several times; the entries are merged."""
 
     def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, *_: Any) -> None:
-        """Add what was said."""
+        """Merge the entries with those given before."""
         before = getattr(namespace, self.dest)
         merged = {file: {**before.get(file, {}), **values.get(file, {})} for file in {**before, **values}}
         setattr(namespace, self.dest, merged)
         namespace.log_words = [*getattr(namespace, "log_words", ()), (self.option_strings[0], values.text)]
 
 
-class _Told(dict[str, dict[str, Any]]):
-    """What an option says, and the text that said it: the next command repeats it."""
+class _Entries(dict[str, dict[str, Any]]):
+    """Entries of an option by file ("": all) and name, with the text, which the next command repeats."""
 
     text = ""
 
 
-def _told(convert: Callable[[str], dict[str, dict[str, Any]]]) -> Callable[[str], _Told]:
-    def told(text: str) -> _Told:
-        found = _Told(convert(text))
+def _with_text(convert: Callable[[str], dict[str, dict[str, Any]]]) -> Callable[[str], _Entries]:
+    def converted(text: str) -> _Entries:
+        found = _Entries(convert(text))
         found.text = text
         return found
 
-    return told
+    return converted
 
 
 def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> dict[str, dict[str, Any]]:
-    """Entries by file ("": all) and name."""
     pairs: dict[str, dict[str, Any]] = {}
     for entry in NEXT.split(text):
-        key, equals, value = entry.partition("=")
-        if not (key and equals and value):
-            raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}")
+        key, _, value = entry.partition("=")
         file, _, name = key.rpartition(":")
         try:
+            if not (key and value):
+                raise ValueError
             pairs.setdefault(file.strip(), {})[name.strip()] = convert(value.strip())
         except ValueError:
             raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}") from None

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
-from cogging.cli.next_command import after_a_map
+from cogging.cli.next_command import after_map
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.working import working
+from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
@@ -18,13 +18,13 @@ from cogging.shown import printable
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "map",
         help="fit the cogging model to a force-against-position scan",
         description="Find the harmonics of the magnet pitch in a scan of the force that holds the axis at each "
-        "position, fit their amplitudes, constant or changing along the travel, and say what the map explains. The "
+        "position, fit their amplitudes, constant or varying along the travel, and report what the map explains. The "
         "scan has the columns position (m or rad) and force (the command's unit).",
         examples=(
             "cogging map scan.csv --pitch 0.05 --out map.toml",
@@ -34,7 +34,11 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("scan", metavar="SCAN", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m or rad")
     command.add_argument(
-        "--force-sign", type=int, default=1, metavar="S", help="-1: the sensor reads the motor's push (default: 1)"
+        "--force-sign",
+        type=int,
+        default=1,
+        metavar="S",
+        help="-1: the sensor reads the force of the motor (default: 1)",
     )
     command.add_argument(
         "--units",
@@ -43,8 +47,8 @@ def add_parser(commands: Commands) -> None:
         help="labels of the units of force and position",
     )
     add_log_options(command)
-    group = command.add_argument_group(COMES_OUT)
-    group.add_argument("--out", metavar="MODEL.toml", help="where the [cogging] part is written; figure beside it")
+    group = command.add_argument_group(OUTPUT_GROUP)
+    group.add_argument("--out", metavar="MODEL.toml", help="write the [cogging] section, and a figure beside it")
     add_answer_options(group, json="the fit")
     command.set_defaults(run=run)
 
@@ -59,7 +63,7 @@ def run(arguments: argparse.Namespace) -> None:
     require_known(arguments, [arguments.scan])
     how, zero = options_of(arguments, arguments.scan)
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
-    with working(arguments, "map"):
+    with status_line(arguments, "map"):
         try:
             signed = {"force_sign": arguments.force_sign, "units": arguments.units}
             fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, **signed)
@@ -69,9 +73,9 @@ def run(arguments: argparse.Namespace) -> None:
             fit.write(arguments.out)
     text = fit.text()
     if arguments.out:
-        text += f"\nput [cogging] of {printable(arguments.out)} into a model, in place of what stands there"
+        text += f"\nreplace the [cogging] section of a model by that of {printable(arguments.out)}"
     written = [arguments.out, str(figure)] if arguments.out else []
-    give(arguments, text, document=fit.to_dict(), written=written, next_command=after_a_map(arguments))
+    print_result(arguments, text, document=fit.to_dict(), written=written, next_command=after_map(arguments))
 
 
 def _units(text: str) -> Units:

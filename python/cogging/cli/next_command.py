@@ -1,4 +1,4 @@
-"""The sensible next command after one that is done, in the user's own files and options, to be pasted into a shell.
+"""The next command after each command, in the user's own files and options, to be pasted into a shell.
 
 Words in capitals, such as REF.toml, stand for files that only the user can have (PLACEHOLDERS).
 """
@@ -11,16 +11,22 @@ import os
 import shlex
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from cogging.cli.answer import json_file
+from cogging.cli.log_options import options_of
 from cogging.outputs import AnyPath
+from cogging.shown import printable
 
 if TYPE_CHECKING:
+    from cogging.diagnosis.next_step import NextStep
+    from cogging.diagnosis.result import Diagnosis
     from cogging.identification.identification_result import Identification
     from cogging.model.model import Model
 
-#: Files of the user's that a next command may need, and what each is.
+#: Files that a next command may need from the user, and what each is.
 PLACEHOLDERS = {
     "LOG.csv": "a log of the machine",
     "OTHER_LOG.csv": "a log of other motion, which took no part in the diagnosis",
@@ -30,56 +36,45 @@ PLACEHOLDERS = {
     "LIMITS.toml": "what the machine may do",
     "TUNE.toml": "which gains are tuned, within which limits",
 }
-NOTHING_LEFT = 1.1  # of what no force can explain
+NOISE_LEVEL = 1.1  # times the noise: a residual below it counts as explained
 MOSTLY = 0.9  # of the command's power
 
 
 def command_line(*words: str | Sequence[str]) -> str:
-    """A call of the command as a shell takes it.
-
-    Args:
-        words: each a word, or several in a list.
-    """
+    """Return a call of the command as a shell takes it; each argument is a word or a list of words."""
     flat = [word for entry in words for word in ([entry] if isinstance(entry, str) else entry)]
     return " ".join(["cogging", *map(shell_word, flat)])
 
 
 def shell_word(word: str) -> str:
-    """A word quoted for the shell, in letters that a terminal shows: others as $'...' of bash and zsh."""
+    """Return a word quoted for the shell; characters that the terminal cannot show as $'...' of bash and zsh."""
     if os.name == "nt":
         return f'"{word}"' if not word or any(letter in word for letter in " &()^;,'") else word
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
     try:
-        word.encode(encoding)
-        shown = word.isprintable()
+        word.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
+        if word.isprintable():
+            return shlex.quote(word)
     except UnicodeError:
-        shown = False
-    if shown:
-        return shlex.quote(word)
-    letters = []
-    for byte in word.encode("utf-8", "surrogateescape" if not _paired(word) else "surrogatepass"):
-        letter = chr(byte)
-        letters.append(letter if 0x20 <= byte < 0x7F and letter not in "'\\" else f"\\x{byte:02x}")
+        pass
+    # Lone surrogates outside the range for undecodable bytes occur in no file name.
+    lone = any("\ud800" <= letter < "\udc80" or "\udcff" < letter <= "\udfff" for letter in word)
+    content = word.encode("utf-8", "surrogatepass" if lone else "surrogateescape")
+    letters = (chr(byte) if 0x20 <= byte < 0x7F and chr(byte) not in "'\\" else f"\\x{byte:02x}" for byte in content)
     return f"$'{''.join(letters)}'"
 
 
-def _paired(word: str) -> bool:
-    """Whether there are surrogates that stand for no byte, which no file name has."""
-    return any("\ud800" <= letter < "\udc80" or "\udcff" < letter <= "\udfff" for letter in word)
-
-
 def files(paths: Sequence[AnyPath]) -> list[str]:
-    """Paths as words that no option is mistaken for."""
+    """Return paths as words that are not mistaken for options."""
     return [f".{os.sep}{path}" if os.fspath(path).startswith("-") else os.fspath(path) for path in paths]
 
 
 def option(name: str, *values: AnyPath | None) -> list[str]:
-    """An option with its files; nothing where the first is None."""
+    """Return an option with its files; nothing if the first is None."""
     return [] if values[:1] == (None,) else [name, *files([value for value in values if value is not None])]
 
 
 def log_options(arguments: argparse.Namespace) -> list[str]:
-    """How the logs were read, in the words of the call."""
+    """Return the options with which the logs were read, as given."""
     words = []
     for name, text in getattr(arguments, "log_words", ()):
         words += [f"{name}={text}"] if text.startswith("-") else [name, text]
@@ -87,43 +82,145 @@ def log_options(arguments: argparse.Namespace) -> list[str]:
 
 
 def free_name(path: AnyPath, ending: str = "") -> str:
-    """A file name that is not taken: `PATH`, or `STEM_ending.toml` beside it, with a number where need be."""
+    """Return an unused file name: the path, or `STEM_ending.toml` beside it, with a number if necessary."""
     wanted = Path(path)
     name = wanted.with_name(f"{wanted.stem}_{ending}.toml") if ending else wanted
     numbered = (name.with_name(f"{name.stem}_{number}{name.suffix}") for number in range(2, 1000))
     return str(next((one for one in (name, *numbered) if not os.path.lexists(one)), name))
 
 
-def after_an_audit(arguments: argparse.Namespace) -> str:
-    """A log that was looked at is fitted; without a model that comes first."""
+# After a command that reads logs --------------------------------------------------------------------------------------
+
+
+def after_audit(arguments: argparse.Namespace) -> str:
+    """Fit the model to the logs; without a model, draft one first."""
     if arguments.model is not None:
-        return _fit(arguments, arguments.model)
+        return _identify(arguments, arguments.model)
     return _init(*files(arguments.logs[:1]), *log_options(arguments))
 
 
 def _init(*words: str) -> str:
-    names = {"--out": "model.toml", "--reference": "reference.toml"}  # which it does not replace
+    names = {"--out": "model.toml", "--reference": "reference.toml"}  # existing ones are not replaced
     taken = [option(name, free_name(path)) for name, path in names.items() if os.path.lexists(path)]
     return command_line("init", list(words), *taken)
 
 
-def _fit(arguments: argparse.Namespace, model: AnyPath) -> str:
+def _identify(arguments: argparse.Namespace, model: AnyPath) -> str:
     out = option("--out", free_name(model, "fitted"))
     return command_line("identify", files(arguments.logs), option("--model", model), log_options(arguments), out)
 
 
-def after_a_fit(arguments: argparse.Namespace, found: Identification) -> str:
-    """A fit is kept; what it leaves unexplained is diagnosed, and where nothing is left it predicts."""
-    explained = all(log.noise is not None and log.residual_after < NOTHING_LEFT * log.noise for log in found.logs)
+def after_identify(arguments: argparse.Namespace, found: Identification) -> str:
+    """Diagnose what the fit leaves unexplained; if nothing is left, predict with the fitted model."""
+    explained = all(log.noise is not None and log.residual_after < NOISE_LEVEL * log.noise for log in found.logs)
     if not explained or found.warnings or not can_predict(found.model):
-        kept = arguments.out and not found.warnings and found.explained > MOSTLY  # else the gap has spoilt the fit
-        believed = arguments.out if kept else arguments.model
-        return command_line("diagnose", files(arguments.logs), option("--model", believed), log_options(arguments))
-    return after_a_model(arguments.out, found.model) if arguments.out else _fit(arguments, arguments.model)
+        use_fit = arguments.out and not found.warnings and found.explained > MOSTLY  # else the gap has biased the fit
+        model = arguments.out if use_fit else arguments.model
+        return command_line("diagnose", files(arguments.logs), option("--model", model), log_options(arguments))
+    return with_model(arguments.out, found.model) if arguments.out else _identify(arguments, arguments.model)
 
 
-def after_a_map(arguments: argparse.Namespace) -> str:
-    """A map is kept, and put into a model that is fitted to logs."""
+def after_diagnose(arguments: argparse.Namespace, result: Diagnosis) -> NextStep:
+    """Return what cogging.diagnosis.next_step recommends, with the command in the words of this call."""
+    from cogging.diagnosis.next_step import GivenFiles, next_step
+
+    given = GivenFiles(
+        logs=arguments.logs,
+        model=arguments.model,
+        confirm=arguments.confirm,
+        result=json_file(arguments) or "",
+        patched=arguments.out or "",
+        empirical=arguments.empirical,
+    )
+    step = next_step(result, given)
+    everything = files([*arguments.logs, *arguments.confirm])
+    patched: dict[str, Any] = {
+        "out": arguments.out or free_name(arguments.model, "patched"),
+        "empirical": "--empirical" in step.line.split(),
+    }
+    if step.kind == "mend":
+        line = _read_otherwise(arguments, result)
+    elif step.kind == "audit":
+        line = _audit(arguments)
+    elif step.kind == "move":
+        line = experiment(arguments.model)
+    elif step.kind == "write_result":
+        line = _diagnose_again(arguments, json=free_name("result.json"))
+    elif step.kind == "tell_apart":
+        known = ["--logs", *everything, *log_options(arguments)]  # their motion is not proposed again
+        line = experiment(arguments.model, *option("--result", arguments.json), *known)
+    elif step.kind == "write_model":
+        line = _diagnose_again(arguments, **patched)
+    elif step.kind == "confirm":
+        line = _diagnose_again(arguments, confirm=["OTHER_LOG.csv"], **patched)
+    elif step.kind == "confirm_by_last":
+        line = _diagnose_again(arguments, logs=arguments.logs[:-1], confirm=arguments.logs[-1:], **patched)
+    else:
+        line = with_model(arguments.out or arguments.model, result.model)
+    return replace(step, line=line)
+
+
+def _audit(arguments: argparse.Namespace) -> str:
+    logs = files([*arguments.logs, *arguments.confirm])
+    return command_line("audit", logs, option("--model", arguments.model), log_options(arguments))
+
+
+def _diagnose_again(
+    arguments: argparse.Namespace,
+    *,
+    logs: Sequence[str] | None = None,
+    confirm: Sequence[str] | None = None,
+    out: str | None = None,
+    json: str | None = None,
+    empirical: bool = False,
+    more: Sequence[str] = (),
+) -> str:
+    """Return the same call with changed or further options."""
+    others = arguments.confirm if confirm is None else confirm
+    return command_line(
+        "diagnose",
+        files(arguments.logs if logs is None else logs),
+        option("--model", arguments.model),
+        option("--confirm", *others) if others else [],
+        log_options(arguments),
+        list(more),
+        option("--json", json or arguments.json),
+        option("--report", arguments.report),
+        option("--out", out or arguments.out),
+        ["--empirical"] if empirical or arguments.empirical else [],
+    )
+
+
+def _read_otherwise(arguments: argparse.Namespace, result: Diagnosis) -> str:
+    """Return the same call with the misread column read correctly; the audit if no option does that."""
+    mismatch = result.mismatch or {}
+    name, _, pairs = str(mismatch.get("option", "")).partition(" ")
+    if mismatch.get("misreading") in ("derivative", "reference"):
+        return _diagnose_again(arguments, more=["--columns", "position=NAME"])  # the user names the encoder's column
+    every = [*arguments.logs, *arguments.confirm]
+    wrong = [path for path in every if printable(path) in mismatch.get("logs", ())]
+    if name not in ("--scale", "--columns") or not wrong:
+        return _audit(arguments)
+    entries, kind = [], name.removeprefix("--")
+    for path in wrong:
+        pairs = pairs.replace(f"{printable(path)}:", "")
+    for path in wrong:
+        given = options_of(arguments, path)[0][kind]
+        # An option with the file's name takes precedence over one without.
+        before = "" if len(every) == 1 and set(getattr(arguments, kind)) <= {""} else f"{path}:"
+        for column, _, value in (pair.partition("=") for pair in dict.fromkeys(pairs.split(","))):
+            new = repr(float(value) * given.get(column, 1.0)) if name == "--scale" else given.get(value, value)
+            entries.append(f"{before}{column}={new}")
+        if "," in before or "=" in before:  # a name that cannot stand in an option
+            return _audit(arguments)
+    return _diagnose_again(arguments, more=[name, ",".join(entries)])
+
+
+# After the other commands ---------------------------------------------------------------------------------------------
+
+
+def after_map(arguments: argparse.Namespace) -> str:
+    """Fit a model with the map to logs; if the map was not written, write it."""
     if arguments.out:
         return command_line("identify", "LOG.csv", "--model", "MODEL.toml", option("--out", free_name("fitted.toml")))
     sign = ["--force-sign", str(arguments.force_sign)] if arguments.force_sign != 1 else []
@@ -131,23 +228,23 @@ def after_a_map(arguments: argparse.Namespace) -> str:
     return command_line("map", again, option("--out", free_name(arguments.scan, "map")))
 
 
-def after_an_export(arguments: argparse.Namespace, *, of_map: bool) -> str:
-    """With the map in its drive the axis is logged again; code is held against a run of its model."""
+def after_export(arguments: argparse.Namespace, *, of_map: bool) -> str:
+    """Log the axis again with the map in its drive; compare exported code with a simulation."""
     if of_map:
         return _init("NEW_LOG.csv")
     out = option("--out", free_name("run.csv"))
     return command_line("simulate", files([arguments.model]), "--reference", "REF.toml", out)
 
 
-def after_a_paper(arguments: argparse.Namespace) -> str:
-    """Papers are compared on one axis; after that comes a machine of one's own."""
+def after_reproduce(arguments: argparse.Namespace) -> str:
+    """Compare the papers on one axis; after that, draft a model of the user's machine."""
     if arguments.compare:
         return _init("LOG.csv")
     return command_line("reproduce", "--compare", option("--out", arguments.out))
 
 
 def after_many_runs(model_file: AnyPath, reference: AnyPath) -> str:
-    """What a model that many runs were made of will do, or one of its runs."""
+    """Predict the error of the model of a sweep or a tuning, or simulate one run."""
     from cogging.model.model import Model
 
     call = [*files([model_file]), *option("--reference", reference)]
@@ -157,18 +254,18 @@ def after_many_runs(model_file: AnyPath, reference: AnyPath) -> str:
 
 
 def can_predict(model: Model) -> bool:
-    """Whether `predict` can say how well a model's own controller will do: every interval has two ends."""
+    """Return whether `predict` applies to a model: it has a controller, and every interval is finite."""
     return model.controller is not None and all(math.isfinite(end) for ends in model.intervals.values() for end in ends)
 
 
-def after_a_model(path: AnyPath, model: Model, reference: AnyPath | None = None) -> str:
-    """What is next with a model that is believed: what its controllers will do, or what would make it surer."""
+def with_model(path: AnyPath, model: Model, reference: AnyPath | None = None) -> str:
+    """Predict the error of a model; if its intervals do not suffice, plan an experiment."""
     if can_predict(model):
         return command_line("predict", files([path]), option("--reference", reference or "REF.toml"))
     return experiment(path)
 
 
 def experiment(model: AnyPath, *words: str) -> str:
-    """The call that computes a motion for a model."""
+    """Return the call that computes a motion for a model."""
     out = option("--out", free_name("experiment.toml"))
     return command_line("experiment", option("--model", model), list(words), "--limits", "LIMITS.toml", out)

@@ -1,24 +1,27 @@
-"""What reads the command's words and shows its help: a wrong call gets one line, as every other wrong input."""
+"""Parser and help of the command, and options that several commands share."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, TypeAlias
 
-from cogging.cli.screen import complain, say
+from cogging.cli.terminal import print_error, print_text
 from cogging.files import InputError
 from cogging.shown import LONGEST_LINE, nearest, printable, quoted, shortened
 
 WIDEST = 100  # letters of a line of help: longer ones are hard to read
+SEEDS = 1 << 64  # number of seeds
+EXAMPLES = "examples:\n"
 
-#: What a command adds its own parser to.
+#: To which each command adds its parser.
 Commands: TypeAlias = "argparse._SubParsersAction[Any]"
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
-    """Help as wide as the terminal, but no wider than can be read; examples stay as they are."""
+    """Help as wide as the terminal, at most WIDEST; examples are not wrapped."""
 
     def __init__(self, prog: str, **options: Any) -> None:
         width = min(shutil.get_terminal_size().columns - 2, WIDEST)
@@ -30,21 +33,21 @@ class Formatter(argparse.RawDescriptionHelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """Answers a wrong call in one line, as every other wrong input, and says what was probably meant."""
+    """Parser that reports a wrong call in one line, with the option that was probably meant."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self.color = False  # of Python 3.14: what is printed here is escaped
+        self.color = False  # of Python 3.14: its escape codes would be printed as text
         self.words: Sequence[str] = ()
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse does; the words are kept for what is said of them."""
+        """Parse as argparse does, and keep the words for messages."""
         if args is not None:
             self.words = list(args)
         return super().parse_known_args(args, namespace)
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse does; what is left over is told by the command that has left it."""
+        """Parse as argparse does; the subcommand reports words that it does not take."""
         found, rest = self.parse_known_args(args, namespace)
         if rest:
             getattr(found, "parser", self).error(f"does not take {' '.join(rest)}")
@@ -53,46 +56,41 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
             known = list(action.choices)
-            told = f"must be one of {', '.join(known)}, got {quoted(value)}{nearest(str(value), known)}"
-            raise argparse.ArgumentError(action, told)
+            got = f"{quoted(value)}{nearest(str(value), known)}"
+            raise argparse.ArgumentError(action, f"must be one of {', '.join(known)}, got {got}")
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        """Say what is wrong with the call and end the command with status 2."""
-        told = f"{self.prog}: {shortened(message, LONGEST_LINE // 2)}{self._meant(message)}; see {self.prog} --help"
-        complain(told)
-        raise SystemExit(2)
-
-    def _meant(self, message: str) -> str:
-        """What the first option that is not known probably is."""
+        """Print what is wrong with the call and exit with status 2."""
         known = [option for option in self._option_string_actions if option.startswith("--")]
+        meant = ""
         for word in self.words:
             option = word.partition("=")[0]
             if word == "--":
                 break
             if option.startswith("--") and not any(name.startswith(option) for name in known):
-                found = nearest(option, known)
-                return f", got {quoted(option)}{found}" if found and option not in message else found
-        return ""
+                meant = nearest(option, known)
+                if meant and option not in message:
+                    meant = f", got {quoted(option)}{meant}"
+                break
+        print_error(f"{self.prog}: {shortened(message, LONGEST_LINE // 2)}{meant}; see {self.prog} --help")
+        raise SystemExit(2)
 
     def _print_message(self, message: str, file: Any = None) -> None:
-        say(message.rstrip("\n"))  # help and version
-
-
-EXAMPLES = "examples:\n"
+        print_text(message.rstrip("\n"))  # help and version
 
 
 def add_command(
     commands: Commands, name: str, *, help: str, description: str, examples: Sequence[str] = (), epilog: str = ""
 ) -> argparse.ArgumentParser:
-    """Add a command of that name.
+    """Add a command and return its parser.
 
     Args:
-        commands: what it is added to.
+        commands: to which it is added.
         name: of the command.
         help: what it does, in the list of all commands.
-        description: what goes in and what comes out, above its options.
-        examples: real calls, below its options; each begins with `cogging`. A test runs them all.
-        epilog: what else stands below, such as a file that it takes.
+        description: input and output, above its options.
+        examples: calls, below its options; each begins with `cogging`. A test runs them all.
+        epilog: other text below, such as a file that it reads.
     """
     parts = [epilog] if epilog else []
     if examples:
@@ -104,32 +102,51 @@ def add_command(
     return command
 
 
-class Tell(argparse.Action):
-    """Says what `const` gives, and ends the command."""
+class PrintConstant(argparse.Action):
+    """Option that prints the result of `const()` and ends the command."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        """Say it."""
-        say(self.const())
+        """Print it."""
+        print_text(self.const())
         parser.exit()
 
 
 def require_whole(option: str, value: int, least: int, most: int) -> None:
-    """Refuse a whole number outside its range.
-
-    Raises:
-        InputError: names the option, the bound and the value.
-    """
+    """Raise InputError for a whole number outside its range."""
     if not least <= value <= most:
         rule = f"at least {least}" if value < least else f"at most {most}"
         raise InputError(f"{option}: must be {rule}, got {quoted(value)}")
 
 
 def refuse_unknown(kind: str, name: str, known: Sequence[str]) -> None:
-    """Refuse a name that is none of those that are known.
-
-    Raises:
-        InputError: names them, and the nearest.
-    """
+    """Raise InputError for an unknown name, with the nearest one."""
     if name not in known:
-        told = quoted(printable(name))
-        raise InputError(f"{kind}: must be one of {', '.join(known)}, got {told}{nearest(name, known)}")
+        got = quoted(printable(name))
+        raise InputError(f"{kind}: must be one of {', '.join(known)}, got {got}{nearest(name, known)}")
+
+
+def add_run_files(command: argparse.ArgumentParser) -> None:
+    """Add the model and the reference of a command that simulates."""
+    command.add_argument("model", metavar="MODEL.toml", help="the machine and its controller")
+    command.add_argument("--reference", required=True, metavar="REF.toml", help="the reference motion")
+
+
+def add_seed(command: argparse.ArgumentParser, of: str) -> None:
+    """Add `--seed`; `of`: what is drawn with it."""
+    command.add_argument("--seed", type=int, default=0, help=f"of {of} (default: 0)")
+
+
+def require_seed(arguments: argparse.Namespace) -> None:
+    """Raise InputError for a seed below 0 or of more than 64 bits."""
+    require_whole("--seed", arguments.seed, 0, SEEDS - 1)
+
+
+@contextlib.contextmanager
+def naming_files(arguments: argparse.Namespace) -> Iterator[None]:
+    """Let a ValueError of a simulation name model and reference."""
+    try:
+        yield
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{arguments.model} with {arguments.reference}: {error}") from None

@@ -1,14 +1,13 @@
-"""`cogging predict`: the tracking error of each controller, before the machine moves."""
+"""`cogging predict`: predict the tracking error of each controller."""
 
 from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, free_name, option
-from cogging.cli.parser import Commands, add_command, require_whole
-from cogging.cli.run_options import add_files, add_seed, naming_files, require_seed
-from cogging.cli.working import working
+from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, naming_files, require_seed, require_whole
+from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs
 from cogging.simulation.reference import files_of_reference
 
@@ -16,22 +15,22 @@ MOST_SAMPLES = 1_000_000  # machines that a prediction draws
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "predict",
-        help="the tracking error of each controller, before the machine moves",
-        description="Draw machines from the intervals of the model, run the model's own controller and those that can "
-        "be designed for it along the reference, and print rms and largest error of each with its 95 % interval.",
+        help="predict the tracking error of each controller",
+        description="Draw machines from the intervals of the model, simulate its controller and those that can be "
+        "designed for it along the reference, and print rms and largest error of each with its 95 % interval.",
         examples=(
             "cogging predict model.toml --reference ref.toml",
             "cogging predict model.toml --reference ref.toml --samples 200 --json errors.json",
         ),
     )
-    add_files(command)
+    add_run_files(command)
     command.add_argument("--samples", type=int, default=40, metavar="N", help="machines to draw (default: 40)")
     add_seed(command, of="machines and noise")
-    add_answer_options(command.add_argument_group(COMES_OUT), json="the errors")
+    add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the errors")
     command.set_defaults(run=run)
 
 
@@ -43,7 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     require_seed(arguments)
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
     options = {"samples": arguments.samples, "seed": arguments.seed}
-    with naming_files(arguments), working(arguments, "predict"):
+    with naming_files(arguments), status_line(arguments, "predict"):
         prediction = predict_error(arguments.model, arguments.reference, **options)
     following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))
-    give(arguments, prediction.text(), document=prediction.to_dict(), indent=2, next_command=following)
+    print_result(arguments, prediction.text(), document=prediction.to_dict(), indent=2, next_command=following)

@@ -1,25 +1,25 @@
-"""`cogging reproduce`: the published experiments beside the papers' numbers."""
+"""`cogging reproduce`: the published experiments compared with the papers."""
 
 from __future__ import annotations
 
 import argparse
 from typing import Any
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file, show
-from cogging.cli.next_command import after_a_paper
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_part, print_result
+from cogging.cli.next_command import after_reproduce
 from cogging.cli.parser import Commands, add_command, refuse_unknown
 from cogging.outputs import check_folder, check_outputs
 from cogging.papers.reproduction import PAPERS, compare, reproduce
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "reproduce",
-        help="the published experiments beside the papers' numbers",
-        description="Run the experiments of a paper and print its tables beside ours, each number with whether it was "
-        "calibrated or predicted. The tables (PAPER.json) and the figures (PNG) go into a folder.",
+        help="the published experiments compared with the papers",
+        description="Run the experiments of a paper and print its tables beside the simulated ones, each number "
+        "marked as calibrated or predicted. Tables (PAPER.json) and figures (PNG) are written into a folder.",
         examples=(
             "cogging reproduce lu2008",
             "cogging reproduce malaize2009 xu2001 --out results",
@@ -29,8 +29,8 @@ def add_parser(commands: Commands) -> None:
     )
     command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
     command.add_argument("--compare", action="store_true", help="all papers' controllers on one axis")
-    group = command.add_argument_group(COMES_OUT)
-    group.add_argument("--all", action="store_true", help="show the tables that are in no paper, too")
+    group = command.add_argument_group(OUTPUT_GROUP)
+    group.add_argument("--all", action="store_true", help="also show tables that are in no paper")
     group.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
     add_answer_options(group, json="the tables, one object a paper,")
     command.set_defaults(run=run)
@@ -43,14 +43,14 @@ def run(arguments: argparse.Namespace) -> None:
     check_folder(arguments.out)
     names = [*(arguments.papers or (() if arguments.compare else PAPERS)), *(["comparison"] * arguments.compare)]
     check_outputs({"--json": json_file(arguments)}, [f"{arguments.out}/{name}.json" for name in names])
-    told: list[dict[str, Any]] = []
+    documents: list[dict[str, Any]] = []
     for name in names:
         shown = not arguments.quiet
         result = compare(progress=shown) if name == "comparison" else reproduce(name, progress=shown)
         written = result.write(arguments.out)
-        told.append(result.to_dict())
-        show(
+        documents.append(result.to_dict())
+        print_part(
             arguments,
             f"{result.paper}\n\n{result.text(arguments.all)}\n\n{written[0]} and {len(written) - 1} figures written\n",
         )
-    give(arguments, "", document=told, next_command=after_a_paper(arguments))
+    print_result(arguments, "", document=documents, next_command=after_reproduce(arguments))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from cogging.cli.parser import Commands, add_command
-from cogging.cli.screen import say
+from cogging.cli.terminal import print_text
 from cogging.outputs import to_json
 
 
@@ -15,8 +15,8 @@ def add_parser(commands: Commands) -> None:
         commands,
         "schema",
         help="print the JSON Schema of model, reference, limits and sweep files",
-        description="Print the JSON Schema by which an editor completes and checks model, reference, limits and sweep "
-        "files.",
+        description="Print the JSON Schema with which an editor completes and checks model, reference, limits and "
+        "sweep files.",
         examples=("cogging schema",),
     )
     command.set_defaults(run=run)
@@ -26,4 +26,4 @@ def run(arguments: argparse.Namespace) -> None:
     """Print the schema."""
     from cogging.file_schema import schema
 
-    say(to_json(schema()).rstrip("\n"), plain=True)
+    print_text(to_json(schema()).rstrip("\n"), plain=True)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 
 from cogging._core import performance
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, files, option
-from cogging.cli.parser import Commands, add_command, require_whole
-from cogging.cli.run_options import add_files, add_seed, naming_files, require_seed
-from cogging.cli.working import working
+from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, naming_files, require_seed, require_whole
+from cogging.cli.terminal import status_line
 from cogging.model.model import STEPS_MAX
 from cogging.outputs import check_outputs, sidecar
 from cogging.shown import printable
@@ -19,25 +18,28 @@ from cogging.simulation.run import simulate
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "simulate",
-        help="one closed-loop run",
-        description="Run the model under its controller along the reference and write the log: time, reading, command, "
-        "reference and the true motion, with the model and the seed beside it (LOG.csv.toml). Printed are rows, "
-        "seconds and the largest error.",
+        help="simulate one closed-loop run",
+        description="Simulate the model with its controller along the reference and write the log: time, reading, "
+        "command, reference and the true motion, with the model and the seed in LOG.csv.toml. The command prints "
+        "rows, duration and the largest error.",
         examples=(
             "cogging simulate model.toml --reference ref.toml --out run.csv",
             "cogging simulate model.toml --reference ref.toml --seed 7 --out run.parquet --json run.json",
         ),
     )
-    add_files(command)
+    add_run_files(command)
     add_seed(command, of="the noise")
     command.add_argument(
-        "--steps-per-sample", type=int, metavar="N", help="fewest integration steps a sample (default: the model's)"
+        "--steps-per-sample",
+        type=int,
+        metavar="N",
+        help="least number of integration steps per sample (default: the model's)",
     )
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="LOG.csv", help="also .mat and .parquet")
     add_answer_options(group, json="rows, seconds and the indexes of the error")
     command.set_defaults(run=run)
@@ -51,15 +53,15 @@ def run(arguments: argparse.Namespace) -> None:
         require_whole("--steps-per-sample", steps, 1, STEPS_MAX)
     outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out), "--json": json_file(arguments)}
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
-    with working(arguments, "simulate") as begin:
+    with status_line(arguments, "simulate") as begin:
         with naming_files(arguments):
             log = simulate(arguments.model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
         begin("writing the log")
         log.write(arguments.out)
-    told = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}
+    document = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}
     indexes = performance(log.time, log.error, log.command)
     worst = f"{abs(log.error).max():.3g} {log.units.position}"
     text = f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {worst}"
     following = command_line("audit", files([arguments.out]), option("--model", arguments.model))
-    document = {**told, **{name: getattr(indexes, name) for name in INDEXES}}
-    give(arguments, text, document=document, next_command=following)
+    document |= {name: getattr(indexes, name) for name in INDEXES}
+    print_result(arguments, text, document=document, next_command=following)

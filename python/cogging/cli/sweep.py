@@ -1,22 +1,18 @@
-"""`cogging sweep`: many runs of a model, each with other numbers."""
+"""`cogging sweep`: simulate a model many times with other numbers."""
 
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
 from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.files import InputError
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
-
-if TYPE_CHECKING:
-    from cogging.simulation.sweep import SweepRuns
 
 THREADS_MAX = 1024
 FILE = """SWEEP.toml:
@@ -29,20 +25,20 @@ FILE = """SWEEP.toml:
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "sweep",
-        help="many runs of a model, each with other numbers",
-        description="Run the model along the reference once for each set of numbers, and write a table: a row a run, "
-        "with its numbers, its errors and its command. Ended before its time it keeps what is done, and the same "
-        "command goes on from there.",
+        help="simulate a model many times with other numbers",
+        description="Simulate the model along the reference for each set of numbers, and write a table: one row a "
+        "run, with its numbers, errors and command. If it is interrupted, finished runs are kept, and the same "
+        "command continues from there.",
         epilog=FILE,
         examples=("cogging sweep sweep.toml --out runs.csv", "cogging sweep sweep.toml --out runs.parquet --threads 2"),
     )
-    command.add_argument("sweep", metavar="SWEEP.toml", help="which runs, as below")
+    command.add_argument("sweep", metavar="SWEEP.toml", help="the runs, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")
     add_answer_options(group, json="a summary of the runs")
     command.set_defaults(run=run)
@@ -50,14 +46,14 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
-    from cogging.simulation.frames import is_parquet
-    from cogging.simulation.sweep_file import files_of_sweep, read_sweep, run_sweep
+    from cogging.simulation.runs_table import is_parquet
+    from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
     from cogging.tables import library
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments)}
-    check_outputs(outputs, files_of_sweep(asked, arguments.sweep))
+    check_outputs(outputs, files_of_job(asked, arguments.sweep))
     try:
         if is_parquet(arguments.out):
             library("pyarrow")
@@ -65,16 +61,12 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError(f"--out: {error}") from None
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
     runs = run_sweep(arguments.sweep, asked, **options)
-    following = after_many_runs(asked["model"], asked["reference"])
-    text = f"{printable(arguments.out)}: {runs!r}"
-    give(arguments, text, document=_summary(runs, arguments.out), indent=2, next_command=following)
-
-
-def _summary(runs: SweepRuns, out: str) -> dict[str, Any]:
-    """How many runs there are, over what, and smallest, median and largest of each index."""
-    found = {}
+    indexes = {}
     for name in INDEXES:
         values = runs.table[name][np.isfinite(runs.table[name])]
         low, middle, high = np.quantile(values, (0.0, 0.5, 1.0)) if values.size else (np.nan,) * 3
-        found[name] = {"smallest": low, "median": middle, "largest": high}
-    return {"out": out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units), "indexes": found}
+        indexes[name] = {"smallest": low, "median": middle, "largest": high}
+    summary = {"out": arguments.out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units)}
+    following = after_many_runs(asked["model"], asked["reference"])
+    text = f"{printable(arguments.out)}: {runs!r}"
+    print_result(arguments, text, document={**summary, "indexes": indexes}, indent=2, next_command=following)

@@ -1,10 +1,10 @@
-"""`cogging tune`: the gains of a controller for an uncertain machine."""
+"""`cogging tune`: tune the gains of a controller for an uncertain machine."""
 
 from __future__ import annotations
 
 import argparse
 
-from cogging.cli.answer import COMES_OUT, add_answer_options, give, json_file
+from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
 from cogging.cli.parser import Commands, add_command, require_whole
 from cogging.files import InputError
@@ -25,27 +25,27 @@ FILE = """TUNE.toml:
 
 
 def add_parser(commands: Commands) -> None:
-    """Add the command and its arguments."""
+    """Add the command."""
     command = add_command(
         commands,
         "tune",
-        help="the gains of a controller for an uncertain machine",
-        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, within "
-        "limits on command, chatter and robustness, and say what they cost. Ended before its time, it writes the best "
-        "so far, and the same command goes on from there.",
+        help="tune the gains of a controller for an uncertain machine",
+        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, "
+        "within limits on command, chatter and robustness, and report what they cost. If it is interrupted, it writes "
+        "the best gains so far, and the same command continues from there.",
         epilog=FILE,
         examples=(
             "cogging tune tune.toml --out tuned.toml",
             "cogging tune tune.toml --figure tuned.png --json tuned.json",
         ),
     )
-    command.add_argument("tune", metavar="TUNE.toml", help="what is tuned, as below")
+    command.add_argument("tune", metavar="TUNE.toml", help="the tuning, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
-    group = command.add_argument_group(COMES_OUT)
+    group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument(
         "--out", default="tuned.toml", metavar="MODEL.toml", help="the model with the tuned gains (default: tuned.toml)"
     )
-    group.add_argument("--figure", metavar="OUT.png", help="where the trade-off is drawn")
+    group.add_argument("--figure", metavar="OUT.png", help="plot the trade-off")
     add_answer_options(group, json="the tuning")
     command.set_defaults(run=run)
 
@@ -70,4 +70,4 @@ def run(arguments: argparse.Namespace) -> None:
         written.append(arguments.figure)
     text = tuning.text() if written or arguments.json else f"{tuning.text()}\nnothing written"
     following = after_many_runs(arguments.out if tuning.model is not None else asked["model"], asked["reference"])
-    give(arguments, text, document=tuning.to_dict(), indent=2, written=written, next_command=following)
+    print_result(arguments, text, document=tuning.to_dict(), indent=2, written=written, next_command=following)

@@ -4,8 +4,8 @@ Source: A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of EMPS"
 Identification Benchmarks, 2019; public at nonlinearbenchmark.org, also through the package `nonlinear-benchmarks`.
 Licence: none is stated; cite the authors.
 
-The command is recorded in volts. The force is FORCE_CONSTANT times it, and that force, N, is the command here, so that
-masses are kilograms.
+The command is recorded in volts. Here the command is the force in N, FORCE_CONSTANT times the voltage, so that masses
+are in kilograms.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ FILES = ("DATA_EMPS", "DATA_EMPS_PULSES")  # the second has another motion, and 
 COLUMNS = MappingProxyType({"time": "t", "position": "qm", "reference": "qg", "command": "vir"})  # in the files
 FORCE_CONSTANT = 35.15065  # N/V, amplifier, motor and screw
 SCREW_LEAD = 2.5e-3  # m, one turn of the screw
-PULSE = 1.08  # V of the command for each unit of the column `pulses_N`: between 1.06 and 1.1 in the log
-#: The published least squares, kg, N s/m, N and N, by the path that `identify` and `parameters_of` give them.
+PULSE = 1.08  # V of the command for each unit of the column `pulses_N`; 1.06 to 1.1 in the log
+#: Published least-squares estimates by parameter path, kg, N s/m, N and N.
 PUBLISHED = MappingProxyType(
     {"axis.mass": 95.11, "axis.viscous": 203.5, "axis.coulomb": 20.39, "effects.constant_force.force": 3.16}
 )
@@ -47,15 +47,14 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
     """Find the two files.
 
     Args:
-        folder: where they lie (see cogging.datasets). Where neither it nor COGGING_DATA leads to them, and `folder`
-            is not given, the package `nonlinear-benchmarks` is asked, if it is installed: it fetches them once (2 MB)
-            and keeps them in its own folder.
+        folder: of the data (see cogging.datasets). Without it, and if COGGING_DATA does not contain them, the package
+            `nonlinear-benchmarks` downloads them once (2 MB) into its own folder, if it is installed.
 
     Returns:
         Their paths by their names without `.mat`.
 
     Raises:
-        InputError: a file is not there, or could not be fetched; says source and licence.
+        InputError: a file is missing or could not be fetched; names source and licence.
     """
     return {name: _find(name, folder) for name in FILES}
 
@@ -72,7 +71,7 @@ def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) 
 
     Raises:
         ValueError: `name` is not of FILES.
-        InputError: the file is not there, or is no such log.
+        InputError: the file is missing or invalid.
     """
     if name not in FILES:
         raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
@@ -80,25 +79,25 @@ def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) 
 
 
 def pulses(folder: str | os.PathLike[str] | None = None) -> FloatArray:
-    """Read what was added to the controller's command in DATA_EMPS_PULSES.
+    """Read the pulses added to the controller's command in DATA_EMPS_PULSES.
 
     Args:
         folder: see `files`.
 
     Returns:
-        N, (n,), a row of the log each; the log's command has it in.
+        N, (n,), one for each row of the log; its command contains them.
 
     Raises:
-        InputError: the file is not there, or has no pulses.
+        InputError: the file is missing or has no pulses.
     """
     units = read_columns(_find("DATA_EMPS_PULSES", folder), ["pulses_N"])["pulses_N"]
     return PULSE * FORCE_CONSTANT * units
 
 
 def controller() -> CascadeParameters:
-    """The published controller, u = kv (kp (reference - position) - velocity), limited to 10 V.
+    """Return the published controller, u = kv (kp (reference - position) - velocity), limited to 10 V.
 
-    Fitted to the logs the inner gain comes out 4 % larger.
+    A fit to the logs gives an inner gain 4 % larger.
 
     Returns:
         Its parameters for a command in newtons: kp 1/s, kv N s/m, limit N.
@@ -109,7 +108,7 @@ def controller() -> CascadeParameters:
 
 
 def published() -> Model:
-    """The machine as it is published.
+    """Return the published model.
 
     Returns:
         Mass, viscous and Coulomb friction by the sign of the velocity, a constant force, and the published cascade.
@@ -135,20 +134,17 @@ def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:
     except InputError:
         if folder is not None:
             raise
-    fetched, note = _fetched()
+    fetched: list[Path] = []
+    try:
+        import nonlinear_benchmarks
+
+        fetched = [Path(path) for path in nonlinear_benchmarks.EMPS(data_file_locations=True)]  # downloads once
+        note = ""
+    except ImportError:
+        note = "; pip install nonlinear-benchmarks fetches it"
+    except Exception as error:  # any error of the download
+        note = f"; nonlinear-benchmarks could not fetch it: {type(error).__name__}: {error}"
     for path in fetched:
         if path.name == file and path.is_file():
             return path
     raise SOURCE.absent(file, [*SOURCE.folders(), *dict.fromkeys(path.parent for path in fetched)], note)
-
-
-def _fetched() -> tuple[list[Path], str]:
-    """Where `nonlinear-benchmarks` keeps the files, fetched now if they were not; or none, and what to say of it."""
-    try:
-        import nonlinear_benchmarks
-    except ImportError:
-        return [], "; pip install nonlinear-benchmarks fetches it"
-    try:
-        return [Path(path) for path in nonlinear_benchmarks.EMPS(data_file_locations=True)], ""
-    except Exception as error:  # whatever its download ends in
-        return [], f"; nonlinear-benchmarks could not fetch it: {type(error).__name__}: {error}"

@@ -2,8 +2,8 @@
 
 Source: H. Andrade, github.com/heitor-andrade/laas_anti_cogging, 2023. Licence: BSD-3-Clause.
 
-The motor is rotary and its force constant is not known: position in rad stands for m and the current for the command,
-so that a mass is J/Kt, A/(rad/s^2). Rows come every millisecond or so; some were lost on the way.
+The motor is rotary and its force constant is unknown: the position is in rad and the command is the current, so that a
+mass is J/Kt, A/(rad/s^2). Rows are about a millisecond apart; some were lost.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ SOURCE = Source(
     "BSD-3-Clause",
     (".", "codes/Get_Data", "codes/Stopped/stopped_data", "codes/acceleration_data"),
 )
-#: `stopped_data`: held at one place after the other, one turn and back. `acc_current`: 0.4 A at 2 Hz, up to 160 rad/s.
-#: `speed_test1`: a speed loop at one turn a second, for half of the time with the makers' compensation of the cogging.
+#: `stopped_data`: held at successive positions, one turn and back. `acc_current`: 0.4 A at 2 Hz, up to 160 rad/s.
+#: `speed_test1`: a speed loop at one turn per second, half of the time with the authors' cogging compensation.
 FILES = ("stopped_data", "acc_current", "speed_test1")
 TURN = 2 * np.pi  # rad, the pitch of the motor's map
-#: The speed loop of `speed_test1` as the makers describe it: A/(rad/s), rad/s, s.
+#: The speed loop of `speed_test1` as published: A/(rad/s), rad/s, s.
 SPEED_LOOP = MappingProxyType({"gain": 0.09, "reference": TURN, "delay": 2e-3})
 
 
@@ -59,12 +59,12 @@ class RotaryLog:
         return f"RotaryLog({len(self)} rows, {span}: position rad, velocity rad/s, current A)"
 
     def between(self, start: float, stop: float) -> RotaryLog:
-        """The rows from `start` (s) to before `stop` (s)."""
+        """Return the rows with start <= time < stop (s)."""
         kept = (self.time >= start) & (self.time < stop)
         return RotaryLog(self.time[kept], self.position[kept], self.velocity[kept], self.current[kept])
 
     def log(self) -> Log:
-        """The same as a log of an axis: rad in place of m, A in place of V.
+        """Return the same as a log of an axis, with rad for m and A for V.
 
         Raises:
             ValueError: time is not strictly increasing.
@@ -76,13 +76,13 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
     """Find the three files.
 
     Args:
-        folder: where they lie (see cogging.datasets): side by side, or as in a clone of the repository.
+        folder: of the data (see cogging.datasets): side by side, or as in a clone of the repository.
 
     Returns:
         Their paths by their names without `.txt`.
 
     Raises:
-        InputError: a file is not there; says source and licence.
+        InputError: a file is missing; names source and licence.
     """
     return {name: SOURCE.find(f"{name}.txt", folder) for name in FILES}
 
@@ -93,15 +93,14 @@ def read(name: str, folder: str | os.PathLike[str] | None = None, *, compensated
     Args:
         name: of FILES.
         folder: see `files`.
-        compensated: the rows of `speed_test1` during which the makers' compensation was on, in place of those during
-            which it was off.
+        compensated: of `speed_test1`, the rows with the authors' compensation instead of those without.
 
     Returns:
         Time s, position rad, velocity rad/s and current A of those rows.
 
     Raises:
         ValueError: `name` is not of FILES, or was never compensated.
-        InputError: the file is not there, or is no such log.
+        InputError: the file is missing or invalid.
     """
     if name not in FILES:
         raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")

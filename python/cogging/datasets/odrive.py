@@ -1,10 +1,10 @@
-"""ODrive: a direct-drive hobby motor of 12 slots and 7 pole pairs whose cogging makes nearly all of the current.
+"""ODrive: a direct-drive hobby motor of 12 slots and 7 pole pairs whose current mostly compensates cogging.
 
 Source: G. Chen, github.com/gchenfc/ODrive, branch master, folder `analysis`, 2020. Licence: MIT.
 
-The motor is rotary and its force constant is not known: position in rad stands for m and the current for the command,
-so that a mass is J/Kt, A/(rad/s^2). The drive was polled: rows come every 1.5 to 6 ms. Three of the slow runs begin
-with a fast way back to the start. What the drive tells as its current is smoothed: `read` undoes it.
+The motor is rotary and its force constant is unknown: the position is in rad and the command is the current, so that a
+mass is J/Kt, A/(rad/s^2). The drive was polled every 1.5 to 6 ms. Three of the slow runs begin with a fast return to
+the start. The drive reports a smoothed current: `read` inverts the filter.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ SOURCE = Source(
 )
 COUNTS = 8192  # of a turn
 TURN = 2 * np.pi  # rad
-#: Slow turns under a controller that is not told, once around: 10 s, and `slower` 33 s; `comp` with the makers'
-#: compensation of the cogging, `nocomp` without.
+#: One slow turn under an undocumented controller, 10 s, and `slower` 33 s; `comp` with the authors' cogging
+#: compensation, `nocomp` without.
 FILES = (
     "slow2_nocomp_0",
     "slow2_nocomp_1",
@@ -40,14 +40,14 @@ FILES = (
     "slow2_slower_nocomp_0",
     "slow2_slower_comp_0",
 )
-#: Current that holds the motor at one count after the other, by what the file is called: one way, the other way, and
-#: one way without the motor beside it, which makes most of what there is 7 times a turn.
+#: Holding current at successive counts, by file: forward, backward, and forward without the neighbouring motor, which
+#: causes most of the harmonic of 7 per turn.
 SCANS = MappingProxyType({"forward": "final_a_16", "backward": "final_rev_16", "alone": "final_iso_16"})
-#: s, of the first-order lag through which the drive tells its current: the makers set `I_measured_report_filter_k` to
-#: 0.001, by 8,000 samples of the current a second.
+#: s, time constant of the reported current: the authors set `I_measured_report_filter_k` to 0.001, with 8,000 samples
+#: of the current per second.
 SMOOTHING = 0.125
-REWIND_SPEED = 6.0  # rad/s: no slow run jumps from tooth to tooth so fast, and the way back is at 30
-REWIND_REST = 0.3  # s, for the motor to come to rest after it
+REWIND_SPEED = 6.0  # rad/s: above the jumps between teeth of a slow run, below the return at 30
+REWIND_REST = 0.3  # s, settling time after the return
 
 
 class Scan(NamedTuple):
@@ -66,13 +66,13 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
     """Find the slow runs and the scans.
 
     Args:
-        folder: where they lie (see cogging.datasets): side by side, or as in a clone of the repository.
+        folder: of the data (see cogging.datasets): side by side, or as in a clone of the repository.
 
     Returns:
         Their paths by the names of FILES and SCANS.
 
     Raises:
-        InputError: a file is not there; says source and licence.
+        InputError: a file is missing; names source and licence.
     """
     return {name: _find(name, folder) for name in (*FILES, *SCANS)}
 
@@ -82,24 +82,22 @@ def read(
 ) -> Log:
     """Read one of the slow runs.
 
-    The current i that the drive tells lags behind the one that acts, u: T di/dt = u - i with T = SMOOTHING. Between two
-    rows dt apart u is (i_1 - e i_0) / (1 - e), e = exp(-dt / T), and stands in the first of them; the last row, after
-    which nothing is known, is left out.
+    The reported current i lags the actual current u: T di/dt = u - i with T = SMOOTHING. Between two rows dt apart
+    u = (i_1 - e i_0) / (1 - e), e = exp(-dt / T), assigned to the first of them; the last row is omitted.
 
     Args:
         name: of FILES.
         folder: see `files`.
-        smoothed: the current as it is recorded. It is late by SMOOTHING, and harmonics of the cogging that the motor
-            passes in less time seem smaller: 28 a turn by a fifth to two thirds.
-        rewind: with the way back to the start, which stands before the turn in `slow2_nocomp_1`, `slow2_nocomp_2` and
-            `slow2_slower_comp_0`.
+        smoothed: the current as recorded, delayed by SMOOTHING; fast harmonics of the cogging appear smaller, that of
+            28 per turn by a fifth to two thirds.
+        rewind: include the return to the start in `slow2_nocomp_1`, `slow2_nocomp_2` and `slow2_slower_comp_0`.
 
     Returns:
         Time s, position rad and command A.
 
     Raises:
         ValueError: `name` is not of FILES.
-        InputError: the file is not there, or is no such run.
+        InputError: the file is missing or invalid.
     """
     if name not in FILES:
         raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
@@ -126,11 +124,11 @@ def scan(name: str, folder: str | os.PathLike[str] | None = None) -> Scan:
         folder: see `files`.
 
     Returns:
-        The places that were visited, every 16th count of a turn.
+        Position and current at every 16th count of a turn.
 
     Raises:
         ValueError: `name` is not of SCANS.
-        InputError: the file is not there, or is no such scan.
+        InputError: the file is missing or invalid.
     """
     if name not in SCANS:
         raise ValueError(f"name: must be one of {', '.join(SCANS)}, got {name!r}{nearest(name, SCANS)}")
@@ -143,7 +141,7 @@ def scan(name: str, folder: str | os.PathLike[str] | None = None) -> Scan:
 
 
 def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:
-    """The file of a run or a scan, side by side with the others or by the name that it has in the repository."""
+    """Return the file of a run or a scan, in a flat folder or in a clone of the repository."""
     if name in SCANS:
         return SOURCE.find(f"cogging_measure_{SCANS[name]}.npy", folder)
     group, run, number = name.rsplit("_", 2)
@@ -154,7 +152,7 @@ def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:
 
 
 def _array(path: Path) -> FloatArray:
-    """The finite numbers of a file; no object is unpickled."""
+    """Return the finite numbers of a file; no object is unpickled."""
     try:
         with path.open("rb") as file:
             values = np.asarray(np.lib.format.read_array(file, allow_pickle=False), dtype=np.float64)
@@ -166,7 +164,7 @@ def _array(path: Path) -> FloatArray:
 
 
 def _after_rewind(time: FloatArray, position: FloatArray) -> int:
-    """The first row after a way back, at rest; 0 where there is none."""
+    """Return the first row at rest after a return; 0 if there is none."""
     speed = np.abs(np.diff(position)) / np.diff(time)
     fast = np.flatnonzero(speed > REWIND_SPEED)
     return int(np.searchsorted(time, time[fast[-1]] + REWIND_REST)) if len(fast) else 0

@@ -1,10 +1,10 @@
-"""TRO2021: a lead-screw drive at 32 constant speeds and in two start-stop runs, text files of its drive's program.
+"""TRO2021: a lead-screw drive at 32 constant speeds and in two start-stop runs, text files of the drive's software.
 
 Source: A. Mablekos-Alexiou, L. da Cruz, C. Bergeles, IEEE Transactions on Robotics 37(4), 2021;
 github.com/RViMLab/TRO2021-Dynamic-Modelling. Licence: MIT.
 
-Speed in rpm, torque in % of the nominal one, no position. The first of the repository's drives is found here by name;
-`read` takes a file of any.
+Speed is in rpm, torque in % of nominal; there is no position. `files` finds the first drive of the repository; `read`
+reads a file of any.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SOURCE = Source(
     "MIT; cite Mablekos-Alexiou, da Cruz and Bergeles 2021",
     ("experiments/driveNo1", "driveNo1", "."),
 )
-SETTLING = 20  # rows at the start of a constant-speed run that its mean leaves out
+SETTLING = 20  # rows at the start of a constant-speed run that its mean omits
 
 
 class Run(NamedTuple):
@@ -59,13 +59,13 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
     """Find the runs.
 
     Args:
-        folder: where they lie (see cogging.datasets): a clone of the repository, or its `driveNo1`.
+        folder: of the data (see cogging.datasets): a clone of the repository, or its `driveNo1`.
 
     Returns:
         Their paths by name: `steady_state/0.096kg/20`, `steady_state/0.096kg/n20` the other way, `start_stop/200`.
 
     Raises:
-        InputError: there is none; says source and licence.
+        InputError: no file was found; names source and licence.
     """
     for root in SOURCE.candidates("", folder):
         paths = sorted((*root.glob("steady_state/*/*.csv"), *root.glob("start_stop/*.csv")))
@@ -84,7 +84,7 @@ def read(path: str | os.PathLike[str]) -> Run:
         Its rows, without those that have no values.
 
     Raises:
-        InputError: the file cannot be read, or is no such run; names the row.
+        InputError: the file is invalid; names the row.
     """
     lines = read_text(path).splitlines()
     start = next((number for number, line in enumerate(lines, start=1) if line.startswith("ms;")), 0)
@@ -117,7 +117,7 @@ def steady_speeds(folder: str | os.PathLike[str] | None = None) -> SteadySpeeds:
         Speed rpm and torque %, in the order of the files' names.
 
     Raises:
-        InputError: there is no run, or one is broken or has no rows after those.
+        InputError: no run was found, or one is invalid or too short.
     """
     means = []
     for name, path in files(folder).items():

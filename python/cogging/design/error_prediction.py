@@ -14,23 +14,21 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import Arc, Cascade, Dcarc, ObserverBased, OutputFeedbackArc, Pid, Reference
 from cogging.arrays import FloatArray, real_array
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import did_you_mean, takes
 from cogging.design.bounds import Bounds
 from cogging.design.observer import design_observer
-from cogging.memory import require_machines
 from cogging.model.controller import AnyController, ListedController
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model, is_number
 from cogging.model.parameters import with_values
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread, require_machines
 from cogging.shown import nearest
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.frames import to_pandas
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs
 from cogging.simulation.reference import read_reference, reference_from
-from cogging.tables import frame_of
+from cogging.tables import frame_of, to_pandas
 from cogging.values import ByValue
 
 if TYPE_CHECKING:

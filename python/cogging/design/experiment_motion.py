@@ -19,9 +19,9 @@ from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect, Knots, Place, SplineKnots, Travel, Wave, kind_of
 from cogging.estimation.residuals import quiet
 from cogging.logs.log import Log
-from cogging.memory import LOG_COLUMNS, require_table
 from cogging.model.controller import AnyController
 from cogging.model.model import Model
+from cogging.resources import LOG_COLUMNS, require_table
 
 SHARE = 0.9  # of each limit, used by a reference; the machine exceeds it a little
 MARGIN = 0.02  # of the travel, kept from each end

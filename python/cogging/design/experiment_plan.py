@@ -13,7 +13,6 @@ import numpy as np
 
 from cogging._core import PidParameters, Sampled
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.design.experiment_motion import (
     CHANGES,
@@ -43,9 +42,9 @@ from cogging.model.units import Units
 from cogging.outputs import to_json, to_toml, write_files
 from cogging.plot.results import whole_plan
 from cogging.progress import Progress, steps
+from cogging.resources import on_one_blas_thread, on_threads
 from cogging.shown import nearest, quoted
 from cogging.simulation.arguments import MODEL
-from cogging.threads import on_threads
 from cogging.values import ByValue
 
 if TYPE_CHECKING:

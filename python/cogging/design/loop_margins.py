@@ -14,9 +14,9 @@ from cogging.arrays import FloatArray
 from cogging.design.error_prediction import DRAWS_MAX
 from cogging.effects.effect import Effect
 from cogging.files import FieldError
-from cogging.memory import require_machines
 from cogging.model.controller import AnyController
 from cogging.model.intervals import Intervals
+from cogging.resources import require_machines
 from cogging.simulation.reductions import kept_of_runs
 from cogging.simulation.varied import BOUNDS, SEED, Setup, Variation, refuse_unknown_paths, variation_of, with_numbers
 

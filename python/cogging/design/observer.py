@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import Kind, takes, told_constructor
+from cogging.resources import on_one_blas_thread
 from cogging.values import ByValue, brief
 
 # By how much the solver is asked to keep the inequalities, so that they hold in truth. Tried in turn: what stops it for

@@ -19,7 +19,6 @@ import numpy as np
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import Kind, did_you_mean, takes
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, Push, machines_of, push_of, variations_of
@@ -32,12 +31,13 @@ from cogging.outputs import AnyPath, target_of, write_bytes, write_text
 from cogging.plot.canvas import grid_to_write
 from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.progress import Progress, steps
+from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import read_reference, reference_from, reference_to_dict
-from cogging.simulation.sweep_file import files_of_job, require_keys, run_job
+from cogging.simulation.sweep import files_of_job, require_keys, run_job
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
 from cogging.tables import frame_of
 from cogging.values import ByValue

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from cogging._core import DivergedError
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.balance.decision import Outcome, search
 from cogging.diagnosis.balance.evidence import TooLittleMotion
@@ -30,10 +29,10 @@ from cogging.diagnosis.yardstick import REPLAYED, Discrepancy, Yardstick, growth
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading import misreading
-from cogging.memory import require_rows
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.progress import Progress, steps
+from cogging.resources import on_one_blas_thread, require_rows
 from cogging.simulation.arguments import LOGS, MODEL
 
 MOTION_MIN = 1.0  # s in motion, in all given logs together: in less, friction hides every force

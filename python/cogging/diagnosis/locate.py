@@ -7,7 +7,6 @@ import os
 import numpy as np
 from scipy.stats import chi2
 
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.diagnosis.balance.candidates import Search, sharpen, wave_scan
 from cogging.diagnosis.balance.cells import hats
@@ -21,6 +20,7 @@ from cogging.diagnosis.preparation import Logs, read_logs
 from cogging.diagnosis.yardstick import Discrepancy, Yardstick
 from cogging.log_check.log_audit import check_against_model
 from cogging.model.model import Model
+from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOGS, MODEL
 
 PLACES = 12  # at which a force of any shape in one coordinate is tested

@@ -1,4 +1,4 @@
-"""An effect of the user's own: laws that are functions, tried beside the vocabulary."""
+"""Custom effects: laws that are functions of the user."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from cogging._core import EFFECTS, AxisParameters, CoggingModel
 from cogging._core.effects import CompiledLaw, OwnLaws, PythonLaw
-from cogging.effects.parameter import Parameter, role_of_parameter, valid_value
 from cogging.shown import nearest
 
 Value = float | list[float]
 
-COMPILED: Any = ctypes.CFUNCTYPE(None).__base__  # of every ctypes function
+COMPILED: Any = ctypes.CFUNCTYPE(None).__base__  # base of every ctypes function
 
-#: What each law may ask for, in this order, by the name of its argument.
+#: Arguments of each law beside the parameters, in this order.
 PLACES = ("position", "velocity", "time")
 HOOKS = {
     "force": PLACES,
@@ -31,14 +30,118 @@ HOOKS = {
     "command_gain": ("position", "time"),
     "reading_error": ("position",),
 }
-CHANGES = ("mass_change", "viscous_change", "coulomb_change")  # names of results, beside the vocabulary
+CHANGES = ("mass_change", "viscous_change", "coulomb_change")  # names in results, reserved too
 TRIAL = ([0.02, 0.05, 0.11], [-0.3, 0.0, 0.2], [0.0, 0.4, 1.7])  # m, m/s, s
-SAME = 1e-9  # of the largest value: by how much a law may differ between numbers and arrays
+SAME = 1e-9  # of the largest value: tolerance between numbers and arrays
+
+
+#: Quantity and multiple that bound an amplitude without bounds, by its unit.
+BY_UNIT = {
+    "V": ("force", 1.0),
+    "V/m": ("force_per_position", 1.0),
+    "V/(m/s)": ("force_per_velocity", 1.0),
+    "V/(m/s)^2": ("force_per_velocity_squared", 1.0),
+    "1": ("relative", 1.0),
+    "m": ("distance", 0.01),
+}
+QUANTITIES = (
+    *("one", "relative", "exponent", "force", "command", "friction", "force_per_position", "force_per_velocity"),
+    *("force_per_velocity_squared", "stiffness", "position", "distance", "angle", "velocity", "time", "sample_time"),
+    *("frequency", "absolute"),
+)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a custom effect, and how to search for it.
+
+    Attributes:
+        value: a number, or a list of numbers.
+        unit: SI and the command unit, as "V/(m/s)"; "1" for a pure number.
+        meaning: in a few words.
+        role: "amplitude": the law is linear in it and vanishes at 0; "shape": it is not linear; "setting": chosen, not
+            searched for.
+        low, high: range of the search, in the parameter's unit or in multiples of `quantity`. An amplitude may omit
+            them: its unit implies a plausible size.
+        quantity: unit of low and high (see cogging.effects); None: the parameter's unit.
+        logarithmic: search in the logarithm.
+        neutral: of a shape, the value at which the effect vanishes, if there is one.
+    """
+
+    value: float | Sequence[float]
+    unit: str = "1"
+    meaning: str = ""
+    role: Literal["amplitude", "shape", "setting"] = "amplitude"
+    low: float | None = None
+    high: float | None = None
+    quantity: str | None = None
+    logarithmic: bool = False
+    neutral: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.role not in ("amplitude", "shape", "setting"):
+            raise ValueError(f"role: must be amplitude, shape or setting, got {self.role!r}")
+        if self.quantity is not None and self.quantity not in QUANTITIES:
+            got = f"{self.quantity!r}{nearest(self.quantity, QUANTITIES)}"
+            raise ValueError(f"quantity: must be one of {', '.join(QUANTITIES)}, got {got}")
+        if (self.low is None) != (self.high is None):
+            raise ValueError(f"low, high: both or neither must be given, got {self.low} and {self.high}")
+        if self.low is not None and self.high is not None:
+            if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+                raise ValueError(f"low, high: must be finite, low below high, got {self.low} and {self.high}")
+            if self.logarithmic and self.low <= 0.0:
+                raise ValueError(f"low: must be above 0 where steps are logarithmic, got {self.low}")
+        listed = not isinstance(self.value, int | float)
+        if self.role == "shape" and self.low is None and not listed:
+            raise ValueError("low, high: must be given for a shape, got neither")
+        if self.role == "amplitude":
+            if self.low is None and self.quantity is None and self.unit not in BY_UNIT:
+                raise ValueError(f"low, high: must be given for an amplitude in {self.unit!r}, got neither")
+            if self.low is not None and not self.low <= 0.0 < float(self.high or 0.0):
+                raise ValueError(f"low, high: must hold 0 for an amplitude, got {self.low} and {self.high}")
+            if self.neutral not in (None, 0.0):
+                raise ValueError(f"neutral: must be 0 for an amplitude, got {self.neutral}")
+
+
+def role_of_parameter(parameter: Parameter, rubs: bool = False) -> dict[str, Any]:
+    """Return the entry of ROLES; `rubs`: the effect is a friction level alone."""
+    listed = isinstance(parameter.value, Sequence)
+    role: dict[str, Any] = {"role": parameter.role, "quantity": parameter.quantity or "absolute"}
+    if parameter.role == "setting":
+        return role | {"quantity": "one", "low": None, "high": None, "logarithmic": False, "neutral": None}
+    low, high, neutral = parameter.low, parameter.high, parameter.neutral
+    if parameter.role == "amplitude":
+        neutral = [0.0] * len(parameter.value) if isinstance(parameter.value, Sequence) else 0.0  # type: ignore[assignment]
+        if low is None:
+            quantity, most = BY_UNIT.get(parameter.unit, ("one", 1.0))
+            if rubs and quantity == "force":
+                quantity, most = "friction", 2.0
+            role["quantity"] = parameter.quantity or quantity
+            low, high = -most, most
+    elif low is None and listed:  # places along the travel
+        role["quantity"], low, high = parameter.quantity or "position", 0.0, 1.0
+    return role | {"low": low, "high": high, "logarithmic": parameter.logarithmic, "neutral": neutral}
+
+
+def valid_value(effect: str, name: str, parameter: Parameter, value: Any) -> float | list[float]:
+    """Return a valid value of a parameter as a float or a list of floats."""
+    listed = not isinstance(parameter.value, int | float)
+    try:
+        numbers = [float(one) for one in value] if listed else [float(value)]
+    except (TypeError, ValueError):
+        kind = "a list of numbers" if listed else "a number"
+        raise ValueError(f"{effect}.{name}: must be {kind}, got {value!r}") from None
+    for number in numbers:
+        if not math.isfinite(number):
+            raise ValueError(f"{effect}.{name}: must be a finite number, got {number:g}")
+        if parameter.role == "shape" and not listed and parameter.low is not None and parameter.low > 0.0 >= number:
+            raise ValueError(f"{effect}.{name}: must be above 0, got {number:g}")
+    return numbers if listed else numbers[0]
 
 
 @dataclass(frozen=True)
 class Definition:
-    """What an effect of the user's own is, whatever the values of its parameters."""
+    """A custom effect without the values of its parameters."""
 
     name: str
     laws: Mapping[str, Any]
@@ -52,35 +155,33 @@ class Definition:
 class Custom(OwnLaws):
     """An effect of your own, from functions of position (m), velocity (m/s), time (s) and its parameters.
 
-    It goes wherever an effect of the vocabulary goes: into a `Plant` and a `Model`, which simulate it; `identify` fits
-    its parameters; `diagnose(..., also=[it])` tries it beside the vocabulary.
+    It is used like a built-in effect: `Plant` and `Model` simulate it, `identify` fits its parameters, and
+    `diagnose(..., also=[it])` tries it beside the built-in ones.
 
-    A Python function names what it takes: `def force(velocity, drag, corner)` asks for the velocity and for two
-    parameters. It is called with numbers in a run and with arrays along a log, and gives the same for both; each call
-    takes Python's lock. A compiled function (numba's `cfunc`, or a ctypes function with `argtypes` and `restype`) takes
-    doubles: all that its law may ask for (below), then all parameters in their order; it runs without the lock, on as
-    many threads as there are. Functions are pure: they remember nothing.
+    A Python function names its arguments: `def force(velocity, drag, corner)` takes the velocity and two parameters. It
+    is called with numbers in a run and with arrays along a log, must give the same for both, and holds Python's lock. A
+    compiled function (numba's `cfunc`, or a ctypes function with `argtypes` and `restype`) takes doubles: all arguments
+    of its law (below), then all parameters in their order. It runs without the lock on all threads. Functions are pure.
 
-    The integrator looks at each step for a kink or a jump of the law, and makes it shorter where there is one. What is
-    narrower than half the path, or time, of a sample can be passed over unseen: then state how narrow it is.
+    The integrator shortens a step with a kink or a jump of the law. Features narrower than half the path, or time, of a
+    sample may be missed: then state the shortest scale.
 
     Args:
-        name: lower-case letters, digits and `_`; not one of the vocabulary.
-        force: V, pushes towards +x; of position, velocity, time.
+        name: lower-case letters, digits and `_`; not a built-in effect.
+        force: V, towards +x; of position, velocity, time.
         friction_level: V, added to the Coulomb level; of position, velocity, time.
         command_gain: added to the gain 1 of the command; of position, time.
-        reading_error: m, by which the encoder reads too much; of position.
+        reading_error: m, added to the reading of the encoder; of position.
         parameters: by name; a number stands for `Parameter(number)`.
         law: the formula, for reports.
-        kinds: what parameters are together (`Wave`, `Window`, `Knots`, `SplineKnots`, `Place`), where a search shall
-            know.
-        length_scale: m, the shortest along the travel on which a law changes.
-        velocity_scale: m/s, the same in velocity.
-        time_scale: s, the same in time.
+        kinds: groups of parameters (`Wave`, `Window`, `Knots`, `SplineKnots`, `Place`), for a search.
+        length_scale: m, shortest scale of a law along the travel.
+        velocity_scale: m/s, shortest scale in velocity.
+        time_scale: s, shortest scale in time.
 
     Raises:
-        ValueError: a name that is taken, no law, an argument that is no place and no parameter, a parameter that no law
-            takes, or a function that fails, or gives what is no finite number, when it is tried.
+        ValueError: a reserved name, no law, an unknown argument, a parameter that no law uses, or a function that fails
+            or returns no finite number in a trial call.
     """
 
     _definition: Definition
@@ -109,9 +210,12 @@ class Custom(OwnLaws):
         specified = {
             key: one if isinstance(one, Parameter) else Parameter(one) for key, one in (parameters or {}).items()
         }
-        _check_parameters(name, specified, _used_names(type(self)))
+        _check_parameters(name, specified, {*dir(type(self)), *PLACES, "name"})
         taken = {hook: arguments_of(f"{name}.{hook}", function, hook, specified) for hook, function in laws.items()}
-        _require_all_taken(name, specified, taken)
+        used = {argument for arguments in taken.values() for argument in arguments}
+        for key in specified:
+            if key not in used:
+                raise ValueError(f"{name}.{key}: must be taken by a law, which take {', '.join(sorted(used))}")
         scales = {"length_scale": length_scale, "velocity_scale": velocity_scale, "time_scale": time_scale}
         definition = Definition(
             name,
@@ -136,7 +240,7 @@ class Custom(OwnLaws):
         )
 
     def _try(self) -> None:
-        """Refuse laws that fail, or that are not the same for numbers and for arrays."""
+        """Raise ValueError for laws that fail, or that differ between numbers and arrays."""
         course = [np.array(column) for column in TRIAL]
         for hook in self._definition.laws:
             try:
@@ -153,17 +257,17 @@ class Custom(OwnLaws):
 
     @property
     def NAME(self) -> str:
-        """Its name."""
+        """Name."""
         return self._definition.name
 
     @property
     def LAW(self) -> str:
-        """Its formula."""
+        """Formula."""
         return self._definition.law
 
     @property
     def HOOKS(self) -> tuple[str, ...]:
-        """What it acts on (see cogging.effects)."""
+        """Quantities it acts on (see cogging.effects)."""
         return tuple("reading" if hook == "reading_error" else hook for hook in self._definition.laws)
 
     @property
@@ -173,21 +277,21 @@ class Custom(OwnLaws):
 
     @property
     def ROLES(self) -> dict[str, dict[str, Any]]:
-        """What each parameter is to a search (see cogging.effects)."""
+        """Role of each parameter in a search (see cogging.effects)."""
         rubs = set(self._definition.laws) == {"friction_level"}
         return {key: role_of_parameter(one, rubs) for key, one in self._definition.parameters.items()}
 
     @property
     def KINDS(self) -> tuple[Any, ...]:
-        """What parameters are together (see cogging.effects)."""
+        """Groups of parameters (see cogging.effects)."""
         return self._definition.kinds
 
     def to_dict(self) -> dict[str, Any]:
-        """All parameters by name."""
+        """Return all parameters by name."""
         return {key: list(value) if isinstance(value, list) else value for key, value in self._values.items()}
 
     def replace(self, **changes: Any) -> Custom:
-        """A copy with the given parameters changed.
+        """Return a copy with the given parameters changed.
 
         Raises:
             ValueError: an unknown parameter, or a value that breaks its rule.
@@ -200,16 +304,16 @@ class Custom(OwnLaws):
         return _made(self._definition, {**self._values, **new})
 
     def neutral(self) -> Custom:
-        """A copy that does nothing, where its parameters say how."""
+        """Return a copy without effect, if its parameters have neutral values."""
         values = {key: role["neutral"] for key, role in self.ROLES.items() if role["neutral"] is not None}
         return self.replace(**values)
 
     def resolved(self, axis: AxisParameters, cogging: CoggingModel | None = None) -> Custom:
-        """Itself: it takes nothing from the plant."""
+        """Return itself: it takes nothing from the plant."""
         return self
 
     def same_definition(self, other: Any) -> bool:
-        """Whether another effect is this one but for the values of its parameters."""
+        """Return whether another effect differs only in the values of its parameters."""
         return isinstance(other, Custom) and self._definition == other._definition
 
     @property
@@ -219,17 +323,17 @@ class Custom(OwnLaws):
 
     @property
     def friction_level_at(self) -> Callable[..., Any]:
-        """Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s)."""
+        """Level (V) added to Fc at positions (m), velocities (m/s) and times (s)."""
         return self._answer("friction_level")
 
     @property
     def gain_at(self) -> Callable[..., Any]:
-        """What it adds to the gain 1 of the command (relative) at positions (m) and times (s)."""
+        """Addition to the gain 1 of the command at positions (m) and times (s)."""
         return self._answer("command_gain")
 
     @property
     def reading_at(self) -> Callable[..., Any]:
-        """What the encoder reads at positions, m, before noise and rounding."""
+        """Reading of the encoder at positions, m, before noise and rounding."""
         error = self._answer("reading_error")
         return lambda position: np.asarray(position, dtype=float) + error(position=position)
 
@@ -293,17 +397,13 @@ def _law(definition: Definition, hook: str, values: Mapping[str, Value]) -> Pyth
 
 
 def compiled_function(function: Any) -> Any:
-    """The ctypes function of a compiled one (numba's `cfunc`, or itself); None of a Python function."""
+    """Return the ctypes function of a compiled one (numba's `cfunc`, or itself); None for a Python function."""
     inner = getattr(function, "ctypes", function)
     return inner if isinstance(inner, COMPILED) else None
 
 
 def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
-    """The names of what a law takes, places first.
-
-    Raises:
-        ValueError: it is no function, or takes what is neither a place of its hook nor a parameter.
-    """
+    """Return the names of a law's arguments, places first."""
     if compiled_function(function) is not None:
         return _compiled_arguments(label, compiled_function(function), hook, parameters)
     if not callable(function):
@@ -335,8 +435,8 @@ def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mappin
             raise ValueError(f"{label}: a compiled law takes numbers alone, got the list {key!r}")
     types = tuple(function.argtypes or ())
     if function.restype is not ctypes.c_double or types != (ctypes.c_double,) * len(known):
-        told = ", ".join(getattr(one, "__name__", str(one)) for one in types)
-        given = f"({told}) -> {getattr(function.restype, '__name__', function.restype)}"
+        arguments = ", ".join(getattr(one, "__name__", str(one)) for one in types)
+        given = f"({arguments}) -> {getattr(function.restype, '__name__', function.restype)}"
         raise ValueError(f"{label}: must take doubles ({', '.join(known)}) and return one, got {given}")
     return known
 
@@ -348,20 +448,9 @@ def _check_name(name: Any) -> None:
         raise ValueError(f"name: must not be one of the vocabulary, got {name!r}")
 
 
-def _used_names(kind: type) -> set[str]:
-    return {*dir(kind), *PLACES, "name"}
-
-
-def _require_all_taken(name: str, specified: Iterable[str], taken: Mapping[str, Sequence[str]]) -> None:
-    asked = {argument for arguments in taken.values() for argument in arguments}
-    for key in specified:
-        if key not in asked:
-            raise ValueError(f"{name}.{key}: must be taken by a law, which take {', '.join(sorted(asked))}")
-
-
-def _check_parameters(name: str, parameters: Mapping[str, Parameter], used: set[str]) -> None:
+def _check_parameters(name: str, parameters: Mapping[str, Parameter], reserved: set[str]) -> None:
     for key in parameters:
-        if not isinstance(key, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", key) or key in used:
+        if not isinstance(key, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", key) or key in reserved:
             rule = "must be lower-case letters, digits and _, and no place or method of an effect"
             raise ValueError(f"{name}.parameters: {rule}, got {key!r}")
 
@@ -376,11 +465,7 @@ def _checked_kinds(name: str, kinds: tuple[Any, ...], parameters: Mapping[str, P
 
 
 def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:
-    """Effects of the user's own by their names; `taken`: others beside which they stand.
-
-    Raises:
-        ValueError: what is no Custom, or two that are not the same under one name.
-    """
+    """Return custom effects by name; `taken`: other effects of the same model."""
     found: dict[str, Custom] = {}
     for effect in effects:
         if not isinstance(effect, Custom):
@@ -393,11 +478,7 @@ def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]
 
 
 def refuse_two_of_one_name(effects: Iterable[Any]) -> None:
-    """Refuse effects of one name that are not the same law.
-
-    Raises:
-        ValueError: two Customs of one name with different definitions.
-    """
+    """Raise ValueError for effects of one name with different laws."""
     first: dict[str, Custom] = {}
     for effect in effects:
         if isinstance(effect, Custom) and not first.setdefault(effect.NAME, effect).same_definition(effect):

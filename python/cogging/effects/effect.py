@@ -1,4 +1,4 @@
-"""What all effects have in common, and what a program that knows none by name asks of them."""
+"""The interface of effects, for programs that know no effect by name."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ K = TypeVar("K", Wave, Window, Knots, SplineKnots, Travel, Place, Turn)
 
 
 class Effect(Protocol):
-    """What every effect of a plant has, built-in or `Custom`: values of its fields are attributes."""
+    """Interface of every effect, built-in or `Custom`; the values of its fields are attributes."""
 
     @property
     def NAME(self) -> str:
-        """Its name in model files."""
+        """Name in model files."""
 
     @property
     def LAW(self) -> str:
-        """Its formula."""
+        """Formula."""
 
     @property
     def HOOKS(self) -> tuple[str, ...]:
-        """What it acts on."""
+        """Quantities it acts on."""
 
     @property
     def FIELDS(self) -> Mapping[str, tuple[str, str]]:
@@ -39,24 +39,24 @@ class Effect(Protocol):
 
     @property
     def ROLES(self) -> Mapping[str, Mapping[str, Any]]:
-        """What each field is to a search."""
+        """Role of each field in a search."""
 
     @property
     def KINDS(self) -> tuple[Kind, ...]:
-        """What fields are together."""
+        """Groups of fields."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name."""
+        """Return all fields by name."""
 
     def replace(self, **changes: Any) -> Effect:
-        """A copy with the given fields changed."""
+        """Return a copy with the given fields changed."""
 
     def resolved(self, axis: AxisParameters, cogging: CoggingModel | None = None) -> Effect:
-        """A copy whose fields that stand for those of the plant are filled in."""
+        """Return a copy with the fields that come from the plant filled in."""
 
 
 class Laws(Effect, Protocol):
-    """An effect whose laws are functions: those that its HOOKS name, on numbers and arrays."""
+    """An effect whose laws, named by its HOOKS, are functions of numbers and arrays."""
 
     @property
     def force_at(self) -> Callable[..., Any]:
@@ -68,27 +68,27 @@ class Laws(Effect, Protocol):
 
     @property
     def gain_at(self) -> Callable[..., Any]:
-        """What is added to the gain 1 of the command at positions and times."""
+        """Addition to the gain 1 of the command at positions and times."""
 
     @property
     def reading_at(self) -> Callable[..., Any]:
-        """What the encoder reads at positions, m."""
+        """Reading of the encoder at positions, m."""
 
 
 def laws_of(effect: Effect) -> Laws:
-    """The effect, of whose laws only those may be asked that its HOOKS name."""
+    """Return the effect, typed with its laws; only those in its HOOKS exist."""
     return cast(Laws, effect)
 
 
 def for_core(effects: Iterable[Effect]) -> list[Any]:
-    """Effects as the core takes them: by its own types, each of which is an Effect."""
+    """Return effects as a list for the core, whose types are effects."""
     return list(effects)
 
 
 def kind_of(effect: Effect, kind: type[K]) -> K | None:
-    """The first of this kind among what an effect's parameters are together, or None."""
+    """Return the first group of this kind of an effect's parameters, or None."""
     return next((one for one in effect.KINDS if isinstance(one, kind)), None)
 
 
-#: Every effect of the list by its name, as it is when it does nothing.
+#: Built-in effects by name, with neutral parameters.
 VOCABULARY: dict[str, Effect] = {name: kind() for name, kind in EFFECTS.items()}

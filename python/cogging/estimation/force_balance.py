@@ -21,9 +21,8 @@ from cogging.estimation.residuals import START, quiet_plant
 from cogging.estimation.statistics import shares_of_blocks, spread_of
 from cogging.logs.log import Log
 from cogging.logs.pauses import running_time
-from cogging.model.difference_steps import central
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
+from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
 Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
 

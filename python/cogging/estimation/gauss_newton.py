@@ -13,9 +13,8 @@ from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
 from cogging.estimation.statistics import SINGULAR, jackknife, student
 from cogging.estimation.whitening import Whitened, whitened
-from cogging.model.difference_steps import central
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, Scales, parameters_of, with_values
+from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
 
 @dataclass(frozen=True)

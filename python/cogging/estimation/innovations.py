@@ -12,9 +12,8 @@ from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
 from cogging.estimation.residuals import SETTLED, START, quiet_plant, settling, since, steps_needed
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
-from cogging.model.difference_steps import central, one_sided
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, Scales, effect_at
+from cogging.model.parameters import Parameter, Scales, central, effect_at, one_sided
 
 WIDE = 0.03  # relative step of a difference quotient through contacts
 

@@ -1,6 +1,6 @@
-"""Out to the machine: fitted maps in the forms that drives take, controllers and axes as code, the linear loop.
+"""Export: maps for drives, controllers and axes as code, the linear loop.
 
-`to` makes what `cogging export` writes; `FORMS` lists what there is, and says how a form is added.
+`to` returns what `cogging export` writes; `FORMS` lists the forms.
 """
 
 from cogging.export.forms import FORMS, Exported, Form, Option, to

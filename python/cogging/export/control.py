@@ -1,9 +1,10 @@
-"""The linearised axis and its loop as python-control objects: poles, frequency response, margins."""
+"""The linearised axis and its loop as python-control objects, with stability margins."""
 
 from __future__ import annotations
 
 import importlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,13 +21,15 @@ from cogging.design.linear_plant import (
     linear_controller,
     linear_plant,
 )
-from cogging.export.margins import LoopMargins, margins_of
 from cogging.model.model import Model
 from cogging.shown import quoted
 from cogging.values import ByValue
 
 ComplexArray = npt.NDArray[np.complex128]
-MOST_DELAY = 1000  # samples: each is a state
+MOST_DELAY = 1000  # samples; each is a state
+POINTS = 4000  # frequencies of the response
+AROUND = 60  # further ones around each resonance
+REFINED = 60  # bisections of a crossing
 #: Why a controller has no transfer function from the error to the command.
 NOT_LINEAR = {
     "output_feedback_arc": "its filters and gains follow its estimates and the reference",
@@ -35,20 +38,55 @@ NOT_LINEAR = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class LoopMargins(ByValue):
+    """Stability margins of a loop; all 0 for an unstable one.
+
+    Attributes:
+        stable: whether the closed loop is stable.
+        gain: smallest destabilising factor above 1 on the command; infinite if there is none.
+        gain_down: largest destabilising factor below 1; 0 if there is none.
+        phase: degrees, smallest destabilising phase lag over all crossings of |L| = 1.
+        delay: s, smallest destabilising delay over all crossings.
+        modulus: smallest distance of L from -1, 1 over the largest sensitivity.
+        crossover: Hz, highest frequency with |L| = 1; 0 if there is none.
+    """
+
+    stable: bool
+    gain: float
+    gain_down: float
+    phase: float
+    delay: float
+    modulus: float
+    crossover: float
+
+    def _brief(self) -> str:
+        return self.text().replace("\n", "; ")
+
+    def text(self) -> str:
+        """Return the margins in one line."""
+        if not self.stable:
+            return "unstable"
+        return (
+            f"gain margin {self.gain:.4g} (down to {self.gain_down:.3g}), phase margin {self.phase:.4g} degrees, "
+            f"delay margin {self.delay:.4g} s, modulus margin {self.modulus:.4g}, crossover {self.crossover:.5g} Hz"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class ControlLoop(ByValue):
     """The linear loop u = C (reference - reading), reading = P u, as python-control objects.
 
-    Those with a sample time are exact for a command that is held over each sample and a delay of any length; they
-    hold at the samples. Deviations from the place and the speed that were given: feedforward has no part in them.
+    Those with a sample time are exact at the samples for a held command and any delay. Signals are deviations from the
+    given position and speed, without feedforward.
 
     Attributes:
         plant: P(z), reading over command, m/V, StateSpace.
         continuous: P(s), the same in continuous time, with the delay as a Pade approximation, StateSpace.
-        controller: C(z), command over error, V/m, TransferFunction; None of a model without a controller. Likewise
-            loop: L = C P; sensitivity: 1/(1 + L), what is left of a disturbance of the reading, with the other sign of
-            the error; complementary: L/(1 + L), reading over reference without feedforward.
-        left_out: what of the model is not linear and has no part in it.
-        sampled: the plant's matrices, its delay apart.
+        controller: C(z), command over error, V/m, TransferFunction; None for a model without a controller. Likewise
+            loop: L = C P; sensitivity: 1/(1 + L), reading over a disturbance of the reading; complementary:
+            L/(1 + L), reading over reference without feedforward.
+        left_out: nonlinear parts of the model that were left out.
+        sampled: the plant's matrices, without delay.
         polynomials: of C(z), numerator and denominator.
     """
 
@@ -67,7 +105,7 @@ class ControlLoop(ByValue):
         return f"{1.0 / self.plant.dt:g} Hz, {self.plant.nstates} states of the plant, {kind}"
 
     def margins(self) -> LoopMargins:
-        """How far the loop is from instability: gain, phase, delay and modulus margins.
+        """Return gain, phase, delay and modulus margins.
 
         Raises:
             ValueError: there is no controller.
@@ -79,7 +117,7 @@ class ControlLoop(ByValue):
         return margins_of(self.response, 1.0 / self.plant.dt, LOWEST, poles, stable=stable)
 
     def response(self, frequency: FloatArray) -> ComplexArray:
-        """L(e^(i 2 pi f Ts)), or P of a model without a controller.
+        """Return L(e^(i 2 pi f Ts)), or P for a model without a controller.
 
         Args:
             frequency: Hz, (n,).
@@ -102,13 +140,12 @@ def to_control(
     sample_rate: float | None = None,
     pade: int = 3,
 ) -> ControlLoop:
-    """Linearise a model and its controller (see Model.to_control).
-
-    Raises:
-        ImportError: python-control is not there; names the extra.
-        ValueError: friction has no slope at this speed, the controller is not linear, or a number is out of range.
-    """
-    control = _library()
+    """Return the linearised model and controller (see Model.to_control)."""
+    try:
+        control = importlib.import_module("control")
+    except ImportError as error:
+        need = "python-control is needed but not installed: pip install 'cogging[control]'"
+        raise ImportError(need) from error
     if sample_rate is None:
         if model.controller is None:
             raise ValueError("sample_rate: must be given for a model without [controller], got nothing")
@@ -139,11 +176,7 @@ def to_control(
 
 
 def _polynomials(model: Model, speed: float | None, sample_rate: float) -> Polynomials | None:
-    """Numerator and denominator of C(z), or None of a model without a controller.
-
-    Raises:
-        ValueError: it has no such form, or runs at another rate.
-    """
+    """Return numerator and denominator of C(z), or None for a model without a controller."""
     if model.controller is None:
         return None
     found = linear_controller(model, speed=speed)
@@ -158,7 +191,7 @@ def _polynomials(model: Model, speed: float | None, sample_rate: float) -> Polyn
 
 
 def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """The plant with the commands that are still to act as states, newest first: a, b, c, d."""
+    """Return the plant with delayed commands as states, newest first: a, b, c, d."""
     size = plant.transition.shape[0]
     waiting = plant.whole + bool(np.any(plant.before))
     a = np.zeros((size + waiting, size + waiting))
@@ -175,14 +208,58 @@ def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, F
     return a, b, c, np.zeros((1, 1))
 
 
-def _library() -> Any:
-    """python-control.
+def margins_of(
+    response: Callable[[FloatArray], Any], sample_rate: float, lowest: float, poles: npt.ArrayLike, *, stable: bool
+) -> LoopMargins:
+    """Return the margins of a loop.
 
-    Raises:
-        ImportError: it is not there; names the extra that brings it.
+    Args:
+        response: L at frequencies in Hz.
+        sample_rate: Hz.
+        lowest: frequency over the sample rate.
+        poles: of the loop, in z; the response is refined around lightly damped ones.
+        stable: whether the closed loop is stable.
     """
-    try:
-        return importlib.import_module("control")
-    except ImportError as error:
-        need = "python-control is needed for this and is not there: pip install 'cogging[control]'"
-        raise ImportError(need) from error
+    if not stable:
+        return LoopMargins(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    frequency = _frequencies(sample_rate, lowest, np.asarray(poles, dtype=complex))
+    loop = np.asarray(response(frequency))
+    unity = _crossings(lambda f: np.log(np.abs(response(f))), frequency, np.log(np.abs(loop)))
+    lag = np.angle(-np.asarray(response(unity))) % (2.0 * np.pi) if unity.size else np.empty(0)
+    lead = np.minimum(lag, 2.0 * np.pi - lag)
+    real = _crossings(lambda f: np.imag(response(f)), frequency, loop.imag)
+    factors = -1.0 / np.real(np.asarray(response(real))) if real.size else np.empty(0)
+    nyquist = float(np.real(response(np.array([0.5 * sample_rate]))[0]))
+    factors = np.append(factors, -1.0 / nyquist if nyquist != 0.0 else -1.0)
+    modulus = float(np.abs(1.0 + loop).min())
+    return LoopMargins(
+        True,
+        float(factors[factors > 1.0].min(initial=math.inf)),
+        float(factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)),
+        float(np.degrees(lead.min(initial=np.pi))),
+        float((lag / (2.0 * np.pi * unity)).min(initial=math.inf)) if unity.size else math.inf,
+        modulus,
+        float(unity.max(initial=0.0)),
+    )
+
+
+def _frequencies(sample_rate: float, lowest: float, poles: npt.NDArray[np.complex128]) -> FloatArray:
+    """Return frequencies on a logarithmic grid up to half the sample rate, denser around resonances."""
+    parts = [np.geomspace(lowest, 0.5, POINTS)]
+    for pole in poles[(poles.imag > 0.0) & (np.abs(poles) > 0.0)]:
+        place, width = np.angle(pole) / (2.0 * np.pi), max(-math.log(abs(pole)) / (2.0 * np.pi), 1e-9)
+        near = width * np.geomspace(1e-2, 1e2, AROUND)
+        parts.append(np.concatenate([[place], place + near, place - near]))
+    found = np.unique(np.concatenate(parts))
+    return np.asarray(sample_rate * found[(found >= lowest) & (found <= 0.5)], dtype=np.float64)
+
+
+def _crossings(value: Callable[[FloatArray], Any], frequency: FloatArray, at: FloatArray) -> FloatArray:
+    """Return the frequencies at which a value changes sign, by bisection."""
+    places = np.flatnonzero(np.sign(at[1:]) * np.sign(at[:-1]) < 0.0)
+    low, high, sign = frequency[places], frequency[places + 1], np.sign(at[places])
+    for _ in range(REFINED if places.size else 0):
+        middle = np.sqrt(low * high)
+        same = np.sign(np.asarray(value(middle))) == sign
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return np.asarray(np.sqrt(low * high), dtype=np.float64)

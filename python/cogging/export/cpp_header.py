@@ -1,8 +1,8 @@
 """A controller with its gains as one C++ header that needs nothing but a C++20 compiler.
 
-The headers of the core that the controller is made of are put into it, each once, in the order in which they need each
-other. So a step does what the library's does, to the bit, and two such headers of two models, or one beside the library
-itself, do not meet: everything stands in a namespace of the header's own.
+The header contains the headers of the core that the controller needs, each once, after those it includes. A step
+computes the same bits as the library. Everything is in a namespace of its own, so that several such headers, or one and
+the library, do not conflict.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from cogging.model.model import CONTROLLERS, Model
 from cogging.shown import quoted
 
 WIDTH = 120
-#: The words of the language, `main` and `std`.
+#: Keywords of C++, `main` and `std`.
 TAKEN = re.compile(
     r"alignas|alignof|and|and_eq|asm|auto|bitand|bitor|bool|break|case|catch|char|char8_t|char16_t|char32_t|class|"
     r"compl|concept|const|consteval|constexpr|constinit|const_cast|continue|co_await|co_return|co_yield|decltype|"
@@ -35,7 +35,7 @@ TAKEN = re.compile(
 OWN_INCLUDE = re.compile(r'^#include "(cogging/[^"]+)"\n', re.MULTILINE)
 LIBRARY_INCLUDE = re.compile(r"^#include <([^>]+)>\n", re.MULTILINE)
 DEFINED = re.compile(r"^#define (COGGING_\w+)", re.MULTILINE)
-#: Of require.hpp, without exceptions: the library leaves to the program what becomes of parameters that break a rule.
+#: In require.hpp: without exceptions, the program defines what happens to invalid parameters.
 REFUSED = "[[noreturn]] void refused(const std::string& line);"
 NEVER_REFUSED = """\
 [[noreturn]] inline void refused(const std::string&) {
@@ -131,7 +131,7 @@ To use: #include it, then {name}::Controller controller; its comment shows the t
 
 
 def make(model: Model, *, name: str = "axis") -> Exported:
-    """Make the header of a model's controller.
+    """Return the header of a model's controller.
 
     Args:
         model: with a `[controller]`.
@@ -139,11 +139,6 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
     Returns:
         The header, and what it takes of the model.
-
-    Raises:
-        FieldError: the model has no controller.
-        ValueError: the name is none in C++.
-        InputError: the package is without the headers of the core.
     """
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
@@ -159,25 +154,14 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
 
 def require_name(name: str) -> None:
-    """Refuse a name that is none in C++, or that the language has taken.
-
-    Raises:
-        ValueError: names the rule and the value.
-    """
+    """Raise ValueError for a name that is not an identifier in C++."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name or TAKEN.fullmatch(name):
         rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63, no word of the language"
         raise ValueError(f"name: {rule}, got {quoted(name)}")
 
 
 def inlined(first: str) -> tuple[str, list[str]]:
-    """A header of the core and all that it is made of, each once and after what it needs.
-
-    Args:
-        first: as `cogging/control/pid.hpp`.
-
-    Returns:
-        Their text without includes, and the headers of the standard library that they need.
-    """
+    """Return a header of the core with all that it includes, and the standard headers that they need."""
     folder, seen, parts, standard = Path(get_include()), set[str](), [], set[str]()
 
     def add(path: str) -> None:
@@ -197,22 +181,18 @@ def inlined(first: str) -> tuple[str, list[str]]:
 
 
 def licence() -> str:
-    """The text of the licence under which the core may be passed on.
-
-    Raises:
-        InputError: it is neither with the installed package nor beside the sources.
-    """
+    """Return the licence of the core."""
     beside = SOURCES.parent / "LICENSE"
-    told = importlib.metadata.distribution("cogging").read_text("licenses/LICENSE")
-    if told:
-        return told
+    installed = importlib.metadata.distribution("cogging").read_text("licenses/LICENSE")
+    if installed:
+        return installed
     if beside.is_file():
         return beside.read_text(encoding="utf-8")
     raise InputError(f"{beside}: must hold the licence that an export passes on, got a package without it")
 
 
 def literal(value: Any) -> str:
-    """A value as C++ writes it: a number reads back as the same one."""
+    """Return a C++ literal that reads back as the same value."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -233,6 +213,7 @@ def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
     preview = getattr(law(parameters), "preview", None)
     ahead = preview is not None
     shown = {"V": units.of("V"), "m": units.of("m")}
+    comment = "\n\n".join((law.__doc__ or "").split("\n\n")[:2]).strip()
     return HEADER.format(
         **shown,
         type=model.controller_type,
@@ -243,7 +224,7 @@ def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
         ),
         name=name,
         library=library,
-        comment="\n".join(f"/// {line}".rstrip() for line in _law_of(law).splitlines()),
+        comment="\n".join(f"/// {line}".rstrip() for line in comment.splitlines()),
         call="reference, ahead, reading" if ahead else "reference, reading",
         sample_rate=literal(parameters.sample_rate),
         command_limit=literal(parameters.command_limit),
@@ -255,13 +236,8 @@ def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
     )
 
 
-def _law_of(law: Any) -> str:
-    """What a controller does: the first two paragraphs of its documentation."""
-    return "\n\n".join((law.__doc__ or "").split("\n\n")[:2]).strip()
-
-
 def _header_of(law: str) -> str:
-    """The header in which the core has a controller, of those in its list."""
+    """Return the header of the core that defines a controller."""
     folder = Path(get_include())
     for path in OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8")):
         if re.search(rf"^(class|using) {law}\b", (folder / path).read_text(encoding="utf-8"), re.MULTILINE):
@@ -273,7 +249,7 @@ def _assignment(field: str, value: Any, model: Model) -> str:
     assert model.controller is not None
     unit, meaning = type(model.controller).FIELDS[field]
     unit = model.units.of(unit) if unit not in ("", "1") else ""
-    told = f"    // {unit + ': ' if unit else ''}{meaning}"
+    comment = f"    // {unit + ': ' if unit else ''}{meaning}"
     statement = f"    q.{field} = {literal(value)};"
     broken = textwrap.wrap(statement, WIDTH, initial_indent="", subsequent_indent="        ", break_long_words=False)
-    return "\n".join([told, *(broken if len(statement) > WIDTH else [statement])])
+    return "\n".join([comment, *(broken if len(statement) > WIDTH else [statement])])

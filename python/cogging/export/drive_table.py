@@ -1,37 +1,205 @@
-"""A table of compensation values and the law by which a drive reads it, compared with the map that it was made of."""
+"""Compensation tables: the map in the drive's position and unit, and a table of it compared with the map."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from cogging._core import CoggingModel, effects
 from cogging.arrays import FloatArray
-from cogging.export.drive_frame import Frame, ends, looked_at
+from cogging.design.linear_plant import OF_SPEED
+from cogging.effects.effect import laws_of
+from cogging.model.model import Model
 from cogging.shown import quoted
 
+CoggingEffect = effects.CoggingHarmonic | effects.CoggingModulation
+CLOSES = 0.01  # of a period: tolerance of a whole number of periods in a turn, 4 degrees of phase
+MANY_SPANS = 20  # spans that are compared if neither travel nor turn limits the motion
+POSITIONS = 100_000  # at which table and map are compared
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # step of a low-discrepancy sequence
 BETWEEN = ("linear", "hold")
-MOST_SPANS = 100  # that a mean is taken over: of a longer motion so many, evenly spread
-ALONE = 1e-12  # of the map's rms: below it a rest is none
+MOST_SPANS = 100  # over which a mean is taken; of a longer motion so many, evenly spaced
+NEGLIGIBLE = 1e-12  # of the map's rms
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The map in the position p = direction (x - zero) and the quantity of a drive.
+
+    The drive adds c(p) = direction sign scale F_cogging(x), x = zero + direction p, to its command. A drive that counts
+    the other way also pushes the other way, hence the direction in c.
+
+    Attributes:
+        cogging: F_cogging(x), in the command unit of the model; None if all is in `waves`.
+        waves: effects of the model that are cogging too: periods or varying amplitudes added by a diagnosis.
+        left_out: names of position-dependent effects that are not cogging.
+        direction: 1, or -1 if the drive counts down as x increases.
+        sign: 1, or -1 if the drive subtracts its table, or the map has the sign of the motor's force.
+        scale: units of the drive per command unit of the model.
+        zero: x at the drive's position 0.
+        low, high: ends of the motion, x; infinite if unknown.
+        turn: x of one mechanical revolution; 0 = a linear axis.
+        scale_said: whether a number or the model's units state the scale.
+    """
+
+    cogging: CoggingModel | None
+    waves: tuple[CoggingEffect, ...]
+    left_out: tuple[str, ...]
+    direction: int
+    sign: int
+    scale: float
+    zero: float
+    low: float
+    high: float
+    turn: float
+    scale_said: bool
+
+    @property
+    def bounded(self) -> bool:
+        """Whether both ends of the motion are known."""
+        return math.isfinite(self.low) and math.isfinite(self.high)
+
+    @property
+    def periods(self) -> FloatArray:
+        """Spatial periods of the map, (terms,)."""
+        known = [] if self.cogging is None else [2.0 * math.pi / k for k in self.cogging.basis.wavenumbers]
+        return np.array([*known, *(one.period for one in self.waves)], dtype=np.float64)
+
+    @property
+    def pitch(self) -> float:
+        """Pitch of the map; 0 if it has none."""
+        return 0.0 if self.cogging is None else float(self.cogging.basis.pitch)
+
+    @property
+    def modulated(self) -> bool:
+        """Whether amplitudes vary along the travel."""
+        known = self.cogging is not None and self.cogging.basis.spline.control_points > 1
+        return known or any(isinstance(one, effects.CoggingModulation) for one in self.waves)
+
+    def force(self, position: FloatArray) -> FloatArray:
+        """Return F_cogging at x with those effects, in the command unit of the model."""
+        total = np.zeros(position.shape)
+        if self.cogging is not None:
+            total += self.cogging.force(position)
+        for one in self.waves:
+            total -= laws_of(one).force_at(position=position)
+        return total
+
+    def place(self, position: FloatArray) -> FloatArray:
+        """Return the drive's position p at x."""
+        return self.direction * (position - self.zero)
+
+    def axis_position(self, place: FloatArray) -> FloatArray:
+        """Return x at the drive's position p."""
+        return self.zero + self.direction * place
+
+    def wanted(self, position: FloatArray) -> FloatArray:
+        """Return the ideal compensation at x, in the drive's unit."""
+        return self.gain * self.force(position)
+
+    @property
+    def gain(self) -> float:
+        """Units of the drive per command unit of the model, with both signs."""
+        return self.direction * self.sign * self.scale
+
+
+def frame_of(
+    model: Model,
+    unit: str,
+    *,
+    scale: float | None = None,
+    sign: int = 1,
+    zero: float = 0.0,
+    reverse: bool = False,
+    turn: float | None = None,
+) -> Frame:
+    """Return the map of a model in the position and unit of a drive.
+
+    Args:
+        model: with `[cogging]`, or effects that are cogging.
+        unit: of the drive.
+        scale: units of the drive per command unit of the model; None if they are the same.
+        sign: 1 or -1.
+        zero: x at the drive's position 0.
+        reverse: whether the drive counts and pushes the other way.
+        turn: x of one revolution; None: 2 pi if the model's position is in rad, else a linear axis.
+    """
+    known = [one.resolved(model.axis, model.cogging) for one in model.effects]
+    waves = tuple(one for one in known if isinstance(one, CoggingEffect))
+    if model.cogging is None and not waves:
+        raise ValueError("cogging: must be given to export a map, got a model without [cogging]")
+    sizes = [] if model.cogging is None else [model.cogging.coefficients]
+    if not any(np.any(size) for size in (*sizes, *(value for one in waves for value in (one.sine, one.cosine)))):
+        raise ValueError("cogging: must have an amplitude other than 0, got a map without any: nothing to compensate")
+    if sign not in (1, -1):
+        raise ValueError(f"sign: must be 1 or -1, got {quoted(sign)}")
+    if not math.isfinite(zero):
+        raise ValueError(f"zero: must be finite, got {quoted(zero)}")
+    if turn is None:
+        turn = 2.0 * math.pi if model.units.position == "rad" else 0.0
+    if turn < 0.0 or not math.isfinite(turn):
+        raise ValueError(f"turn: must be finite and at least 0, got {quoted(turn)}")
+    low, high = model.axis.travel
+    said = scale is not None or model.units.command == unit
+    factor = _scale(model, unit, scale)
+    others = (*OF_SPEED, CoggingEffect, effects.DisturbanceStep, effects.DisturbanceTone)
+    by_position = [one for one in known if not isinstance(one, others) and {"force", "command_gain"} & set(one.HOOKS)]
+    left_out = tuple(one.NAME for one in by_position)
+    frame = Frame(model.cogging, waves, left_out, -1 if reverse else 1, sign, factor, zero, low, high, turn, said)
+    require_closed(frame)
+    return frame
+
+
+def _scale(model: Model, unit: str, scale: float | None) -> float:
+    stated = model.units.command
+    if scale is None:
+        if stated not in ("V", unit):  # V stands for whatever the amplifier takes
+            rule = f"must be given, {unit} per {stated}: the drive takes {unit}"
+            raise ValueError(f"scale: {rule}, got a model in {stated}")
+        return 1.0
+    if not (math.isfinite(scale) and scale > 0.0):
+        raise ValueError(f"scale: must be finite and above 0 (see sign), got {quoted(scale)}")
+    return scale
+
+
+def require_closed(frame: Frame) -> None:
+    """Raise ValueError if a period does not divide the turn of a rotary axis."""
+    if frame.turn == 0.0:
+        return
+    for period in frame.periods:
+        times = frame.turn / period
+        if times < 0.5 or abs(times - round(times)) > CLOSES:
+            rule = f"must be a whole number of times each period of the map, here {period:.6g}"
+            raise ValueError(f"turn: {rule}, got {frame.turn:.6g}: {times:.4g} times")
+
+
+def ends(frame: Frame, span: float) -> tuple[float, float]:
+    """Return the motion over which table and map are compared, x: one turn, the travel, or MANY_SPANS of the table."""
+    if frame.turn > 0.0:
+        return frame.zero, frame.zero + frame.turn
+    if frame.bounded:
+        return frame.low, frame.high
+    return frame.zero, frame.zero + MANY_SPANS * span
+
+
+def looked_at(frame: Frame, span: float) -> FloatArray:
+    """Return positions x of that motion, uniform within each entry, (n,)."""
+    low, high = ends(frame, span)
+    share = np.mod(GOLDEN * np.arange(1, POSITIONS + 1), 1.0)
+    return np.asarray(low + (high - low) * share, dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Law:
-    """How a drive turns its position into an entry.
+    """How a drive reads its table at its position."""
 
-    Attributes:
-        entries: n.
-        start: the drive's position p where the table begins.
-        span: of p that the table covers.
-        wraps: whether it repeats; else the drive adds nothing outside.
-        between: "linear": straight lines between entries, i at start + i step; "hold": entry i from there to the next.
-    """
-
-    entries: int
-    start: float
-    span: float
-    wraps: bool
-    between: str
+    entries: int  # n
+    start: float  # the drive's position p at the first entry
+    span: float  # range of p
+    wraps: bool  # whether the table repeats; otherwise the drive adds nothing outside
+    between: str  # "linear" interpolation, entry i at start + i step, or "hold" until the next entry
 
     def __post_init__(self) -> None:
         if self.between not in BETWEEN:
@@ -39,22 +207,17 @@ class Law:
 
     @property
     def step(self) -> float:
-        """From entry to entry; lines that do not wrap have an entry at both ends."""
+        """Distance of entries; a linear table that does not wrap has entries at both ends."""
         return self.span / (self.entries - (self.between == "linear" and not self.wraps))
 
     @property
     def places(self) -> FloatArray:
-        """Where the entries are taken from the map: their own places, or the middle of what each holds for, (n,)."""
+        """Positions at which entries are taken from the map: of the entries, or the middle of each hold, (n,)."""
         count = np.arange(self.entries, dtype=np.float64) + 0.5 * (self.between == "hold")
         return np.asarray(self.start + count * self.step, dtype=np.float64)
 
     def read(self, values: FloatArray, place: FloatArray) -> FloatArray:
-        """What the drive adds at its position p, in its unit.
-
-        Args:
-            values: of the entries, (n,).
-            place: p, (m,).
-        """
+        """Return what the drive adds at its positions p, (m,), for entries of these values, (n,)."""
         count = (place - self.start) / self.step
         whole = np.floor(count).astype(np.int64)
         if self.wraps:
@@ -69,56 +232,38 @@ class Law:
 
 @dataclass(frozen=True)
 class Rest:
-    """What a drive leaves of the cogging, rms over the positions looked at, in the model's command unit.
+    """What a drive leaves of the cogging, rms in the model's command unit."""
 
-    Attributes:
-        cogging: of F_cogging itself.
-        left: F_cogging less what the drive adds.
-        span: the part that is not the same in every span of the table: no entry could remove it.
-        entries: the rest: between entries, and of their quantum.
-    """
-
-    cogging: float
-    left: float
-    span: float
-    entries: float
+    cogging: float  # of F_cogging itself
+    left: float  # F_cogging minus the compensation
+    span: float  # the part that differs between spans of the table, which no entry can remove
+    entries: float  # the rest, due to interpolation and quantisation of entries
 
     @property
     def removed(self) -> float:
-        """Share of the cogging's rms that is gone: 1 - left / cogging."""
+        """Removed share of the cogging's rms: 1 - left / cogging."""
         return 1.0 - self.left / self.cogging if self.cogging > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class Table:
-    """Entries as the drive keeps them.
+    """Entries as stored in the drive."""
 
-    Attributes:
-        frame: how it sees the axis.
-        law: how it reads them.
-        values: in its unit, as rounded, (n,).
-        quantum: of an entry, its unit; 0 = 24 bits of a number; None = 53.
-        rest: what it leaves of the cogging.
-    """
-
-    frame: Frame
-    law: Law
-    values: FloatArray
-    quantum: float | None
-    rest: Rest = field(compare=False)
+    frame: Frame  # of the drive
+    law: Law  # how it reads them
+    values: FloatArray  # rounded, in its unit, (n,)
+    quantum: float | None  # of an entry, in its unit; 0 = 24-bit numbers; None = 53-bit
+    rest: Rest = field(compare=False)  # what it leaves of the cogging
 
 
 def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int = 0) -> Table:
-    """Fill a table from the map: in each entry the mean of what the map wants there, span by span of the motion.
+    """Return a table of the map: each entry is the mean over all spans of the motion.
 
     Args:
-        frame: how the drive sees the axis.
+        frame: of the drive.
         law: how it reads its table.
         quantum: of an entry, in the drive's unit; 0 = rounded to 24 bits; None = not rounded.
-        steps: where entries are whole numbers from -steps to steps and a factor of 24 bits: that number.
-
-    Raises:
-        ValueError: an entry is too large for the drive's numbers.
+        steps: for entries that are integers from -steps to steps times a 24-bit factor; 0 = others.
     """
     values = folded(frame, law, law.places)
     if steps:
@@ -134,7 +279,7 @@ def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int 
 
 
 def folded(frame: Frame, law: Law, places: FloatArray) -> FloatArray:
-    """What the drive should add at its positions, the mean over all spans that the motion meets, (n,)."""
+    """Return the ideal compensation at positions p, the mean over all spans of the motion, (n,)."""
     if not _repeats(frame, law):
         return frame.wanted(frame.axis_position(places))
     low, high = np.sort(frame.place(np.array(ends(frame, law.span))))
@@ -145,13 +290,13 @@ def folded(frame: Frame, law: Law, places: FloatArray) -> FloatArray:
         inside = (at >= low) & (at <= high)
         total += np.where(inside, frame.wanted(frame.axis_position(at)), 0.0)
         met += inside
-    # Half an entry may stick out at an end of the motion: it continues that end.
+    # An entry beyond an end of the motion continues that end.
     nearest = places + law.span * np.round((0.5 * (low + high) - places) / law.span)
     return np.where(met > 0, total / np.maximum(met, 1.0), frame.wanted(frame.axis_position(nearest)))
 
 
 def _repeats(frame: Frame, law: Law) -> bool:
-    """Whether the motion meets an entry in more than one place, or elsewhere than in the first span."""
+    """Return whether the motion reaches an entry at several positions, or outside the first span."""
     if not law.wraps:
         return False
     if frame.turn > 0.0:
@@ -160,13 +305,13 @@ def _repeats(frame: Frame, law: Law) -> bool:
 
 
 def misfits(frame: Frame, span: float) -> list[float]:
-    """Periods of the map that do not go into the span of a table a whole number of times."""
+    """Return the periods of the map that do not divide the span of a table."""
     times = span / frame.periods
     return [float(p) for p, n in zip(frame.periods, times, strict=True) if abs(n - round(n)) > 1e-6 * n or n < 0.5]
 
 
 def rest_of(frame: Frame, law: Law, values: FloatArray) -> Rest:
-    """What the drive leaves of the map, by its own law."""
+    """Return what the drive leaves of the map when it reads the table by its law."""
     x = looked_at(frame, law.span)
     place = frame.place(x)
     wanted = frame.wanted(x)

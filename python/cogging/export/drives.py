@@ -1,7 +1,7 @@
-"""Maps in the forms that drives take: what each drive is known to do stands in drives.toml, what it is given here.
+"""Compensation maps in the formats of drives. drives.toml documents each drive; a function here writes its file.
 
-A function of this module makes the file of one drive. Its options `scale`, `sign`, `zero`, `reverse` and `turn` are
-those of `drive_frame.frame_of`; all raise ValueError for what cannot be used.
+The options `scale`, `sign`, `zero`, `reverse` and `turn` are those of `drive_table.frame_of`. Invalid options raise
+ValueError.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.export.drive_frame import Frame, frame_of, looked_at
-from cogging.export.drive_table import ALONE, Law, Rest, Table, misfits, table_of
+from cogging.export.drive_table import NEGLIGIBLE, Frame, Law, Rest, Table, frame_of, looked_at, misfits, table_of
 from cogging.export.forms import Exported
 from cogging.files import parse_toml
 from cogging.model.model import Model
@@ -24,8 +23,8 @@ from cogging.model.units import Units
 from cogging.shown import quoted
 
 MOST_ENTRIES = 1 << 20
-SHOWN = 5  # periods that are listed
-#: The questions that drives.toml answers, in the order of the text, each with its key.
+SHOWN = 5  # periods in a list
+#: Titles of the entries of drives.toml, in the order of the text, with their keys.
 QUESTIONS = {
     "takes": "quantity",
     "entries": "entries",
@@ -93,8 +92,7 @@ def sinamics(model: Model, *, between: str = "hold", pole_pair_width: float | No
     else:
         low, high = _travel_of(frame)
         width = pole_pair_width if pole_pair_width is not None else frame.pitch or high - low
-        # The table repeats, and its index 0 need not be where the travel begins: two entries beside the travel keep its
-        # ends apart.
+        # The table repeats, and index 0 may be anywhere: two entries outside the travel separate its ends.
         span = (high - low) * entries / (entries - 2)
         factor = span / _require_positive("pole_pair_width", width)
     table = table_of(frame, Law(entries, 0.0, span, True, between))
@@ -172,22 +170,16 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
 
 COEFFICIENTS, MOST_A_TURN = 10, 200
 POINTS = 1 << 14  # at which a turn of the map is analysed
-SMALLEST = 1e-6  # of the largest wave: what is below is the analysis' own
+SMALLEST = 1e-6  # of the largest wave: smaller ones are numerical
 
 
 @dataclass(frozen=True)
 class Wave:
-    """One coefficient: r cos(n angle + phi), or sin.
+    """One coefficient: r cos(n angle + phi), or sin."""
 
-    Attributes:
-        times: n, a turn.
-        phase: phi, degrees, 0 to 360.
-        size: r, Nm.
-    """
-
-    times: int
-    phase: float
-    size: float
+    times: int  # n, a turn
+    phase: float  # phi, degrees, 0 to 360
+    size: float  # r, Nm
 
 
 def _waves_of(frame: Frame, wave: str) -> list[Wave]:
@@ -239,15 +231,9 @@ def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) 
 def _exported(
     model: Model, name: str, table: Table, unit: str, lines: Iterable[str], notes: Iterable[str] = ()
 ) -> Exported:
-    """Return the file of a table, the text beside it and the summary.
+    """Return the file of a table from its lines, with the text beside it and the summary.
 
-    Args:
-        model: that it was made of.
-        name: of the form.
-        table: as the drive keeps it.
-        unit: of an entry.
-        lines: of the file.
-        notes: what to set in the drive beside the table, a line each.
+    `unit`: of an entry; `notes`: what to set in the drive, a line each.
     """
     law, frame, units, rest = table.law, table.frame, model.units, table.rest
     bits = f"{53 if table.quantum is None else 24}-bit numbers in {unit}"
@@ -259,7 +245,7 @@ def _exported(
         f"{'repeated' if law.wraps else 'nothing outside'}; {_frame_line(frame, units, unit)}",
         _removed_line(rest, units.command),
     ]
-    if rest.span > ALONE * rest.cogging and law.wraps:
+    if rest.span > NEGLIGIBLE * rest.cogging and law.wraps:
         why = []
         if found := misfits(frame, law.span):
             periods = _listed([f"{period:.5g}" for period in found])
@@ -267,7 +253,7 @@ def _exported(
         if frame.modulated:
             why.append("amplitudes that change along the travel")
         said.append(f"cannot hold {rest.span:.3g} {units.command} rms: {'; '.join(why) or 'other spans differ'}")
-    if rest.entries > ALONE * rest.cogging:
+    if rest.entries > NEGLIGIBLE * rest.cogging:
         said.append(f"leaves {rest.entries:.3g} {units.command} rms between its entries and in their last digit")
     return _written(name, lines, "\n".join([*said, *_assumptions(frame, units, unit, name)]), list(notes))
 
@@ -283,7 +269,7 @@ def _removed_line(rest: Rest, unit: str) -> str:
 
 
 def _assumptions(frame: Frame, units: Units, unit: str, name: str) -> list[str]:
-    """Return what of the model is in no map of cogging, and what no source tells of the drive and the model's unit."""
+    """Return the effects that are not in the map, and the assumptions on the drive and the model's unit."""
     left = [f"not in it, as no cogging: {', '.join(frame.left_out)}"] if frame.left_out else []
     own = [] if frame.scale_said else [f"1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)"]
     return [*left, *(f"assumed: {one}" for one in (*own, *SHEETS[name]["assumed"]))]
@@ -343,14 +329,14 @@ def _travel_of(frame: Frame) -> tuple[float, float]:
 
 
 def sheet_text(name: str) -> str:
-    """Return what is known of a drive, in lines."""
+    """Return the documentation of a drive, in lines."""
     sheet = SHEETS[name]
     lines = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
     return "\n".join([sheet["drive"], *lines, *(f"{'assumed:':20s}{one}" for one in sheet["assumed"])])
 
 
 def markdown() -> str:
-    """Return the sheets of all drives, as docs/export.md shows them."""
+    """Return the documentation of all drives, as in docs/export.md."""
     lines = ["| `--to` | drive | takes | entries | between entries |", "|---|---|---|---|---|"]
     for name, sheet in SHEETS.items():
         lines.append(f"| `{name}` | {sheet['drive']} | {sheet['quantity']} | {sheet['entries']} | {sheet['between']} |")

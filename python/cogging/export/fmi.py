@@ -1,8 +1,7 @@
 """The axis as a unit of FMI 3.0 for co-simulation, which other tools run without Python.
 
-The unit holds a library that is the same for every axis, built with this package, and the numbers of the model in a
-text that the library reads: so whoever exports needs no compiler, and there is one plant, that of the core. A number is
-written by its bits.
+The unit contains a library built with this package, the same for every axis, and the numbers of the model in a text
+that the library reads. So an export needs no compiler, and the plant is that of the core. Numbers are written as bits.
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ from cogging.model.model import Model
 from cogging.shown import quoted
 
 LIBRARY = "cogging_axis"
-#: What a library is called, by system, and the system in FMI's words.
+#: Suffix of a library by system, and architectures in FMI's words.
 SUFFIXES = {"linux": ".so", "darwin": ".dylib", "windows": ".dll"}
 MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
-#: Value references of the parameters that the plant has; those before stand in co_simulation.cpp.
+#: First value reference of the plant's parameters; co_simulation.cpp has those before.
 FIRST_PARAMETER = 16
-NAMESPACE = uuid.UUID("6a7d5c7e-5f0b-4d0a-9f0e-2f1c43b0a3d1")  # of the tokens, drawn once
-#: Exponents of the units whose quantity is known, as FMI has them; the others are labels.
+NAMESPACE = uuid.UUID("6a7d5c7e-5f0b-4d0a-9f0e-2f1c43b0a3d1")  # of the instantiation tokens, drawn once
+#: FMI's exponents of known units; others are labels.
 BASE_UNITS = {
     "s": {"s": 1},
     "Hz": {"s": -1},
@@ -55,7 +54,7 @@ leaves: the controller, which its importer brings (a limit of the command is the
 
 
 class Parameter(NamedTuple):
-    """A number of the plant that the importer may change before it begins."""
+    """A number of the plant that the importer may change before initialisation."""
 
     name: str
     section: str  # in the resource: axis, encoder, noise, or the number of an effect
@@ -66,7 +65,7 @@ class Parameter(NamedTuple):
 
 
 def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) -> Exported:
-    """Make the unit of a model's axis.
+    """Return the unit of a model's axis.
 
     Args:
         model: its `[controller]` gives the sample rate alone.
@@ -75,11 +74,6 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
 
     Returns:
         The unit, a zip archive, and what it takes of the model.
-
-    Raises:
-        FieldError: there is neither a controller nor a sample rate, or an effect is of the user's own.
-        ValueError: the name or the sample rate cannot be used.
-        InputError: the package is without the unit's library.
     """
     require_name(name)
     rate = _rate(model, sample_rate)
@@ -113,11 +107,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
 
 
 def find_library() -> Path:
-    """The library for units that was built with this package.
-
-    Raises:
-        InputError: there is none: a source tree in which it was not built.
-    """
+    """Return the path of the library that was built with this package."""
     file = LIBRARY + SUFFIXES[_system()]
     built = sorted((SOURCES.parent / "build").glob(f"*/cpp/fmi/{file}"), key=lambda path: path.stat().st_mtime)
     for path in (*(folder / file for folder in installed("share/fmi")), *reversed(built)):
@@ -130,13 +120,13 @@ def find_library() -> Path:
 
 
 def platform_tuple() -> str:
-    """This platform as FMI names it: x86_64-linux."""
+    """Return this platform in FMI's words: x86_64-linux."""
     machine = platform.machine().lower()
     return f"{MACHINES.get(machine, machine)}-{_system()}"
 
 
 def resource(model: Model, rate: float, parameters: list[Parameter]) -> str:
-    """The numbers of a model as the library reads them, a line an item: cpp/fmi/resource.hpp."""
+    """Return the numbers of a model as cpp/fmi/resource.hpp reads them, one item a line."""
     lines = [
         _line("sample_rate", rate),
         _line("steps_per_sample", model.steps_per_sample),
@@ -168,13 +158,13 @@ def _rate(model: Model, given: float | None) -> float:
 
 
 def _initial_position(model: Model) -> float:
-    """Where the unit starts unless it is told: in the middle of the travel."""
+    """Return the default start: the middle of the travel."""
     low, high = model.axis.travel
     return 0.5 * (low + high) if math.isfinite(high - low) else 0.0
 
 
 def _parameters(model: Model) -> Iterator[Parameter]:
-    """The numbers of the plant that stand alone and are finite, in the order of their value references."""
+    """Yield the finite scalars of the plant in the order of their value references."""
     seen: dict[str, int] = {}
     sections: list[tuple[str, str, Any]] = [
         ("axis", "axis", model.axis),
@@ -197,11 +187,11 @@ def _bits(value: float) -> str:
 
 
 def _line(item: str, value: Any) -> str:
-    """An item with its value; behind # for people."""
+    """Return an item with its value, and as a comment in decimal."""
     values = value if isinstance(value, list) else [value]
     words = [_bits(one) if isinstance(one, float) else str(int(one)) for one in values]
-    told = f"  # {value!r}" if len(values) == 1 and isinstance(values[0], float) else ""
-    return " ".join([item, *words]) + told
+    comment = f"  # {value!r}" if len(values) == 1 and isinstance(values[0], float) else ""
+    return " ".join([item, *words]) + comment
 
 
 def _cogging_lines(model: Model) -> list[str]:
@@ -219,7 +209,7 @@ def _cogging_lines(model: Model) -> list[str]:
 
 
 def _description(model: Model, name: str, token: str, rate: float, parameters: list[Parameter]) -> bytes:
-    """modelDescription.xml: the unit's capabilities and variables."""
+    """Return modelDescription.xml: capabilities and variables of the unit."""
     root = xml.Element(
         "fmiModelDescription",
         fmiVersion="3.0",
@@ -250,7 +240,7 @@ def _description(model: Model, name: str, token: str, rate: float, parameters: l
         xml.SubElement(listed, kind, attributes)
     structure = xml.SubElement(root, "ModelStructure")
     outputs = [attributes["valueReference"] for _, attributes in variables if attributes["causality"] == "output"]
-    for reference in outputs:  # an output is that of the state: a command is felt from the next step on
+    for reference in outputs:  # outputs depend on the state alone: a command acts from the next step on
         xml.SubElement(structure, "Output", valueReference=reference, dependencies="")
     for reference in outputs:
         xml.SubElement(structure, "InitialUnknown", valueReference=reference)
@@ -260,7 +250,7 @@ def _description(model: Model, name: str, token: str, rate: float, parameters: l
 
 
 def _variables(model: Model, parameters: list[Parameter]) -> Iterator[tuple[str, dict[str, str]]]:
-    """Type and attributes of every variable; the value references of the first are those of co_simulation.cpp."""
+    """Yield type and attributes of every variable; co_simulation.cpp has the first value references."""
     unit, position = model.units.of, repr(_initial_position(model))
     fixed = {"causality": "parameter", "variability": "fixed"}
     output = {"causality": "output", "variability": "continuous", "initial": "calculated"}
@@ -283,16 +273,16 @@ def _variables(model: Model, parameters: list[Parameter]) -> Iterator[tuple[str,
 
 
 def _attributes(name: str, reference: int, unit: str, meaning: str, more: Mapping[str, str]) -> dict[str, str]:
-    told = {"name": name, "valueReference": str(reference), **more}
+    attributes = {"name": name, "valueReference": str(reference), **more}
     if meaning:
-        told["description"] = meaning
+        attributes["description"] = meaning
     if unit not in ("", "1"):
-        told["unit"] = unit
-    return told
+        attributes["unit"] = unit
+    return attributes
 
 
 def _archive(files: Mapping[str, bytes]) -> bytes:
-    """A zip archive, the same bytes for the same files."""
+    """Return a zip archive; the same files give the same bytes."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():

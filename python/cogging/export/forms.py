@@ -1,13 +1,12 @@
-"""The forms that `cogging export` writes, each by its name.
+"""The forms of `cogging export`, by name.
 
-A form is added in three steps: a module of this room with a function `make(model, **options) -> Exported`, an entry of
-FORMS below that names module and function, and a test that reads back what it writes. The command, its `--help` and
-`cogging.export.to` read the list. A module is imported when its form is asked for: what it needs may be an extra.
+To add a form: a module in this folder with a function `make(model, **options) -> Exported`, an entry of FORMS that
+names them, and a test that reads the file back. The command, its `--help` and `cogging.export.to` read the list. A
+module is imported when its form is used, as its libraries may be extras.
 
-An option is stated once, as an Option; forms that share it list the same object. The command turns `pole_pairs` into
-`--pole-pairs`, passes on only what was given, and refuses an option that the form does not take: the defaults stand in
-the signature of `make`. What cannot be used is refused there by a FieldError or ValueError in one line, `name: rule,
-got value`; `to` puts the model's file before it.
+Forms that share an option list the same Option. The command turns `pole_pairs` into `--pole-pairs`, passes on only
+given options, and refuses one that the form does not take: defaults are in the signature of `make`. `make` raises
+FieldError or ValueError, `name: rule, got value`; `to` adds the model's file.
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ class Exported:
 
     Attributes:
         content: of the file.
-        text: what the machine takes of it and what it cannot, for the screen.
-        beside: further files by what is added to the file's name, `.txt`.
+        text: what the machine uses of the model and what it cannot represent.
+        beside: further files by suffix, `.txt`.
     """
 
     content: bytes
@@ -39,22 +38,22 @@ class Exported:
     beside: Mapping[str, bytes] = field(default_factory=dict)
 
     def files(self, path: str | os.PathLike[str]) -> dict[str, list[bytes]]:
-        """What is written, by its path, as write_files takes it."""
+        """Return the content of all files by path, for write_files."""
         name = os.fspath(path)
         return {name: [self.content], **{name + suffix: [content] for suffix, content in self.beside.items()}}
 
 
 @dataclass(frozen=True)
 class Option:
-    """A number, word or switch that a form may be given.
+    """An option of a form: a number, a word or a switch.
 
     Attributes:
         name: the keyword, in full words with `_`.
         kind: float, int, str, or bool for a switch.
-        help: meaning and unit, with what holds where it is not given.
-        metavar: what stands for the value in `--help`.
-        choices: the words that it may be; none = any.
-        reads: whether it is the path of a file that is read.
+        help: meaning, unit and default.
+        metavar: of the value in `--help`.
+        choices: allowed words; none = any.
+        reads: whether it is the path of an input file.
     """
 
     name: str
@@ -67,14 +66,14 @@ class Option:
 
 @dataclass(frozen=True)
 class Form:
-    """A form in which a model, or a part of it, leaves.
+    """A form of export.
 
     Attributes:
         name: as in `--to`.
-        writes: what the file is, in a few words.
+        writes: description of the file.
         made_by: module and function, `cogging.export.drives:akd`.
-        options: that it takes.
-        of_map: whether `[cogging]` alone is enough, as `cogging map` writes it: there need be no `[axis]`.
+        options: of the form.
+        of_map: whether `[cogging]` alone suffices, as written by `cogging map`.
     """
 
     name: str
@@ -122,7 +121,7 @@ _RATE = Option("sample_rate", float, "Hz, at which a unit draws noise; default t
 
 
 def _drive(name: str, writes: str, *options: Option) -> Form:
-    """A form of a map; all have the frame's options."""
+    """Return a form of a map, with the options of the frame."""
     return Form(name, writes, f"cogging.export.drives:{name}", (*_FRAME, *options), of_map=True)
 
 
@@ -144,19 +143,19 @@ FORMS: dict[str, Form] = {
 
 
 def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Exported:
-    """Make what `cogging export MODEL.toml --to FORM` writes.
+    """Return what `cogging export MODEL.toml --to FORM` writes.
 
     Args:
-        model: a Model, or the path of a model file (for a map: of what `cogging map` wrote).
+        model: a Model, or the path of a model file (for a map also of the output of `cogging map`).
         form: a key of FORMS.
         **options: of that form, FORMS[form].options.
 
     Returns:
-        Content of the file, what is beside it, and what the machine takes of it.
+        Content of the files, and what the machine uses of the model.
 
     Raises:
-        ValueError: there is no such form, it does not take an option, or the model cannot be expressed in it.
-        InputError: the file cannot be used.
+        ValueError: an unknown form or option, or the model cannot be expressed in the form.
+        InputError: the file is invalid.
     """
     if form not in FORMS:
         raise ValueError(f"form: must be one of {', '.join(FORMS)}, got {quoted(form)}: {did_you_mean(form, FORMS)}")
@@ -182,10 +181,10 @@ def _read(path: str | os.PathLike[str], *, of_map: bool) -> Model:
 
 
 def option_of(name: str) -> str:
-    """An option as it is written on the command line."""
+    """Return an option as on the command line."""
     return f"--{name.replace('_', '-')}"
 
 
 def shown_forms() -> str:
-    """The forms and what they write, a line each."""
+    """Return the forms with their descriptions, a line each."""
     return "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values())

@@ -26,7 +26,7 @@ from cogging.first_model.headers import (
     unit_of_time,
 )
 from cogging.logs.columns import read_columns, survey_columns
-from cogging.logs.readers.request import is_si, listed, split_unit
+from cogging.logs.readers.column_request import is_si, listed, split_unit
 from cogging.model.units import UNIT_KEYS, Units
 from cogging.shown import nearest, printable
 

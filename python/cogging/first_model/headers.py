@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.logs.readers.request import bracketed, split_unit
+from cogging.logs.readers.column_request import bracketed, split_unit
 
 #: Names by quantity, the most specific first, from English and German drives and loggers.
 NAMES = {

@@ -15,7 +15,6 @@ import numpy as np
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import PATH, Kind, takes
 from cogging.files import InputError, parse_toml
 from cogging.first_model.axis_sizes import WIDTH, Sizes, Wave, sizes_of, strongest_wave
@@ -30,6 +29,7 @@ from cogging.logs.log import Log, read_log, require_sizes, units_beside
 from cogging.model.model import Model
 from cogging.model.units import UNIT_KEYS, Units
 from cogging.outputs import write_files
+from cogging.resources import on_one_blas_thread
 from cogging.shown import printable
 from cogging.simulation.reference import reference_from
 from cogging.values import ByValue

@@ -11,13 +11,12 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
-from cogging.arrays import FloatArray, IntArray, real_array
-from cogging.blas_threads import on_one_blas_thread
+from cogging.arrays import FloatArray, IntArray, least_squares, real_array
 from cogging.calls import did_you_mean, takes
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
-from cogging.linear import least_squares
 from cogging.model.units import UNITS, Units
+from cogging.resources import on_one_blas_thread
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.identification.identification_result import Identification
 from cogging.identification.logged_run import LoggedRun
@@ -19,11 +18,11 @@ from cogging.log_check.log_audit import hints
 from cogging.logs.log import Log, read_log, require_sizes
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
-from cogging.memory import require_rows
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, parameters_of, role_of
 from cogging.model.units import Units
 from cogging.progress import Progress
+from cogging.resources import on_one_blas_thread, require_rows
 from cogging.shown import nearest
 from cogging.simulation.arguments import LOGS, MODEL
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cogging.arrays import FloatArray
-from cogging.correlation import cross_correlation
+from cogging.arrays import FloatArray, cross_correlation
 from cogging.estimation.axis_balance import AXIS, AxisBalance, AxisFit, Bounds, explained_share, thinned
 from cogging.log_check.controller_check import check_controller, compared
 from cogging.log_check.controller_recovery import recover_controller

@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 
 from cogging._core import replay_controller
-from cogging.arrays import FloatArray, Mask
-from cogging.blas_threads import on_one_blas_thread
+from cogging.arrays import FloatArray, Mask, least_squares
 from cogging.calls import takes
 from cogging.files import LARGEST
-from cogging.linear import least_squares
 from cogging.log_check.controller_samples import FILLED, LONG, Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
 from cogging.model.model import CONTROLLERS, Model
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 

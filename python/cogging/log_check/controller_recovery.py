@@ -10,15 +10,15 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
-from cogging.core_values import line_of
 from cogging.log_check.controller_check import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG
+from cogging.values import line_of
 
 Columns = dict[str, FloatArray]
 

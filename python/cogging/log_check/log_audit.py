@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.files import InputError
 from cogging.log_check.controller_check import ControllerCheck, check_controller
 from cogging.log_check.encoder_readings import encoder_quantum, find_outliers
 from cogging.logs.log import READ_WITH, Log, require_sizes
-from cogging.memory import require_rows
 from cogging.model.model import Model
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread, require_rows
 from cogging.simulation.arguments import LOG, MODEL_ALONE, MODEL_OR_NONE
 from cogging.values import ByValue
 

@@ -1,4 +1,4 @@
-"""Named columns of numbers out of a file of any format that is read."""
+"""Named columns of numbers from files of all formats."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.files import InputError, require_file
 from cogging.logs.readers import text_table
+from cogging.logs.readers.column_request import Request
 from cogging.logs.readers.isolate import FORMATS, read_isolated
-from cogging.logs.readers.request import Request
 from cogging.shown import nearest
 
 SUFFIXES = {".mat": "matlab", ".mf4": "mdf", ".mdf": "mdf", ".parquet": "parquet"}
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-OTHERS = {  # what is often given by mistake
+OTHERS = {  # files that users give by mistake
     b"\x89PNG": "a PNG picture",
     b"\xff\xd8\xff": "a JPEG picture",
     b"PK\x03\x04": "a ZIP archive (or a spreadsheet)",
@@ -41,27 +41,23 @@ def read_columns(
 ) -> dict[str, FloatArray]:
     """Read named columns of a text table (CSV), MATLAB, ASAM MDF or Parquet file.
 
-    The format is told by the file's first bytes. A text table has a header row, below any other lines, and commas,
-    semicolons, tabs or blanks between its columns, and a decimal point or, where another mark parts the columns or the
-    numbers stand in quotes, a decimal comma in all its numbers. A unit may stand behind a name, `position [mm]`: one
-    that is not SI (or V, A, N) is refused unless `scale` says what to make of it.
+    The first bytes of the file determine the format. A text table has a header row, possibly below other lines, and
+    commas, semicolons, tabs or blanks between columns. All numbers have a decimal point, or a decimal comma if columns
+    are separated otherwise or numbers are quoted. A unit may follow a name, `position [mm]`: one that is not SI (or V,
+    A, N) is refused unless `scale` gives a factor.
 
     Args:
         path: the file.
         names: columns that must be there.
         optional: columns that may be there.
-        columns: what a column is called in the file, by its name here (`{"position": "qm"}`).
-        scale: factor by which a column is multiplied, by its name here.
-        rows: the data rows to take, counted from 0.
-        progress: show on a terminal how far the reading of a large text table is.
-        notes: to which is added what was found of the file that bears on its numbers: decimal commas.
+        columns: names in the file by name here (`{"position": "qm"}`).
+        scale: factors by name here.
+        rows: the data rows to read, counted from 0.
+        progress: show a progress bar for a large text table.
+        notes: extended by notes on the numbers of the file: decimal commas.
 
     Returns:
         The columns by name, each (n,).
-
-    Raises:
-        InputError: a missing column, text in a number, a NaN, no rows, columns of different lengths, a broken file, a
-            library that is not installed; names file, line or row, column, and the value.
     """
     request = _request(path, names, optional, columns, scale, rows, progress)
     kind = format_of(path)
@@ -80,11 +76,7 @@ def read_columns(
 
 
 def survey_columns(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
-    """The names of all columns of a file of any format, each with the unit that the file states apart from it or "".
-
-    Raises:
-        InputError: the file cannot be read, or is a text table without a header row.
-    """
+    """Return the names of all columns of a file, each with the unit that the file states separately, or ""."""
     request = Request(path, (), survey=[])
     kind = format_of(path)
     if kind is None:
@@ -119,11 +111,7 @@ def _request(
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
-    """What a file is, by its first bytes: a key of FORMATS, or None for text.
-
-    Raises:
-        InputError: it cannot be read, is no file, is empty of what its suffix promises, or is of a known other kind.
-    """
+    """Return the format of a file from its first bytes: a key of FORMATS, or None for text."""
     try:
         require_file(path)
         with open(path, "rb") as file:

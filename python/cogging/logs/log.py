@@ -18,12 +18,13 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import format_rows
 from cogging.arrays import FloatArray, no_number_in
-from cogging.calls import PATHS, takes, told_constructor
+from cogging.calls import PATHS, check_arguments, check_constructor
 from cogging.files import LARGEST, FieldError, InputError, read_toml
 from cogging.logs.columns import read_columns
-from cogging.memory import require_table
 from cogging.model.units import Units
 from cogging.outputs import Checksum, checksum_of, sidecar, target_of, to_toml, write_files
+from cogging.plot.traces import UNITS
+from cogging.resources import require_table
 from cogging.shown import quoted
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
@@ -31,36 +32,32 @@ from cogging.values import ByValue
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHORTEST = 1e-12  # s, from row to row: what is differentiated over less leaves all bounds
-SMALLEST = 1e-30  # of what a column spans in any unit: the square of its square is not yet zero
+SHORTEST = 1e-12  # s, mean step between rows: differences over less overflow
+SMALLEST = 1e-30  # range of a column in any unit: its fourth power is not zero
 REQUIRED = ("time", "position", "command")
-ROWS_AT_ONCE = 1 << 16  # rows that are formatted before they are written
-READ_WITH = "read_with"  # key of the metadata: what was found of the file that bears on its numbers
-CHECKSUM = "log_checksum"  # key of a sidecar: of its log as it was written
+ROWS_AT_ONCE = 1 << 16  # rows formatted before they are written
+READ_WITH = "read_with"  # key of the metadata: notes of the reader
+CHECKSUM = "log_checksum"  # key of a sidecar: checksum of its log
 TRUE = ("true_position", "true_velocity")
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
+COLUMN_UNITS = {"time": "s", **UNITS}
 
 
-COLUMN_UNITS = {"time": "s", "position": "m", "command": "V", "reference": "m", "error": "m"}
-COLUMN_UNITS |= {"reference_velocity": "m/s", "reference_acceleration": "m/s^2"}
-COLUMN_UNITS |= {"true_position": "m", "true_velocity": "m/s"}
-
-
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Log(ByValue):
     """One run of an axis, measured or simulated: one row a sample.
 
-    Columns may be anything that is an array of real numbers (lists, pandas Series). They are held as read-only float64
-    arrays, without a copy where they are float64 arrays already.
+    Columns may be lists, pandas Series or arrays of real numbers. They are stored as read-only float64 arrays, without
+    a copy of one that is float64 already.
 
     Attributes:
         time: s, strictly increasing, (n,).
         position: m, encoder reading at `time`.
         command: V, computed from that reading, applied from `time` and held until the next row.
         reference: m, or None; reference_velocity (m/s) and reference_acceleration (m/s^2) likewise.
-        true_position: m, the plant's own; None in a measured log. Likewise true_velocity, m/s.
-        estimates: what the controller believed, (n, p), where it was asked for.
+        true_position: m, of the plant; None in a measured log. Likewise true_velocity, m/s.
+        estimates: of the controller, (n, p), if they were recorded.
         metadata: what a CSV cannot hold: model, reference, version and seed of a simulated log.
 
     Raises:
@@ -85,7 +82,7 @@ class Log(ByValue):
 
     def __post_init__(self) -> None:
         rows = -1
-        for name in (*REQUIRED, *OPTIONAL, "true_position", "true_velocity", "estimates"):
+        for name in (*REQUIRED, *OPTIONAL, *TRUE, "estimates"):
             given = getattr(self, name)
             if given is None and name not in REQUIRED:
                 continue
@@ -99,24 +96,15 @@ class Log(ByValue):
 
     @classmethod
     def of(cls, columns: Mapping[str, FloatArray], metadata: Mapping[str, Any] | None = None) -> Log:
-        """Make a log of columns by name, as a file or a run gives them."""
-        return cls(
-            time=columns["time"],
-            position=columns["position"],
-            command=columns["command"],
-            reference=columns.get("reference"),
-            reference_velocity=columns.get("reference_velocity"),
-            reference_acceleration=columns.get("reference_acceleration"),
-            true_position=columns.get("true_position"),
-            true_velocity=columns.get("true_velocity"),
-            estimates=columns.get("estimates"),
-            metadata=metadata or {},
-        )
+        """Return a log of columns by name."""
+        required = {name: columns[name] for name in REQUIRED}
+        further: dict[str, Any] = {name: columns.get(name) for name in (*OPTIONAL, *TRUE, "estimates")}
+        return cls(**required, **further, metadata=metadata or {})
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, value in state.items():
             if isinstance(value, np.ndarray) and value.flags.writeable:
-                value.flags.writeable = False  # a copy has the right to be written, a log has not
+                value.flags.writeable = False  # of an unpickled array
             self.__dict__[name] = value
 
     def _brief(self) -> str:
@@ -126,17 +114,17 @@ class Log(ByValue):
         extra = [name for name in OPTIONAL[:1] if getattr(self, name) is not None]
         extra += ["true motion"] * (self.true_position is not None) + ["estimates"] * (self.estimates is not None)
         low, high = float(self.position.min()), float(self.position.max())
-        told = f"{len(self)} rows, {span:.6g} s at {(len(self) - 1) / span:.6g} Hz, "
-        told += f"{low:.6g} to {high:.6g} {self.units.position}"
-        return f"{told}, with {', '.join(extra)}" if extra else told
+        rate = f"{span:.6g} s at {(len(self) - 1) / span:.6g} Hz"
+        line = f"{len(self)} rows, {rate}, {low:.6g} to {high:.6g} {self.units.position}"
+        return f"{line}, with {', '.join(extra)}" if extra else line
 
     def __len__(self) -> int:
         return len(self.time)
 
     @property
     def units(self) -> Units:
-        """Labels of command and position: those of the model that the metadata tell; V and m where they tell none."""
-        return _units_told(self.metadata) or Units()
+        """Unit labels of the model in the metadata; V and m by default."""
+        return _units_in(self.metadata) or Units()
 
     @property
     def error(self) -> FloatArray:
@@ -150,15 +138,15 @@ class Log(ByValue):
         return self.position - self.reference
 
     def columns(self) -> dict[str, FloatArray]:
-        """The columns of a log file that this log has, by name."""
+        """Return the columns of a log file by name."""
         values = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL)}
         return {name: value for name, value in values.items() if value is not None}
 
     def to_frame(self) -> Any:
-        """All columns as a pandas DataFrame, with their units in `attrs["units"]`; estimates as `estimates[0]` and on.
+        """Return all columns as a pandas DataFrame, with units in `attrs["units"]`; estimates as `estimates[0]` and on.
 
         Raises:
-            ImportError: pandas is not there; names the extra that brings it.
+            ImportError: pandas is not installed; names the extra.
         """
         columns = self.columns()
         columns |= {name: value for name in TRUE if (value := getattr(self, name)) is not None}
@@ -180,7 +168,7 @@ class Log(ByValue):
         return html_table(f"Log: {self._brief()}", ["column", "unit", "least", "largest", "rms"], rows)
 
     def plot(self, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw columns over time, a panel each (cogging.plot.log).
+        """Plot columns over time, one panel each (cogging.plot.log).
 
         Args:
             columns: names of one or more, `error` among them; None: position, error and command.
@@ -193,13 +181,13 @@ class Log(ByValue):
         return plot.log(self, columns, units=self.units if units is None else units, ax=ax).figure
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a file of the format that the suffix names, and `PATH.toml` with the metadata.
+        """Write a file in the format of its suffix, and the metadata as `PATH.toml`.
 
-        `.mat` (MATLAB 5), `.parquet` (extra `parquet`); any other name but those of ASAM MDF is a CSV
-        with a header row. Every number is kept to its last bit.
+        The formats are `.mat` (MATLAB 5), `.parquet` (extra `parquet`) and CSV with a header row for other names; ASAM
+        MDF is not written. Numbers keep their last bit.
 
         Raises:
-            InputError: the file cannot be written, or a library is not installed; nothing is left behind.
+            InputError: the file cannot be written, or a library is not installed; no file remains.
         """
         suffix = Path(path).suffix.lower()
         if suffix in (".mf4", ".mdf", ".dat"):
@@ -215,10 +203,10 @@ class Log(ByValue):
         metadata = {key: value for key, value in self.metadata.items() if key != READ_WITH}  # of the other file
         if metadata:
             known = {"version": importlib.metadata.version("cogging"), **metadata}
-            # Formatted after the log has been written: its checksum is known then.
+            # Formatted after the log is written, when its checksum is known.
             files[beside] = (to_toml(_plain({**known, CHECKSUM: str(checksum)})).encode() for _ in range(1))
         else:
-            files[beside] = None  # what stands there is of another log
+            files[beside] = None  # that of another log is removed
         write_files(files)
 
     def _csv(self) -> Iterator[bytes]:
@@ -247,11 +235,7 @@ class Log(ByValue):
 
 
 def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:
-    """A column as a read-only float64 array; a view of what is one already.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """Return a column as a read-only float64 array, without a copy of one."""
     array = given if type(given) is np.ndarray and given.dtype.kind != "O" else _array(name, given)
     if isinstance(given, list | tuple) and (found := no_number_in(given)):
         raise ValueError(f"{name}: must be real numbers, got {found[0]!r} among them")
@@ -265,7 +249,7 @@ def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:
     if isinstance(given, np.ma.MaskedArray) and np.ma.getmaskarray(given).any():
         row = int(np.argmax(np.ma.getmaskarray(given))) // max(1, array.size // len(array))
         raise ValueError(f"row {row}: {name}: must not be masked: leave out the rows that are, got a mask there")
-    with np.errstate(over="ignore"):  # what is too large for float64 is infinite, and told below
+    with np.errstate(over="ignore"):  # too large for float64: infinite, reported below
         values: FloatArray = array.astype(np.float64, copy=False).view()
     if not np.isfinite(values).all():
         bad = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
@@ -281,7 +265,7 @@ def _array(name: str, given: Any) -> npt.NDArray[Any]:
         raise ValueError(f"{name}: must be real numbers, got a {type(given).__name__} that is no array") from None
     if array.dtype.kind != "O" or array.ndim == 0:
         return array
-    for row, value in enumerate(array.flat):  # what a table with missing entries holds, or integers beyond 64 bits
+    for row, value in enumerate(array.flat):  # of a table with missing entries, or integers beyond 64 bits
         if not isinstance(value, numbers.Real) or isinstance(value, bool):
             raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
     return np.array([_as_float(value) for value in array.flat], dtype=np.float64).reshape(array.shape)
@@ -294,22 +278,26 @@ def _as_float(value: numbers.Real) -> float:
         return math.inf
 
 
-def _require_increasing(time: FloatArray) -> None:
+def _require_increasing(time: FloatArray, first_row: int = 0) -> None:
     rising = time[1:] > time[:-1]
     if not rising.all():
         row = int(np.argmin(rising)) + 1
-        before, here = _told_apart(time[row - 1], time[row])
-        raise ValueError(f"row {row}: time: must be strictly increasing, got {here} after {before}")
+        before, here = float(time[row - 1]), float(time[row])
+        texts = (f"{here:g}", f"{before:g}")
+        if texts[0] == texts[1] and here != before:  # they differ in later digits
+            texts = (repr(here), repr(before))
+        rule = "must be strictly increasing"
+        raise ValueError(f"row {first_row + row}: time: {rule}, got {texts[0]} after {texts[1]}")
 
 
 def _plain(value: Any) -> Any:
-    """A document with lists in place of arrays."""
+    """Return a document with lists in place of arrays."""
     if isinstance(value, Mapping):
         return {key: _plain(entry) for key, entry in value.items()}
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-@takes(path=PATHS)
+@check_arguments(path=PATHS)
 def read_log(
     path: str | os.PathLike[str],
     *,
@@ -317,7 +305,9 @@ def read_log(
     scale: Mapping[str, float] | None = None,
     rows: slice | None = None,
 ) -> Log:
-    """Read a log from a file (see columns.read_columns for formats and arguments), and `PATH.toml` if it is there.
+    """Read a log and its metadata, `PATH.toml`, if that exists.
+
+    Formats are CSV, MATLAB, ASAM MDF and Parquet (see cogging.logs.columns.read_columns).
 
     Args:
         path: of a CSV, MATLAB, ASAM MDF or Parquet file.
@@ -329,8 +319,8 @@ def read_log(
         The log.
 
     Raises:
-        InputError: the file cannot be used, has fewer than two rows, `time` is not strictly increasing, or what stands
-            beside it was written beside another log.
+        InputError: the file is invalid, has fewer than two rows, `time` is not strictly increasing, or the metadata
+            were written with another log.
 
     Example:
         >>> log.write("log.csv")
@@ -343,12 +333,10 @@ def read_log(
     time = table["time"]
     if time.size < 2:
         raise InputError(f"{path}: rows: must be at least 2, got {time.size}")
-    rising = time[1:] > time[:-1]
-    if not rising.all():
-        at = int(np.argmin(rising)) + 1
-        row = at + (rows.start or 0 if rows is not None else 0)
-        before, here = _told_apart(time[at - 1], time[at])
-        raise InputError(f"{path}: row {row}: time: must be strictly increasing, got {here} after {before}")
+    try:
+        _require_increasing(time, 0 if rows is None else rows.start or 0)
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
     metadata = _metadata_beside(path)
     if notes:
         metadata[READ_WITH] = notes
@@ -356,20 +344,12 @@ def read_log(
 
 
 def units_beside(path: str | os.PathLike[str]) -> Units | None:
-    """Labels of command and position that the metadata beside a log tell; None where there are none.
-
-    Raises:
-        InputError: the file beside it cannot be used.
-    """
-    return _units_told(_metadata_beside(path))
+    """Return the unit labels in the sidecar of a log; None if it has none."""
+    return _units_in(_metadata_beside(path))
 
 
 def _metadata_beside(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The metadata beside a log; its checksum, where one stands there, is compared and left out.
-
-    Raises:
-        InputError: the file cannot be used, or was written beside another log.
-    """
+    """Return the metadata of a log file; a checksum in them is verified and removed."""
     beside = Path(sidecar(path))
     metadata = read_toml(beside) if beside.exists() else {}
     expected, found = metadata.pop(CHECKSUM, None), None
@@ -379,36 +359,31 @@ def _metadata_beside(path: str | os.PathLike[str]) -> dict[str, Any]:
     return metadata
 
 
-def _units_told(metadata: Mapping[str, Any]) -> Units | None:
-    """Those of the model that the metadata hold: V and m where it has no labels of its own."""
+def _units_in(metadata: Mapping[str, Any]) -> Units | None:
+    """Return the unit labels of the model in metadata; None without a model."""
     model = metadata.get("model")
     if not isinstance(model, Mapping):
         return None
     try:
         return Units.from_dict(model.get("units", {}))
     except (FieldError, AttributeError, TypeError):
-        return None  # what a sidecar says of a model is not held against its log
+        return None  # an invalid model in a sidecar does not invalidate the log
 
 
 def _require_sidecar(path: str) -> None:
-    """Refuse to replace, with what belongs to a log, a file that never did: the model `machine.toml` of `machine`."""
+    """Raise InputError if a sidecar would replace another file, such as the model `machine.toml` of a log `machine`."""
     try:
         known = not os.path.lexists(path) or not target_of(path).exists() or "version" in read_toml(path)
     except InputError:
         if os.path.lexists(path):
             raise
-        return  # gone meanwhile, with another writer's log
+        return  # removed meanwhile by another process
     if not known:
         raise InputError(f"{path}: must be what a log left here to be replaced, got a file without `version`")
 
 
 def require_sizes(log: Log) -> None:
-    """Refuse a log whose numbers cannot be squared and divided: of no machine, but of a file that went wrong.
-
-    Raises:
-        ValueError: a column above LARGEST in size; a position or command that is not constant or zero but below
-            SMALLEST; rows closer than SHORTEST on average. Names column, rule and value.
-    """
+    """Raise ValueError for a log whose numbers would overflow: no machine has them, but a damaged file may."""
     for name, values in log.columns().items():
         size = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
         if size > LARGEST:
@@ -420,8 +395,3 @@ def require_sizes(log: Log) -> None:
     step = float(log.time[-1] - log.time[0]) / max(len(log) - 1, 1)
     if step < SHORTEST:
         raise ValueError(f"time: must have rows at least {SHORTEST:g} s apart on average, got {step:g} s")
-
-
-def _told_apart(first: float, second: float) -> tuple[str, str]:
-    short = f"{first:g}", f"{second:g}"
-    return short if short[0] != short[1] or first == second else (repr(float(first)), repr(float(second)))

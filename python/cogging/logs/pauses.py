@@ -1,4 +1,4 @@
-"""Pauses in a log: times without rows, over which nothing may be laid out row by row."""
+"""Pauses in a log: time without rows, which a grid at the sample rate must not fill."""
 
 from __future__ import annotations
 
@@ -9,19 +9,16 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 
-SPARSE = 4.0  # times as many even rows as there are rows: from there on pauses are cut
-CUT = 0.5  # s, to which they are cut, or ...
-CUT_STEPS = 10.0  # ... this many median steps where that is longer
-SPARSEST = 20.0  # times as many even rows as there are rows, even then: memory would go with time, not with rows
+SPARSE = 4.0  # rows of an even grid for each row, above which pauses are cut
+CUT = 0.5  # s, length of a cut pause, or ...
+CUT_STEPS = 10.0  # ... this many median steps if that is longer
+SPARSEST = 20.0  # rows of an even grid for each row, with pauses cut, above which a log is refused
 
 
 def running_time(time: FloatArray) -> FloatArray:
-    """The time of rows without what their pauses have beyond CUT, s, (n,); `time` itself where pauses do not matter.
+    """Return the time of rows with pauses cut to CUT, s, (n,); `time` itself if pauses do not matter.
 
-    They do where rows at the median step would be more than SPARSE times the rows there are: a pause of a day.
-
-    Raises:
-        ValueError: even then the rows fill hardly any of the time.
+    They matter if rows at the median step would be more than SPARSE times as many: a pause of a day.
     """
     steps = np.diff(time)
     step = float(np.median(steps))
@@ -38,11 +35,7 @@ def running_time(time: FloatArray) -> FloatArray:
 
 
 def without_pauses(log: Log) -> tuple[Log, str]:
-    """The log with its pauses cut (see running_time), and what is to be said of that; the log itself and "" if none is.
-
-    Raises:
-        ValueError: its rows fill hardly any of the time.
-    """
+    """Return the log with pauses cut (see running_time) and a message; the log itself and "" if there are none."""
     running = running_time(log.time)
     if running is log.time:
         return log, ""
@@ -50,6 +43,6 @@ def without_pauses(log: Log) -> tuple[Log, str]:
     pauses, longest = int(np.sum(steps > max(CUT, CUT_STEPS * float(np.median(steps))))), int(np.argmax(steps))
     said = (
         f"{pauses} pause{'s' if pauses > 1 else ''} in the rows, the longest of {steps[longest]:.4g} s after row "
-        f"{longest}: cut to {np.diff(running)[longest]:.3g} s, and all times here count without the rest"
+        f"{longest}: cut to {np.diff(running)[longest]:.3g} s, and all times here exclude what was cut"
     )
     return replace(log, time=running), said

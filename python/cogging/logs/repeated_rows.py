@@ -1,4 +1,4 @@
-"""Rows that stand in several logs: a copy is no new evidence, whatever it is called and from when on it counts."""
+"""Rows that several logs share: a copy is no new evidence, even with rows left out, resampled or in other units."""
 
 from __future__ import annotations
 
@@ -9,33 +9,41 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray, Mask
-from cogging.logs.changed_copies import between_rows, in_order
+from cogging.arrays import FloatArray, Mask, cross_correlation
 from cogging.logs.log import Log
 
 BLOCK_BITS = 5
-BLOCK = 1 << BLOCK_BITS  # rows that are compared at once, to find where logs may be the same
-DIFFERENT = 12  # different rows in a block, at least: two machines at rest, or flickering by a count, look alike
-STRETCH = 200  # rows that must be the same one after the other: where noise is, no repeat of a motion does that
+BLOCK = 1 << BLOCK_BITS  # rows that are hashed together, to find where logs may be equal
+DIFFERENT = 12  # least number of different rows in a block: machines at rest look alike
+STRETCH = 200  # consecutive equal rows; with noise, no repeated motion reaches that
 STRETCH_DIFFERENT = 30  # different rows among those
-COARSE = 1e-5  # of the spread of a column, to which it is rounded to be looked up
-SAME = 1e-6  # of it, by which the same reading may differ: written with other digits, scaled, in single precision
-OFFSETS = 64  # that are looked at exactly, those that most blocks speak for
-ALIKE = 16  # places at which a block is looked up: a motion without noise repeats itself
-MUCH = 0.25  # of the shorter log, that is a copy with rows left out or read anew: less may be like by chance
+COARSE = 1e-5  # of the range of a column, to which it is rounded for hashing
+SAME = 1e-6  # of it, by which equal readings may differ: other digits, a scale, single precision
+OFFSETS = 64  # offsets that are compared exactly, those with most equal blocks
+ALIKE = 16  # matches of a block that are followed: a motion without noise repeats itself
+MUCH = 0.25  # of the shorter log; a smaller changed copy may be chance
+WINDOW = 500  # rows of a window in which copies with changes are looked for
+COPIED = 0.9  # share of a window that must be in the log of which it is a copy
+LEFT = 0.4  # share of that log's rows that must remain in the copy
+UNIQUE = 150  # rows of a window that must occur once in each log
+IN_ORDER = 0.9  # share of these that must follow the one before
+BETWEEN = 3e-5  # of the range of a column: distance from the line between two rows
+MOVING = 100.0  # times BETWEEN, least change of a column in a window
+ON_LINE = 0.9  # share of a window that must be on the lines of the other log
+NEWTON_STEPS = 8  # to the shift in time
 MIXERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0xFF51AFD7ED558CCD], dtype=np.uint64)
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Largest spread and size of the columns of several logs."""
+    """Largest range and magnitude of position and command over several logs."""
 
     position: tuple[float, float]
     command: tuple[float, float]
 
     @classmethod
     def of(cls, logs: Sequence[Log]) -> Spread:
-        """Over these logs."""
+        """Return those of these logs."""
 
         def both(columns: Sequence[FloatArray]) -> tuple[float, float]:
             return max(float(np.ptp(c)) for c in columns), max(float(np.abs(c).max()) for c in columns)
@@ -44,23 +52,21 @@ class Spread:
 
 
 def repeated(log: Log, other: Log) -> Mask:
-    """The rows of a log that stand in another too, (n,): the same position and command, STRETCH rows on end.
+    """Return which rows of a log, (n,), are in another one: equal position and command over STRETCH rows.
 
-    Time and references do not count: they may have been shifted, or added later. Rows may have been left out (up to
-    about half of them), or read anew at other times, on the line between two rows; or all be in another unit, with
-    another zero of the position.
+    Time and references are ignored. Up to about half of the rows may have been left out, the rows may have been
+    interpolated at other times, and units and the zero of the position may differ.
     """
-    found = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
+        return np.zeros(len(log), dtype=bool)
+    found = _shared_rows(log, other)
+    if found.any() or (scaled := _in_units_of(log, other)) is None:
         return found
-    found = _as_it_stands(log, other)
-    if found.any() or (scaled := _in_unit_of(log, other)) is None:
-        return found
-    return _as_it_stands(scaled, other)
+    return _shared_rows(scaled, other)
 
 
-def _in_unit_of(log: Log, other: Log) -> Log | None:
-    """The log with the range of position and the largest command of another; None where it has them, or none."""
+def _in_units_of(log: Log, other: Log) -> Log | None:
+    """Return the log scaled to the position range and largest command of another; None if it has them already."""
     ranges = [(float(np.ptp(one.position)), float(np.abs(one.command).max())) for one in (log, other)]
     if min(min(pair) for pair in ranges) <= 0.0:
         return None
@@ -72,8 +78,8 @@ def _in_unit_of(log: Log, other: Log) -> Log | None:
     return Log(log.time, position, command * log.command)
 
 
-def _as_it_stands(log: Log, other: Log) -> Mask:
-    """The same of two logs in one unit."""
+def _shared_rows(log: Log, other: Log) -> Mask:
+    """Return the shared rows of two logs in the same units."""
     found = np.zeros(len(log), dtype=bool)
     spread = Spread.of([log, other])
     for offset in _offsets(log, other, spread):
@@ -86,16 +92,16 @@ def _as_it_stands(log: Log, other: Log) -> Mask:
         edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
         for start, stop in zip(edges[::2], edges[1::2], strict=True):
             rows = slice(first + int(start), first + int(stop))
-            if stop - start >= STRETCH and _different(log, rows, spread) >= STRETCH_DIFFERENT:
-                found[rows] = True
-    return found if found.any() else _changed(log, other, spread)
-
-
-def _changed(log: Log, other: Log, spread: Spread) -> Mask:
-    """The rows of a log that stand in another with some left out, or at other times."""
+            if stop - start < STRETCH:
+                continue
+            with np.errstate(over="ignore"):
+                different = len(np.unique(_rounded(log.position[rows], log.command[rows], spread)))
+            found[rows] |= different >= STRETCH_DIFFERENT
+    if found.any():
+        return found
     with np.errstate(over="ignore"):
-        numbers = [_rounded(one.position, one.command, spread) for one in (log, other)]
-    for found in (in_order(*numbers), between_rows(log, other, (spread.position[0], spread.command[0]))):
+        hashes = [_rounded(one.position, one.command, spread) for one in (log, other)]
+    for found in (_in_order(*hashes), _between_rows(log, other, (spread.position[0], spread.command[0]))):
         if found.sum() >= MUCH * min(len(log), len(other)):
             return found
     return np.zeros(len(log), dtype=bool)
@@ -104,16 +110,15 @@ def _changed(log: Log, other: Log, spread: Spread) -> Mask:
 def counted_once(
     logs: Sequence[Log], names: Sequence[str], fewest: int
 ) -> tuple[list[Log], list[Mask], tuple[str, ...]]:
-    """Logs without rows that a longer, or an earlier, log has too.
+    """Return logs without the rows that a longer or earlier log contains.
 
     Args:
-        logs: that are to be evidence together.
-        names: of them, for the sentences.
-        fewest: rows that a log must have left to count at all.
+        logs: to be used together.
+        names: of the logs, for the messages.
+        fewest: rows that must remain; a log with fewer is left out.
 
     Returns:
-        The logs that are left, which rows (n,) of each given log count (none of a log that is left out), and what is
-        to be said.
+        The remaining logs, which rows (n,) of each given log count, and messages.
     """
     order = sorted(range(len(logs)), key=lambda i: -len(logs[i]))
     kept = [np.ones(len(log), dtype=bool) for log in logs]
@@ -135,14 +140,14 @@ def counted_once(
 
 
 def repeated_text(rows: Mask) -> str:
-    """How many rows are meant, and from where on: the subject of a sentence and its verb."""
+    """Return the number and the start of some rows, as subject and verb of a sentence."""
     if rows.all():
         return f"all its {rows.size} rows are"
     return f"{int(rows.sum())} of its {rows.size} rows, from row {int(np.argmax(rows))} on, are"
 
 
 def rows_of(log: Log, rows: Mask) -> Log:
-    """Some rows of a log."""
+    """Return some rows of a log."""
     columns = {field.name: getattr(log, field.name) for field in dataclasses.fields(log) if field.name != "metadata"}
     taken = {name: column[rows] for name, column in columns.items() if column is not None}
     return dataclasses.replace(log, **taken)
@@ -153,12 +158,12 @@ def _close(one: FloatArray, other: FloatArray, spread: tuple[float, float]) -> M
 
 
 def _rounded(position: FloatArray, command: FloatArray, spread: Spread) -> npt.NDArray[np.uint64]:
-    """One number a row for its rounded position and command."""
+    """Return a hash of the rounded position and command of each row."""
     numbers = np.zeros(len(position), dtype=np.uint64)
     columns = ((position, spread.position, MIXERS[0]), (command, spread.command, MIXERS[1]))
     for column, (size, largest), mixer in columns:
         step = COARSE * max(size, 1e-9 * largest) or 1.0
-        # Not at places where readings with a quantum would lie half-way between two.
+        # Scale and offset keep quantised readings away from the rounding boundaries.
         numbers += np.floor(column / step * 0.9 + 0.377).astype(np.int64).view(np.uint64) * mixer
         numbers ^= numbers >> np.uint64(29)
         numbers *= MIXERS[2]
@@ -166,14 +171,14 @@ def _rounded(position: FloatArray, command: FloatArray, spread: Spread) -> npt.N
 
 
 def _blocks(numbers: npt.NDArray[np.uint64]) -> tuple[npt.NDArray[np.uint64], Mask]:
-    """A number for each BLOCK rows from each row on, and whether these differ enough to be known by it."""
+    """Return a hash of BLOCK rows from each row on, and whether these rows differ enough to identify the block."""
     hashed = numbers.copy()
     power = MIXERS[0]
     for bit in range(BLOCK_BITS):
         step = 1 << bit
         hashed = hashed[:-step] + power * hashed[step:]
         power = power * power
-    # Rows that are the first of their kind within BLOCK rows: as many as there are different ones, or fewer.
+    # Count rows that do not repeat one of the BLOCK rows before.
     order = np.argsort(numbers, kind="stable")
     again = np.zeros(len(numbers), dtype=bool)
     again[order[1:]] = (numbers[order[1:]] == numbers[order[:-1]]) & (np.diff(order) < BLOCK)
@@ -182,7 +187,7 @@ def _blocks(numbers: npt.NDArray[np.uint64]) -> tuple[npt.NDArray[np.uint64], Ma
 
 
 def _offsets(log: Log, other: Log, spread: Spread) -> list[int]:
-    """By how many rows the log may be moved to lie on the other, the likeliest first."""
+    """Return the offsets in rows at which blocks of two logs agree, the most frequent first."""
     with np.errstate(over="ignore"):
         mine, known = _blocks(_rounded(log.position, log.command, spread))
         its, its_known = _blocks(_rounded(other.position, other.command, spread))
@@ -200,6 +205,100 @@ def _offsets(log: Log, other: Log, spread: Spread) -> list[int]:
     return [int(value) for value in values[np.argsort(-votes, kind="stable")][:OFFSETS]]
 
 
-def _different(log: Log, rows: slice, spread: Spread) -> int:
-    with np.errstate(over="ignore"):
-        return len(np.unique(_rounded(log.position[rows], log.command[rows], spread)))
+def _in_order(mine: npt.NDArray[np.uint64], its: npt.NDArray[np.uint64]) -> Mask:
+    """Return which rows of a log, (n,), are in another one in the same order, some left out; both given as hashes."""
+    there, here = _among(mine, its), _among(its, mine)
+    values, first, counts = np.unique(its, return_index=True, return_counts=True)
+    own, own_counts = np.unique(mine, return_counts=True)
+    unique = np.intersect1d(values[counts == 1], own[own_counts == 1], assume_unique=True)
+    rows = np.flatnonzero(_among(mine, unique))
+    if rows.size < UNIQUE:
+        return np.zeros(len(mine), dtype=bool)
+    place = first[np.searchsorted(values, mine[rows])]
+    ordered, known = np.zeros(len(mine)), np.zeros(len(mine))
+    known[rows], ordered[rows] = 1.0, np.concatenate([[True], np.diff(place) > 0])
+    # Nearly all rows of the copy are in the other log.
+    whole = _share(there) >= COPIED
+    whole |= (_share(there) >= LEFT) & _among(mine, its[here & (_share(here) >= COPIED)])
+    whole &= (_windowed(known) >= UNIQUE) & (_windowed(ordered) >= IN_ORDER * _windowed(known))
+    return np.asarray(whole & there)
+
+
+def _among(rows: npt.NDArray[np.uint64], others: npt.NDArray[np.uint64]) -> Mask:
+    """Return which rows are among others, (n,); by sorting, as numpy 2.0 treats 64-bit hashes as signed otherwise."""
+    return np.isin(rows, others, kind="sort")
+
+
+def _between_rows(log: Log, other: Log, spread: tuple[float, float]) -> Mask:
+    """Return which rows of a log, (n,), are interpolated between rows of another one, at one shift in time.
+
+    The position is on the line between two rows; the command is too, or is held from the row before. `spread`: range of
+    position and command, (m, V).
+    """
+    found = np.zeros(len(log), dtype=bool)
+    shift = _shift(log, other)
+    if shift is None:
+        return found
+    at = log.time + shift
+    inside = (at >= other.time[0]) & (at <= other.time[-1])
+    if inside.sum() < WINDOW:
+        return found
+    off = np.abs(log.position - np.interp(at, other.time, other.position)) <= BETWEEN * spread[0]
+    before = np.clip(np.searchsorted(other.time, at, side="right") - 1, 0, len(other) - 1)
+    held = np.abs(log.command - other.command[before]) <= BETWEEN * spread[1]
+    line = np.abs(log.command - np.interp(at, other.time, other.command)) <= BETWEEN * spread[1]
+    moving = _range(log.position) >= MOVING * BETWEEN * spread[0]
+    moving &= _range(log.command) >= MOVING * BETWEEN * spread[1]
+    for same in (inside & off & line, inside & off & held):
+        found |= same & (_windowed(same.astype(float)) >= ON_LINE * WINDOW) & moving
+    return found
+
+
+def _range(values: FloatArray) -> FloatArray:
+    """Return the range of values in the window around each row, (n,)."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    return np.asarray(maximum_filter1d(values, WINDOW) - minimum_filter1d(values, WINDOW))
+
+
+def _windowed(values: FloatArray) -> FloatArray:
+    """Return the sum over the window around each row, (n,)."""
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    rows = np.arange(len(values))
+    low, high = np.maximum(rows - WINDOW // 2, 0), np.minimum(rows + WINDOW // 2, len(values))
+    return np.asarray(total[high] - total[low])
+
+
+def _share(rows: Mask) -> FloatArray:
+    return _windowed(rows.astype(float)) / _windowed(np.ones(len(rows)))
+
+
+def _shift(log: Log, other: Log) -> float | None:
+    """Return the shift (s) of a log's time at which its position best fits another one; None if the lengths do not."""
+    step = max(float(np.median(np.diff(log.time))), float(np.median(np.diff(other.time))))
+    rows = [int((one.time[-1] - one.time[0]) / step) for one in (log, other)]
+    if min(rows) < WINDOW or max(rows) > 20 * (len(log) + len(other)):
+        return None
+    speeds = [
+        np.diff(np.interp(one.time[0] + step * np.arange(n), one.time, one.position))
+        for one, n in zip((log, other), rows, strict=True)
+    ]
+    likeness = cross_correlation(speeds[1], speeds[0])
+    size = cross_correlation(speeds[1] ** 2, np.ones(len(speeds[0])))
+    size = np.maximum(size, 0.1 * float(size.max()))
+    likeness = likeness / np.sqrt(size) if float(size.max()) > 0.0 else likeness
+    lag = int(np.argmax(likeness)) - (len(speeds[0]) - 1)
+    start = shift = float(other.time[0] - log.time[0]) + lag * step
+    inside = np.flatnonzero((log.time + shift > other.time[0]) & (log.time + shift < other.time[-1]))
+    for _ in range(NEWTON_STEPS):  # refine within two rows
+        at = log.time[inside] + shift
+        miss = log.position[inside] - np.interp(at, other.time, other.position)
+        slope = (
+            np.interp(at + 0.5 * step, other.time, other.position)
+            - np.interp(at - 0.5 * step, other.time, other.position)
+        ) / step
+        power = float(slope @ slope)
+        if power == 0.0:
+            break
+        shift = float(np.clip(shift + float(slope @ miss) / power, start - 2.0 * step, start + 2.0 * step))
+    return shift

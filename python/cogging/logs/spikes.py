@@ -1,4 +1,4 @@
-"""Single values that leave and return: readings, or commands, that nobody ever saw."""
+"""Outliers: single readings or commands that jump away and return."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from cogging.arrays import FloatArray, Mask
 from cogging.logs.log import Log
 
-HIGH = 8.0  # times what nearly all values are off the median of five by
+HIGH = 8.0  # times the quantile NEARLY_ALL of the distances from the median of five
 NEARLY_ALL = 0.97
-SMOOTH = 1e-4  # of the range of the values, at least, where they are smooth
+SMOOTH = 1e-4  # of the range of the values: least such quantile
 FEW = 0.02  # of the rows: more are no outliers
 
 
 def off_neighbours(values: FloatArray) -> FloatArray:
-    """By how much each value is off the median of the five about it, (n,); 0 for the two at each end."""
+    """Return the distance of each value from the median of the five around it, (n,); 0 for two at each end."""
     off = np.zeros(len(values))
     if len(values) >= 5:
         five = np.lib.stride_tricks.sliding_window_view(values, 5)
@@ -25,7 +25,7 @@ def off_neighbours(values: FloatArray) -> FloatArray:
 
 
 def spikes(values: FloatArray) -> Mask:
-    """Values that leave and return within two rows by far more than any others do; none where they are many."""
+    """Return which values, (n,), jump away and return within two rows; none if there are many."""
     off = np.abs(off_neighbours(values))
     low, high = np.quantile(values, [0.01, 0.99]) if values.size else (0.0, 0.0)
     usual = max(float(np.quantile(off, NEARLY_ALL)) if values.size else 0.0, SMOOTH * float(high - low))
@@ -34,14 +34,14 @@ def spikes(values: FloatArray) -> Mask:
 
 
 def between(values: FloatArray, time: FloatArray, rows: Mask) -> FloatArray:
-    """The values with those of some rows put on the line between their neighbours."""
+    """Return the values with those of some rows interpolated between their neighbours."""
     result = values.copy()
     result[rows] = np.interp(time[rows], time[~rows], values[~rows])
     return result
 
 
 def repaired(log: Log, readings: Mask, commands: Mask) -> tuple[Log, str]:
-    """The log with these readings and commands put between their neighbours, and what is to be said of that."""
+    """Return the log with these readings and commands interpolated, and a message."""
     said = []
     for rows, what in ((readings, "reading"), (commands, "command")):
         if rows.any():
@@ -54,4 +54,4 @@ def repaired(log: Log, readings: Mask, commands: Mask) -> tuple[Log, str]:
         position=between(log.position, log.time, readings),
         command=between(log.command, log.time, commands),
     )
-    return whole, f"{' and '.join(said)}, that leave and return at once: put between their neighbours"
+    return whole, f"{' and '.join(said)}, that jump away and return at once: replaced by interpolation"

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import CoggingModel, SplineHarmonics, require_memory
 from cogging.arrays import FloatArray
-from cogging.memory import POINT
+from cogging.resources import POINT
 
 FOLDS = 8
 LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regular without noise

@@ -9,10 +9,10 @@ import numpy as np
 
 from cogging import plot
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.logs.log import Log
 from cogging.model.units import Units
+from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG
 from cogging.tables import frame_of
 from cogging.values import ByValue

@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.mapping.cogging_spectrum import (
     FLOOR,
@@ -27,6 +26,7 @@ from cogging.mapping.cogging_spectrum import (
 from cogging.mapping.map_fit import CrossValidation, HarmonicAmplitude, MapFit
 from cogging.mapping.scan import Scan, read_scan
 from cogging.model.units import UNITS, Units
+from cogging.resources import on_one_blas_thread
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A controller of one's own: what closes the loop beside those of the core."""
+"""Protocols of controllers: a user's own, and those of the core."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cogging.arrays import FloatArray
 
 
 class ReferencePoint(NamedTuple):
-    """What is asked of the axis in one sample.
+    """Reference of one sample.
 
     Attributes:
         position: m.
@@ -26,18 +26,18 @@ class ReferencePoint(NamedTuple):
 
 @runtime_checkable
 class Controller(Protocol):
-    """What closes a loop: any object with a sample rate and a command.
+    """A user's controller: any object with a sample rate and a command.
 
     `simulate(model, reference, controller=mine)`, `closed_loop`, `closed_loop_batch`, `replay_controller` and
-    `predict_error` take it wherever they take a controller of the core. A run is a pure function: it works on a deep
-    copy (`copy.deepcopy`), so that state belongs into the object and not into globals.
+    `predict_error` accept it like a controller of the core. A run is a pure function: it works on a deep copy
+    (`copy.deepcopy`), so that state belongs in the object and not in globals.
 
-    In every sample `command` is called, then `update`, where there is one. What an object may have beside these two:
+    Every sample calls `command`, then `update` if it exists. Optional members:
 
     - `update(applied: float) -> None`: ends the sample; the command (V) that was applied, cut at the limit;
     - `reset() -> None`: called on the copy before the run;
     - `command_limit: float`: V, largest command; 0 = none;
-    - `estimates`: numbers that `record_estimates` keeps, one row a sample, always as many.
+    - `estimates`: numbers that `record_estimates` records, one row a sample, always as many.
 
     Attributes:
         sample_rate: Hz.
@@ -47,10 +47,10 @@ class Controller(Protocol):
     def sample_rate(self) -> float: ...  # noqa: D102
 
     def command(self, reference: ReferencePoint, reading: float) -> float:
-        """The command of this sample, V, a finite number.
+        """Return the command of this sample, V, a finite number.
 
         Args:
-            reference: position (m), velocity (m/s) and acceleration (m/s^2) that are asked for.
+            reference: position (m), velocity (m/s) and acceleration (m/s^2).
             reading: of the encoder, m.
         """
         ...
@@ -63,27 +63,22 @@ class ListedController(Protocol):
 
     @property
     def parameters(self) -> Any:
-        """The parameter struct that it was made of."""
-        ...
+        """Parameter struct."""
 
     @property
     def sample_rate(self) -> float:
         """Hz."""
-        ...
 
     @property
     def estimates(self) -> FloatArray:
-        """What it believes now, (p,)."""
-        ...
+        """Present estimates, (p,)."""
 
     @property
     def samples_refused(self) -> int:
-        """How many samples it has refused."""
-        ...
+        """Number of refused samples."""
 
     def update(self, applied: float) -> None:
         """End the sample with the command (V) that was applied."""
-        ...
 
 
 class ControllerParameters(Protocol):
@@ -94,21 +89,17 @@ class ControllerParameters(Protocol):
     @property
     def sample_rate(self) -> float:
         """Hz."""
-        ...
 
     @property
     def command_limit(self) -> float:
         """V; 0 = none."""
-        ...
 
     def replace(self, **changes: Any) -> Any:
-        """A copy with the given fields changed."""
-        ...
+        """Return a copy with the given fields changed."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name."""
-        ...
+        """Return all fields by name."""
 
 
-#: What runs take: one of the core, or any object that is a Controller.
+#: A controller of the core, or any object that is a Controller.
 AnyController = Controller | ListedController

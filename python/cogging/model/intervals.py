@@ -1,4 +1,4 @@
-"""Between which numbers each parameter of a model lies, and what says so."""
+"""95 % intervals of a model's parameters, and their sources."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from cogging.arrays import SIGMAS_95 as SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import parameters_of
 from cogging.shown import nearest
 
 Interval = tuple[float, float]
 
-#: Standard deviations on either side of the middle that hold 95 % of a normal distribution.
-SIGMAS_95 = 1.959963984540054
-
-# What shows a parameter in a log, by the beginning of its path.
+#: What identifies a parameter, by the beginning of its path.
 MEASUREMENTS = {
     "axis.mass": "a log with larger accelerations",
     "axis.viscous": "a log at several speeds",
@@ -27,15 +25,15 @@ MEASUREMENTS = {
 
 
 class Intervals:
-    """The 95 % intervals of a model's parameters, from the first source that has one.
+    """The 95 % intervals of a model's parameters, each from the first source that has one.
 
-    `[bounds]` of the model (what `identify` writes), then `default`, then `[axis.uncertainty]` as +-1.96 sigma, then
-    none: the parameter counts as exact. An infinite interval in `[bounds]` says that the logs do not determine the
-    parameter: then only `default` helps.
+    The sources are `[bounds]` of the model (written by `identify`), `default`, and `[axis.uncertainty]` as +-1.96
+    sigma; a parameter without a source counts as exact. An infinite interval in `[bounds]` means that the logs do not
+    determine the parameter: it needs a `default`.
 
     Attributes:
-        model: whose parameters they are.
-        notes: what did not come from `[bounds]`, in words, grown by each call of `of`.
+        model: the model.
+        notes: which intervals did not come from `[bounds]`, in words; extended by each call of `of`.
     """
 
     def __init__(
@@ -45,11 +43,8 @@ class Intervals:
 
         Args:
             model: with or without `[bounds]`.
-            default: by parameter path or its beginning (`"cogging"`, `"cogging.sine"`); the longest that fits counts.
-            beside: keys of `default` that are not for parameters.
-
-        Raises:
-            ValueError: a path that the model has not, a default that is not a finite interval.
+            default: by parameter path or its beginning (`"cogging"`, `"cogging.sine"`); the longest match counts.
+            beside: keys of `default` that are not parameters.
         """
         self.model = model
         self._parameters = parameters_of(model)
@@ -67,12 +62,12 @@ class Intervals:
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """Every parameter of the model."""
+        """Paths of all parameters."""
         return tuple(self._parameters)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was not in `[bounds]`, one line a reason; many amplitudes of the cogging as one."""
+        """Which intervals were not in `[bounds]`, one line for each reason."""
         reasons: dict[str, list[str]] = {}
         for path, reason in self._notes.items():
             reasons.setdefault(reason, []).append(path)
@@ -85,17 +80,18 @@ class Intervals:
         return tuple(lines)
 
     def value(self, path: str) -> float:
-        """What the model itself says."""
+        """Return the value in the model."""
         return self._parameters[path].value
 
     def of(self, path: str) -> Interval | None:
-        """The finite 95 % interval of a parameter, or None where nothing says that it is not exact.
+        """Return the finite 95 % interval of a parameter, or None if it counts as exact.
 
         Raises:
-            ValueError: the interval is infinite and no default is given, or it does not hold the model's value.
+            ValueError: the interval is infinite without a default, or does not contain the model's value.
         """
+        keys = [key for key in self._default if _begins(path, key)]
+        fallback = self._default[max(keys, key=len)] if keys else None
         value = self.value(path)
-        fallback = self._fallback(path)
         if path in self.model.intervals:
             low, high = self.model.intervals[path]
             if not np.isfinite([low, high]).all():
@@ -121,18 +117,14 @@ class Intervals:
             raise ValueError(f"{path}: its interval [{low:g}, {high:g}] must hold the model's value, got {value:g}")
         return min(low, value), max(high, value)
 
-    def _fallback(self, path: str) -> Interval | None:
-        keys = [key for key in self._default if _begins(path, key)]
-        return self._default[max(keys, key=len)] if keys else None
-
 
 def measurement(path: str) -> str:
-    """What would show a parameter."""
+    """Return which measurement would identify a parameter."""
     return next(words for key, words in MEASUREMENTS.items() if path.startswith(key))
 
 
 def valid_end(value: float, end: float, valid: Callable[[float], bool]) -> float:
-    """The end of an interval, or the farthest towards it that a field's rule allows."""
+    """Return the end of an interval, or the nearest value to it that a field's rule allows."""
     if valid(end):
         return end
     inside, outside = value, end

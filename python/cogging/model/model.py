@@ -1,4 +1,4 @@
-"""The model of an axis: what `[axis]`, `[cogging]`, `[[effects]]` and the other sections of a model file say."""
+"""The model of an axis, and model files."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ from cogging._core import (
     Plant,
     SplineHarmonics,
 )
-from cogging.calls import told_constructor
-from cogging.core_values import line_of
+from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
@@ -32,14 +31,14 @@ from cogging.outputs import to_toml, write_files, write_text
 from cogging.plot.results import whole_model
 from cogging.shown import nearest, quoted
 from cogging.tables import html_table
-from cogging.values import ByValue
+from cogging.values import ByValue, line_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cogging.export.control import ControlLoop
 
-#: Controllers by the name that a model file gives them: parameter struct and class.
+#: Parameter struct and class of each controller by its name in model files.
 CONTROLLERS: dict[str, tuple[Any, Any]] = {
     name: (controller.PARAMETERS, controller) for name, controller in _core.CONTROLLERS.items()
 }
@@ -48,17 +47,15 @@ PARAMETERS = tuple({struct for struct, _ in CONTROLLERS.values()})
 SECTIONS = ("axis", "cogging", "effects", "encoder", "noise", "controller", "simulation", "units", "bounds")
 COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cosine")
 LARGEST_FLOAT = int(sys.float_info.max)
-COUNTED = 1 << 31  # whole numbers that the core counts with
-STEPS_MAX = 10_000  # a sample, of those that may be asked for
+COUNTED = 1 << 31  # integers of the core are smaller
+STEPS_MAX = 10_000  # largest steps_per_sample
 UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Model(ByValue):
     """An axis as a model file describes it: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects.
-
-    A model read from a file, fitted from a log or written by hand is this one type.
 
     Attributes:
         axis: mass and friction, in the command unit and SI.
@@ -66,14 +63,13 @@ class Model(ByValue):
         effects: forces, friction and amplifier effects beyond the axis.
         encoder: resolution and noise of the position reading.
         noise: force noise, for simulation.
-        controller: parameters of the controller, or None where it is not known.
+        controller: parameters of the controller, or None if it is unknown.
         controller_type: its name in model files, a key of CONTROLLERS.
         uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
-        intervals: 95 % intervals by parameter path, as `identify` writes them into `[bounds]`; [-inf, inf] where the
-            logs do not determine the parameter.
-        steps_per_sample: the fewest integration steps between two samples of a simulated run; it takes as many more
-            as its accuracy needs.
-        units: labels of the command's and the position's unit, carried to all output.
+        intervals: 95 % intervals by parameter path, `[bounds]` of a file; [-inf, inf] for a parameter that the logs do
+            not determine.
+        steps_per_sample: least number of integration steps between two samples; accuracy may need more.
+        units: labels of the units of command and position, used in all output.
 
     Example:
         >>> axis = cogging.AxisParameters(mass=0.12, viscous=0.2, travel=[0.0, 0.5])
@@ -105,7 +101,7 @@ class Model(ByValue):
             raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
         if self.controller is not None and not isinstance(self.controller, PARAMETERS):
             rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
-            own = "a controller of one's own is given to simulate(model, reference, controller=...)"
+            own = "simulate(model, reference, controller=...) takes a controller of your own"
             raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         object.__setattr__(self, "effects", tuple(self.effects))
         refuse_two_of_one_name(self.effects)
@@ -113,13 +109,13 @@ class Model(ByValue):
         object.__setattr__(self, "intervals", intervals)
 
     def _brief(self) -> str:
-        told = [f"mass {self.axis.mass:.6g} {self.units.of('V/(m/s^2)')}"]
+        parts = [f"mass {self.axis.mass:.6g} {self.units.of('V/(m/s^2)')}"]
         if self.cogging is not None:
-            told.append(f"cogging of {self.cogging.basis.terms} terms")
-        told += [effect.NAME for effect in self.effects]
+            parts.append(f"cogging of {self.cogging.basis.terms} terms")
+        parts += [effect.NAME for effect in self.effects]
         if self.controller is not None:
-            told.append(f"{self.controller_type} at {self.controller.sample_rate:g} Hz")
-        return ", ".join(told)
+            parts.append(f"{self.controller_type} at {self.controller.sample_rate:g} Hz")
+        return ", ".join(parts)
 
     def _repr_html_(self) -> str:
         parts: list[tuple[str, Any]] = [("axis", self.axis)]
@@ -127,23 +123,18 @@ class Model(ByValue):
         parts += [("encoder", self.encoder), ("noise", self.noise)]
         if self.controller is not None:
             parts.append((f"controller ({self.controller_type})", self.controller))
-        rows = [
-            [f"{name}.{field}", getattr(part, field), self._field_unit(part, field), self._known(name, field)]
-            for name, part in parts
-            for field in part.FIELDS
-        ]
+        rows = []
+        for name, part in parts:
+            for key, (unit, _) in part.FIELDS.items():
+                low, high = self.intervals.get(f"{name}.{key}", (math.nan, math.nan))
+                interval = "" if math.isnan(low) else f"{low:.6g} to {high:.6g}"
+                label = self.units.of(str(unit)).removeprefix("1")
+                rows.append([f"{name}.{key}", getattr(part, key), label, interval])
         cogging = "no cogging" if self.cogging is None else line_of(self.cogging, self.units.of)
         return html_table(f"Model: {self._brief()}", ["field", "value", "unit", "95 %"], rows, [cogging])
 
-    def _field_unit(self, part: Any, field: str) -> str:
-        return self.units.of(str(part.FIELDS[field][0])).removeprefix("1") if field in part.FIELDS else ""
-
-    def _known(self, name: str, field: str) -> str:
-        low, high = self.intervals.get(f"{name}.{field}", (math.nan, math.nan))
-        return "" if math.isnan(low) else f"{low:.6g} to {high:.6g}"
-
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the cogging over position with its 95 % band, and the friction over speed.
+        """Plot the cogging over position with its 95 % band, and the friction over velocity.
 
         Args:
             units: labels of command and position (cogging.Units).
@@ -155,17 +146,12 @@ class Model(ByValue):
         return whole_model(self, units=units, ax=ax).figure
 
     def plant(self) -> Plant:
-        """Make the machine to simulate."""
-        return Plant(
-            self.axis,
-            cogging=self.cogging,
-            effects=for_core(self.effects),
-            encoder=self.encoder,
-            noise=self.noise,
-        )
+        """Return the plant to simulate."""
+        parts: Any = {"cogging": self.cogging, "encoder": self.encoder, "noise": self.noise}
+        return Plant(self.axis, effects=for_core(self.effects), **parts)
 
     def make_controller(self) -> ListedController:
-        """Make a fresh controller.
+        """Return a new controller.
 
         Raises:
             ValueError: the model has no `[controller]`.
@@ -176,15 +162,15 @@ class Model(ByValue):
         return controller
 
     def export(self, form: str, path: str | os.PathLike[str], **options: Any) -> str:
-        """Write the model, or its map, in a form that another machine takes, as `cogging export` does.
+        """Export the model or its map for another machine, as `cogging export` does.
 
         Args:
             form: "csv", "akd", "moteus" or another key of cogging.export.FORMS.
-            path: of the file; what stands beside it has its name and one more suffix.
+            path: of the file; further files have its name and one more suffix.
             **options: of that form.
 
         Returns:
-            What the other machine takes of it, and what it cannot.
+            What the other machine uses of the model, and what it cannot represent.
 
         Raises:
             ValueError: there is no such form, or the model cannot be expressed in it.
@@ -195,7 +181,7 @@ class Model(ByValue):
             >>> print(said.splitlines()[0])
             Kollmorgen AKD, cogging compensation table: 8192 entries, steps of 0.001 A, largest 0.104 A
         """
-        # By its name: the room that exports stands behind this one, and uses it.
+        # Imported by name: cogging.export imports this module.
         made = importlib.import_module("cogging.export.forms").to(self, form, **options)
         write_files(made.files(path))
         return str(made.text)
@@ -208,23 +194,23 @@ class Model(ByValue):
         sample_rate: float | None = None,
         pade: int = 3,
     ) -> ControlLoop:
-        """The axis and its loop, linearised, as python-control objects (extra `control`).
+        """Return the linearised axis and its loop as python-control objects (extra `control`).
 
-        The plant is M x'' = u - friction - cogging + effects about a place and a speed, with its delay, current loops
-        and flexible mode, behind a command that is held over a sample: exact at the samples. The controller is the
+        The plant is M x'' = u - friction - cogging + effects about a position and a speed, with its delay, current
+        loops and flexible mode, for a command that is held over a sample: exact at the samples. The controller is the
         part of `pid`, `cascade`, `speed`, `arc` or `dcarc` that is linear in the error.
 
         Args:
-            speed: m/s, at which friction is taken; None: of friction the viscous alone, as of a fast motion.
-            position: m, at which cogging and all that depends on the place are taken; None: springs alone.
-            sample_rate: Hz, of a model without a controller; None: the controller's own.
-            pade: order of the delay's approximation in continuous time; 0 leaves the delay out there.
+            speed: m/s, at which friction is linearised; None: viscous friction alone, as for fast motion.
+            position: m, at which cogging and position-dependent effects are linearised; None: springs alone.
+            sample_rate: Hz, for a model without a controller; None: the controller's.
+            pade: order of the delay's approximation in continuous time; 0 omits the delay there.
 
         Returns:
-            Plant, controller, loop, sensitivities, and what was left out.
+            Plant, controller, loop, sensitivities, and the parts that were left out.
 
         Raises:
-            ImportError: python-control is not there; names the extra.
+            ImportError: python-control is not installed; names the extra.
             ValueError: the controller is not linear in the error, friction has no slope there, or a number is out of
                 its range.
 
@@ -241,7 +227,7 @@ class Model(ByValue):
         return made
 
     def replace(self, **changes: Any) -> Model:
-        """Make a copy with the given attributes changed."""
+        """Return a copy with the given attributes changed."""
         return replace(self, **changes)
 
     @classmethod
@@ -250,10 +236,10 @@ class Model(ByValue):
 
         Args:
             path: of the file.
-            effects: of your own that the file may name: it holds the values of their parameters, not their laws.
+            effects: custom effects that the file names; it holds their parameters, not their laws.
 
         Raises:
-            InputError: the file cannot be used; names file, line, field, rule and value.
+            InputError: the file is invalid; names file, line, field, rule and value.
         """
         document = read_toml(path)
         try:
@@ -264,17 +250,17 @@ class Model(ByValue):
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a model file (TOML), without loss.
 
-        Of an effect of your own it holds name and parameters: it is read again with `Model.read(path, effects=[it])`.
+        The file holds name and parameters of a custom effect: `Model.read(path, effects=[it])` reads it again.
         """
         write_text(path, to_toml(self.to_dict()))
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any], *, effects: Sequence[Custom] = ()) -> Model:
-        """Make a model from the sections of a model file.
+        """Return the model of the sections of a model file.
 
         Args:
             document: the sections by name.
-            effects: of your own that the document may name.
+            effects: custom effects that the document names.
 
         Raises:
             FieldError: a ValueError that names section, field, rule and value.
@@ -304,7 +290,7 @@ class Model(ByValue):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The sections of a model file: what from_dict reads."""
+        """Return the sections of a model file, which from_dict reads."""
         document: dict[str, Any] = {"axis": self.axis.to_dict()}
         if self.uncertainty:
             document["axis"]["uncertainty"] = dict(self.uncertainty)
@@ -326,11 +312,7 @@ class Model(ByValue):
 
 
 def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurrence: int = 0) -> Any:
-    """Make a C++ parameter struct from a section, with the struct's own defaults and rules.
-
-    Raises:
-        FieldError: an unknown key, a value of the wrong type, or one that breaks the struct's rule.
-    """
+    """Return a C++ parameter struct from a section, with the defaults and rules of the struct."""
     try:
         refuse_unknown_keys(section, struct.FIELDS, name)
         defaults = struct().to_dict()
@@ -346,7 +328,7 @@ def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurren
 
 
 def cogging_to_dict(cogging: CoggingModel) -> dict[str, Any]:
-    """The `[cogging]` section of a cogging model."""
+    """Return the section `[cogging]` of a cogging model."""
     basis = cogging.basis
     section: dict[str, Any] = {"pitch": basis.pitch if basis.pitch > 0 else basis.spline.pitch}
     if basis.harmonics:
@@ -368,7 +350,7 @@ def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value of a file is a number that a double holds."""
+    """Return whether a value of a file is a number that fits into a double."""
     if isinstance(value, int) and not isinstance(value, bool):
         return -LARGEST_FLOAT <= value <= LARGEST_FLOAT
     return isinstance(value, float)
@@ -381,7 +363,7 @@ def _require_type(value: Any, default: Any, section: str, key: str) -> None:
     elif isinstance(default, str):
         kind, holds = "a text", isinstance(value, str)
     elif isinstance(default, list):
-        free = not default or key in ("periods", "observer_gain")  # as many as the user has
+        free = not default or key in ("periods", "observer_gain")  # of any length
         kind = "a list of numbers" if free else f"{len(default)} numbers"
         holds = isinstance(value, list) and all(map(is_number, value))
         holds = holds and (free or len(value) == len(default))
@@ -439,18 +421,18 @@ def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]
         refuse_mistyped(fields, "name", "effects", occurrence)
         name = fields.pop("name", None)
         if isinstance(name, str) and name in own:
-            made.append(_own_effect_from(own[name], fields, occurrence))
+            made.append(_custom_effect_from(own[name], fields, occurrence))
             continue
         if not isinstance(name, str) or name not in _core.EFFECTS:
             known = ", ".join((*_core.EFFECTS, *own))
-            rule = f"must be one of {known} (one of your own is read with Model.read(path, effects=[it]))"
+            rule = f"must be one of {known} (Model.read(path, effects=[it]) reads one of your own)"
             near = nearest(str(name), (*_core.EFFECTS, *own))
             raise FieldError("effects", "name", f"{rule}, got {quoted(name)}{near}", occurrence)
         made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
     return tuple(made)
 
 
-def _own_effect_from(effect: Custom, section: Mapping[str, Any], occurrence: int) -> Custom:
+def _custom_effect_from(effect: Custom, section: Mapping[str, Any], occurrence: int) -> Custom:
     try:
         refuse_unknown_keys(section, effect.FIELDS, "effects")
         for key, value in section.items():
@@ -476,7 +458,7 @@ def _controller_from(
         raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}{near}")
     struct = CONTROLLERS[kind][0]
     if "coulomb_width" in struct.FIELDS:
-        # Truth and belief part here: the controller's width is the axis' as first read, and its own from then on.
+        # The controller's width defaults to that of the axis when the file is read, and is independent from then on.
         section.setdefault("coulomb_width", axis.coulomb_width)
     return kind, parameters_from(struct, section, "controller")
 

@@ -1,4 +1,4 @@
-"""The parameters of a model as numbers by path, so that a fit can move them."""
+"""Parameters of a model as numbers by path, for fits and difference quotients."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from cogging._core import AxisParameters, CoggingModel
-from cogging.calls import Kind, takes
+from cogging.calls import Kind, check_arguments
 from cogging.effects.effect import Effect, Wave, kind_of
 from cogging.model.model import Model
 from cogging.model.units import Units
 
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
+TOGETHER = r"\[\*\]$|^(gain|phase|stretch|shear)\["  # paths that change a whole harmonic
 
 
 @dataclass(frozen=True)
@@ -25,10 +26,10 @@ class Parameter:
     """One number of a model.
 
     Attributes:
-        path: where it stands: `axis.mass`, `cogging.sine[0][2]`, `effects.cable_spring.stiffness`; of effects that
-            stand more than once `effects.cogging_harmonic[1].sine`, of lists `effects.end.levels[3]`.
-        value: as the model has it.
-        dimension: its unit in the terms of this package, of V and m.
+        path: `axis.mass`, `cogging.sine[0][2]`, `effects.cable_spring.stiffness`; of repeated effects
+            `effects.cogging_harmonic[1].sine`, of lists `effects.end.levels[3]`.
+        value: in the model.
+        dimension: unit in V and m.
         uncertainty: stated relative 1-sigma, or None.
         period: whether it is the period of a wave along the travel.
         units: labels of the model's units.
@@ -43,19 +44,18 @@ class Parameter:
 
     @property
     def unit(self) -> str:
-        """In the labels of the model."""
+        """Unit in the labels of the model."""
         return self.units.of(self.dimension)
 
     @property
     def positive(self) -> bool:
-        """Whether it may not be negative: mass and friction of the axis."""
+        """Whether it cannot be negative: mass and friction of the axis."""
         return self.path.startswith("axis.")
 
     def clipped(self, value: float) -> float:
-        """The nearest value to which one step of a fit may take the parameter.
+        """Return the nearest value that one step of a fit may reach.
 
-        Mass and the width of friction, whose zero is no small change, fall to a tenth at most; viscous and Coulomb
-        friction stop at zero.
+        Mass and the width of friction decrease to a tenth at most; viscous and Coulomb friction stop at zero.
         """
         if not self.positive:
             return float(value)
@@ -64,27 +64,18 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Scales:
-    """What is large in a log: sizes against which a parameter's step or its error is judged.
+    """Magnitudes in a log, to which a parameter's step or error is compared."""
 
-    Attributes:
-        force: rms command, V.
-        position: travel, m.
-        velocity: largest speed, m/s.
-        acceleration: m/s^2, largest that lasts.
-        time: duration, s.
-        sample_time: s.
-    """
-
-    force: float
-    position: float
-    velocity: float
-    acceleration: float
-    time: float
-    sample_time: float
+    force: float  # rms command, V
+    position: float  # travel, m
+    velocity: float  # largest speed, m/s
+    acceleration: float  # m/s^2, largest that lasts
+    time: float  # duration, s
+    sample_time: float  # s
 
     @classmethod
     def largest(cls, several: Iterable[Scales]) -> Scales:
-        """The largest of each size over several logs, and the shortest sample time."""
+        """Return the largest of each magnitude over several logs, and the shortest sample time."""
         sizes = list(several)
         names = ("force", "position", "velocity", "acceleration", "time")
         return cls(
@@ -93,7 +84,7 @@ class Scales:
         )
 
     def of(self, unit: str) -> float:
-        """The size that a parameter of this unit would have if its effect were as large as the command."""
+        """Return the value of a parameter of this unit whose effect would be as large as the command."""
         sizes = {
             "V": self.force,
             "V/m": self.force / self.position,
@@ -109,7 +100,7 @@ class Scales:
         return sizes.get(unit, 1.0)
 
     def step(self, parameter: Parameter) -> float:
-        """A change of the parameter that is small against what it does, for a difference quotient."""
+        """Return a small change of the parameter for a difference quotient."""
         size = abs(parameter.value)
         if parameter.dimension == "s" and size < 0.2 * self.time:
             return max(0.02 * self.sample_time, 1e-3 * size)
@@ -124,21 +115,21 @@ class Scales:
         return 1e-3 * max(size, 0.1 * self.of(parameter.dimension))
 
 
-@takes(model=Kind((Model,), "a Model"))
+@check_arguments(model=Kind((Model,), "a Model"))
 def parameters_of(model: Model, *, together: bool = False) -> dict[str, Parameter]:
-    """Every number of the model that a fit may move, by path: axis, cogging amplitudes, fields of the effects.
+    """Return every number of the model that can be fitted, by path: axis, cogging amplitudes, fields of the effects.
 
-    With `together`, also what moves a harmonic's amplitudes along the whole travel as one: `cogging.sine[0][*]` adds to
-    each control point (its value is their mean), `cogging.gain[0]` multiplies them, `cogging.phase[0]` (rad) turns
-    them, `cogging.stretch[0]` lengthens the sines by what it shortens the cosines (relative), and `cogging.shear[0]`
-    adds of each to the other.
+    With `together`, also parameters that change a harmonic along the whole travel: `cogging.sine[0][*]` adds to each
+    control point (its value is their mean), `cogging.gain[0]` multiplies them, `cogging.phase[0]` (rad) rotates them,
+    `cogging.stretch[0]` increases the sines and decreases the cosines (relative), and `cogging.shear[0]` adds a share
+    of each to the other.
 
     Args:
-        model: any.
-        together: also what moves the cogging as a whole, such as the gain and phase of a harmonic.
+        model: the model.
+        together: also parameters of a whole harmonic, such as gain and phase.
 
     Returns:
-        Every number of the model that can be fitted, by its path.
+        The parameters by path.
 
     Example:
         >>> known = cogging.parameters_of(model)
@@ -174,7 +165,7 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
 
 
 def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
-    """The effects with their paths: the name, and its place among effects of that name where there are several."""
+    """Return the effects with their paths: the name, and a number if there are several of that name."""
     effects = list(effects)
     total = Counter(effect.NAME for effect in effects)
     seen: Counter[str] = Counter()
@@ -187,11 +178,7 @@ def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
 
 
 def effect_at(model: Model, path: str) -> Effect:
-    """The effect to which a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]` belongs.
-
-    Raises:
-        ValueError: the model has no effect with a field of this path.
-    """
+    """Return the effect of a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]`."""
     prefix, field = _effect_and_field(path)
     effect = dict(effect_paths(model.effects)).get(prefix)
     if effect is None or field not in effect.FIELDS:
@@ -200,16 +187,12 @@ def effect_at(model: Model, path: str) -> Effect:
 
 
 def role_at(model: Model, path: str) -> Mapping[str, Any]:
-    """What the core says of a field of an effect: its entry of ROLES (see cogging.effects).
-
-    Raises:
-        ValueError: the model has no effect with a field of this path.
-    """
+    """Return the entry of ROLES of a field of an effect (see cogging.effects)."""
     return effect_at(model, path).ROLES[_effect_and_field(path)[1]]
 
 
 def role_of(model: Model, path: str) -> str:
-    """What a parameter is to a search (see cogging.effects): "amplitude", "shape" or "setting"."""
+    """Return the role of a parameter in a search (see cogging.effects): "amplitude", "shape" or "setting"."""
     section, _, rest = path.partition(".")
     if section != "effects":
         return "shape" if rest == "coulomb_width" else "amplitude"
@@ -217,11 +200,7 @@ def role_of(model: Model, path: str) -> str:
 
 
 def with_values(model: Model, values: Mapping[str, float]) -> Model:
-    """A copy of the model with the numbers at these paths changed.
-
-    Raises:
-        ValueError: a path that the model has not, or a value that breaks its field's rule.
-    """
+    """Return a copy of the model with the numbers at these paths changed."""
     axis: dict[str, float] = {}
     tables: dict[str, Any] = {}
     effects: dict[int, dict[str, Any]] = {}
@@ -230,8 +209,8 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
         section, _, rest = path.partition(".")
         if section == "axis" and rest in AXIS_FIELDS:
             axis[rest] = float(value)
-        elif section == "cogging" and model.cogging is not None and _together(rest):
-            _move_together(path, rest, value, model.cogging, tables)
+        elif section == "cogging" and model.cogging is not None and re.search(TOGETHER, rest):
+            _change_harmonic(path, rest, value, model.cogging, tables)
         elif section == "cogging" and model.cogging is not None:
             name, row, column = _indexed(path, rest, 2)
             if name not in tables:
@@ -243,8 +222,12 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
                 raise ValueError(
                     f"{path}: must be a parameter of the model, which has {', '.join(parameters_of(model))}"
                 )
-            place = prefixes[prefix]
-            _change_effect(path, leaf, float(value), model.effects[place], effects.setdefault(place, {}))
+            changes = effects.setdefault(prefixes[prefix], {})
+            if leaf.endswith("]"):
+                name, index = _indexed(path, leaf, 1)
+                changes.setdefault(name, list(getattr(model.effects[prefixes[prefix]], name)))[index] = float(value)
+            else:
+                changes[leaf] = float(value)
     changed: dict[str, Any] = {}
     if axis:
         changed["axis"] = model.axis.replace(**axis)
@@ -264,11 +247,7 @@ def _effect_and_field(path: str) -> tuple[str, str]:
     return prefix, leaf.partition("[")[0]
 
 
-def _together(rest: str) -> bool:
-    return rest.endswith("[*]") or rest.startswith(("gain[", "phase[", "stretch[", "shear["))
-
-
-def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:
+def _change_harmonic(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:
     for name in ("sine", "cosine"):
         tables.setdefault(name, np.array(getattr(cogging, name)))
     if rest.endswith("[*]"):
@@ -286,17 +265,47 @@ def _move_together(path: str, rest: str, value: float, cogging: CoggingModel, ta
     tables["sine"][row], tables["cosine"][row] = moved.real, moved.imag
 
 
-def _change_effect(path: str, leaf: str, value: float, effect: Any, changes: dict[str, Any]) -> None:
-    """Put a number, or an entry of a list, among the changes of an effect."""
-    if leaf.endswith("]"):
-        name, index = _indexed(path, leaf, 1)
-        changes.setdefault(name, list(getattr(effect, name)))[index] = value
-    else:
-        changes[leaf] = value
-
-
 def _indexed(path: str, text: str, count: int) -> list[Any]:
     match = re.fullmatch(r"(\w+)" + r"\[(\d+)\]" * count, text)
     if match is None:
         raise ValueError(f"{path}: must be a parameter of the model")
     return [match.group(1), *(int(match.group(i + 2)) for i in range(count))]
+
+
+@dataclass(frozen=True)
+class DifferenceStep:
+    """Two models that differ in one parameter: df/dp is approximately (f(above) - f(below)) / span."""
+
+    above: Model  # the model on one side
+    below: Model  # the model on the other side, or the given one
+    span: float  # difference of the parameter; negative if only a step down is allowed
+
+
+def central(model: Model, parameter: Parameter, step: float) -> DifferenceStep:
+    """Return a step to both sides, or to one side if the other breaks the rule of the field."""
+    ends = []
+    for value in (parameter.value + step, parameter.value - step):
+        try:
+            ends.append((with_values(model, {parameter.path: value}), value))
+        except ValueError:
+            ends.append((model, parameter.value))
+    (above, high), (below, low) = ends
+    if not high > low:
+        raise _no_step(parameter, step)
+    return DifferenceStep(above, below, high - low)
+
+
+def one_sided(model: Model, parameter: Parameter, step: float) -> DifferenceStep:
+    """Return a step up from the model, or down if up breaks the rule of the field: exact for a linear function."""
+    for signed in (step, -step):
+        try:
+            return DifferenceStep(with_values(model, {parameter.path: parameter.value + signed}), model, signed)
+        except ValueError:
+            continue
+    raise _no_step(parameter, step)
+
+
+def _no_step(parameter: Parameter, step: float) -> ValueError:
+    return ValueError(
+        f"{parameter.path}: must be able to move by {step:g} up or down for a derivative, got {parameter.value:g}"
+    )

@@ -1,4 +1,4 @@
-"""What the numbers of a model are labelled with: V and m, or what the machine's maker calls them."""
+"""Unit labels of a model: V and m, or the machine's own."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cogging.calls import Kind, told_constructor
+from cogging.calls import Kind, check_constructor
 from cogging.files import FieldError, refuse_unknown_keys
 from cogging.shown import quoted
 from cogging.values import ByValue
 
 UNIT_KEYS = ("command", "position")
-#: A label: a letter, then letters, digits and what stands in units; or per cent.
+#: A label: a letter, then letters, digits and operators of units; or per cent.
 LABEL = r"[^\W\d_][\w^*/.()%-]{0,11}|%"
-#: V or m, alone or with a prefix, as a word of a unit.
+#: V or m in a unit, alone or with a prefix.
 WORD = re.compile(r"(?<![A-Za-z*·])([kmunµ]?)([Vm])(?![A-Za-z])")
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Units(ByValue):
-    """Labels of the command's and the position's unit, `[units]` of a model file: numbers stay as they are.
+    """Labels of the units of command and position, `[units]` of a model file; numbers do not change.
 
-    Everywhere in this package V stands for the unit of the command and m for that of the position. A model that says
-    otherwise has its own labels carried to all output: a mass in N/(m/s^2), a friction in A/(rad/s).
+    In this package V stands for the unit of the command and m for that of the position. The labels of a model appear in
+    all output: a mass in N/(m/s^2), a friction in A/(rad/s).
 
     Attributes:
         command: "V", or "A", "N", "Nm".
@@ -48,7 +48,7 @@ class Units(ByValue):
                 raise ValueError(f"{key}: {rule}, got {quoted(value)}")
 
     def of(self, unit: str) -> str:
-        """A unit of this package, of V and m, in these labels; `um` of a position in rad is `urad`.
+        """Return a unit in V and m with these labels; `um` of a position in rad is `urad`.
 
         Args:
             unit: as "V/(m/s^2)", "mV", "1/m".
@@ -59,7 +59,7 @@ class Units(ByValue):
 
     @classmethod
     def from_dict(cls, section: Mapping[str, Any]) -> Units:
-        """Make them from `[units]` of a model file.
+        """Return the labels in `[units]` of a model file.
 
         Raises:
             FieldError: an unknown key, or a value that is no label.
@@ -72,9 +72,8 @@ class Units(ByValue):
             raise FieldError("units", key, problem) from None
 
     def to_dict(self) -> dict[str, str]:
-        """The section `[units]`: what from_dict reads."""
+        """Return the section `[units]`, which from_dict reads."""
         return {key: getattr(self, key) for key in UNIT_KEYS}
 
 
-#: What an argument of units may be.
 UNITS = Kind((Units, type(None)), "Units(command=..., position=...)")

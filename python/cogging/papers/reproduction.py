@@ -5,10 +5,10 @@ from __future__ import annotations
 import importlib
 import os
 
-from cogging.blas_threads import on_one_blas_thread
 from cogging.calls import takes
 from cogging.papers.result import Reproduction
 from cogging.progress import Progress, steps
+from cogging.resources import on_one_blas_thread
 from cogging.shown import nearest
 
 #: The papers that can be reproduced; each is a package beside this file.

@@ -1,14 +1,9 @@
-"""Pictures of logs, models and results: one function a kind, each of which takes and returns axes (docs/plot.md)."""
+"""Plots of logs, models and results: functions that take and return axes (docs/plot.md)."""
 
-from cogging.plot.friction_laws import friction_curve
-from cogging.plot.gap_shares import ledger
-from cogging.plot.gaps import residual
-from cogging.plot.learned import adaptation
+from cogging.plot.characteristics import cogging_map, friction_curve, intervals, spectrum
+from cogging.plot.gaps import ledger, residual
 from cogging.plot.many_runs import prediction, sweep, trade_off
-from cogging.plot.maps import cogging_map
-from cogging.plot.over_time import error, log
-from cogging.plot.parameter_intervals import intervals
-from cogging.plot.spectra import spectrum
+from cogging.plot.over_time import adaptation, error, log
 
 __all__ = [
     "adaptation",

@@ -1,4 +1,4 @@
-"""Where a picture is drawn: on axes that are given, or on a new figure; the package's style, used as a context."""
+"""Axes and figures of plots, in the style of this package."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cogging.calls import described, takes
+from cogging.calls import check_arguments, described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 STYLE = Path(__file__).with_name("cogging.mplstyle")
-#: The settings of matplotlib belong to the process: while they are ours, no other thread may save them as its own.
+#: matplotlib's settings belong to the process: while ours are active, no other thread may save them as its own.
 SETTINGS = threading.RLock()
-#: Backends of matplotlib that write files, or that show what a notebook's cell gives back.
+#: Backends of matplotlib that write files, or show the value of a notebook's cell.
 WINDOWLESS = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template", "inline", "widget", "ipympl"}
 
 
 class Panels(tuple["Axes", ...]):
-    """Axes of one figure, from the top left on. A notebook shows the figure."""
+    """Axes of one figure, from the top left. A notebook shows the figure."""
 
     __slots__ = ()
 
     @property
     def figure(self) -> Figure:
-        """The figure that they stand in."""
+        """The figure of the axes."""
         return figure_of(self[0])
 
     def _repr_png_(self) -> bytes:
@@ -44,7 +44,7 @@ class Panels(tuple["Axes", ...]):
 
 @contextlib.contextmanager
 def styled() -> Iterator[None]:
-    """The style of this package for a while; then the settings of matplotlib are again what they were."""
+    """Use the style of this package within a block."""
     import matplotlib.style
 
     with SETTINGS, matplotlib.style.context(STYLE):
@@ -52,25 +52,21 @@ def styled() -> Iterator[None]:
 
 
 def drawn(function: F) -> F:
-    """Draw in the style of this package, and refuse a mistyped keyword in one line (a decorator).
-
-    Raises:
-        TypeError: when the function is called so.
-    """
+    """Run a function in the style of this package, and raise TypeError for an unknown keyword (a decorator)."""
 
     @functools.wraps(function)
-    def asked(*given: Any, **named: Any) -> Any:
+    def styled_call(*given: Any, **named: Any) -> Any:
         with styled():
             return function(*given, **named)
 
-    return takes()(asked)  # type: ignore[return-value]
+    return check_arguments()(styled_call)  # type: ignore[return-value]
 
 
 def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
-    """An empty figure of a size (inches), which pyplot does not know.
+    """Return an empty figure of a size (inches) that pyplot does not manage, so that it is freed like any object.
 
-    It is freed when nobody holds it any more. With `window`, where a script has pyplot and a window, it is pyplot's, so
-    that `plt.show()` shows it; not in notebooks, servers, or other threads than the main one.
+    With `window`, in a script with pyplot and a window backend, pyplot manages it and `plt.show()` shows it; not in
+    notebooks, on servers, or in other threads than the main one.
     """
     from cogging.plot.shown_figure import ShownFigure
 
@@ -87,11 +83,7 @@ def _has_windows(pyplot: Any) -> bool:
 
 
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
-    """The axes that are given, or those of a new figure.
-
-    Raises:
-        TypeError: `ax` is something else.
-    """
+    """Return the given axes, or those of a new figure."""
     if ax is None:
         return grid_of(None, 1, 1, size=size)[0]
     from matplotlib.axes import Axes
@@ -111,12 +103,7 @@ def grid_of(
     sharex: bool = False,
     window: bool = True,
 ) -> Panels:
-    """The axes that are given, rows times columns of them in any shape, or those of a new figure.
-
-    Raises:
-        TypeError: `ax` is something else.
-        ValueError: of another number.
-    """
+    """Return the given axes, rows times columns in any shape, or those of a new figure."""
     if ax is None:
         from cogging.plot.shown_figure import ShownAxes
 
@@ -133,18 +120,18 @@ def grid_of(
 
 
 def grid_to_write(rows: int, columns: int, size: tuple[float, float]) -> Panels:
-    """Axes of a figure that is written to a file: in the style of this package, and in no window."""
+    """Return axes of a figure for a file: in the style of this package, without a window."""
     with styled():
         return grid_of(None, rows, columns, size=size, window=False)
 
 
 def figure_of(ax: Axes) -> Figure:
-    """The figure that axes stand in, also where that is a part of another."""
+    """Return the figure of axes, also if they are in a subfigure."""
     return ax.figure.figure
 
 
 def legend(ax: Axes, columns: int = 4) -> None:
-    """A legend above the data, left out where there is one series alone."""
+    """Add a legend above the data if there are several series."""
     handles, labels = ax.get_legend_handles_labels()
     if len(labels) > 1:
         place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}

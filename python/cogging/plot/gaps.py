@@ -1,4 +1,4 @@
-"""What a model leaves unexplained, against position, speed, time and command: means in bins with 95 % bands."""
+"""The gap between a model and logs: residuals against coordinates, and how the gap is composed."""
 
 from __future__ import annotations
 
@@ -8,27 +8,29 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray, IntArray
+from cogging.arrays import SIGMAS_95, FloatArray, IntArray
 from cogging.calls import described, did_you_mean
-from cogging.plot.canvas import Panels, drawn, grid_of, legend
-from cogging.plot.rows import numbers
+from cogging.plot.canvas import Panels, drawn, grid_of, legend, one_of
 from cogging.plot.scales import scale_of, units_of
-from cogging.plot.series import look, marker
+from cogging.plot.series import FITTED, GREY, LIMIT, MEASURED, look, marker, named
+from cogging.plot.traces import numbers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIGMAS_95 = 1.959963984540054  # deviations of a normal variable, of a two-sided interval of 95 %
 COORDINATES = {"position": "m", "velocity": "m/s", "time": "s", "command": "V", "acceleration": "m/s^2"}
 USUAL = ("position", "velocity", "time", "command")
 BINS = 40
-FEWEST = 20  # rows of a bin: the mean of fewer is noise
-BLOCK = 0.25  # s: closer rows say much the same, and count as one
-BLOCKS = 100  # of rows whose time is not known
+FEWEST = 20  # rows of a bin; the mean of fewer is noise
+BLOCK = 0.25  # s; closer rows are correlated and count as one observation
+BLOCKS = 100  # of rows without time
+SMALL = 0.005  # of the whole: a smaller part is not plotted
+#: Colour and hatching of a bar by its kind.
+KINDS = {"retuned": (GREY, "//"), "effect": (MEASURED, ""), "rest": (LIMIT, "xx"), "floor": ("#e8e8e8", "..")}
 
 
 class Rows(NamedTuple):
-    """Rows of one residual: V, coordinates by name, and the block that each row belongs to, each (n,)."""
+    """Rows of one residual (V), coordinates by name, and the block of each row, each (n,)."""
 
     residual: FloatArray
     coordinates: Mapping[str, FloatArray]
@@ -44,25 +46,25 @@ def residual(
     units: Any = None,
     ax: Any = None,
 ) -> Panels:
-    """Draw what a model leaves unexplained against coordinates: its mean in bins, with 95 % bands.
+    """Plot the residual of a model against coordinates: its mean in bins, with 95 % bands.
 
-    The band is that of the mean of rows in blocks of a quarter of a second, which count as one observation each. Of a
-    Diagnosis the residual is drawn as re-tuned and with what was found.
+    Rows within a quarter of a second count as one observation of the mean. For a Diagnosis the residual is plotted with
+    re-tuned parameters, and with the effects found.
 
     Args:
         found: a Diagnosis, a Location, or coordinates by name (arrays, (n,); `time` makes the blocks); or one
             coordinate (n,) where `against` names it.
         residual: V, (n,), of coordinates.
-        against: one or more of position, velocity, time, command, acceleration; None: what there is of the first four.
+        against: one or more of position, velocity, time, command, acceleration; None: the first four as available.
         units: labels of command and position (cogging.Units); None: those of the model.
         ax: as many axes as coordinates; None: a new figure.
 
     Returns:
-        The axes, one a coordinate.
+        The axes, one for each coordinate.
 
     Raises:
-        ValueError: no such coordinate, nothing was measured, arrays or axes of another number.
-        TypeError: an argument is something else.
+        ValueError: an unknown coordinate, no measured gap, or arrays or axes of another number.
+        TypeError: an argument of another type.
 
     Example:
         >>> speed, = cogging.plot.residual(log.reference_velocity, 0.01 * log.command, "velocity")
@@ -108,14 +110,9 @@ def _draw(panel: Axes, means: Mapping[str, tuple[FloatArray, FloatArray, FloatAr
 
 
 def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Places, means and half widths of 95 % intervals in bins of equal width; rows of a block count as one.
+    """Return positions, means and half widths of 95 % intervals in bins of a coordinate, each (bins,).
 
-    Args:
-        rows: of one residual.
-        name: of the coordinate.
-
-    Returns:
-        Arrays (bins,), nan in bins of few rows; a half width is nan too where one block alone stands in a bin.
+    Rows of a block count as one observation. Values are NaN in bins of few rows, and half widths in bins of one block.
     """
     x = rows.coordinates[name]
     finite = np.isfinite(x) & np.isfinite(rows.residual)
@@ -155,7 +152,7 @@ def _of_arrays(found: Any, residual: npt.ArrayLike, against: Any) -> dict[str, R
 
 
 def _of_result(found: Any) -> dict[str, Rows]:
-    """Residuals of a Diagnosis or a Location, by their labels."""
+    """Return the residuals of a Diagnosis or a Location by label."""
     series = getattr(found, "series", None)
     if not isinstance(series, Mapping):
         raise TypeError(
@@ -170,12 +167,7 @@ def _of_result(found: Any) -> dict[str, Rows]:
 
 
 def joined(series: Mapping[str, Any], name: str) -> Rows:
-    """Rows in motion of all logs, one after the other.
-
-    Args:
-        series: of a Diagnosis or a Location.
-        name: of the residual in it.
-    """
+    """Return the rows in motion of all logs for a residual of a Diagnosis or a Location (its `series`)."""
     blocks, offset = [], 0
     kept = [np.asarray(mask) > 0 for mask in series["mask"]]
     for time, rows in zip(series["time"], kept, strict=True):
@@ -188,3 +180,78 @@ def joined(series: Mapping[str, Any], name: str) -> Rows:
         return np.concatenate(parts)
 
     return Rows(whole(name), {one: whole(one) for one in COORDINATES if one in series}, np.concatenate(blocks))
+
+
+def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
+    """Return name, kind and share of each part of a diagnosis' gap, in power; the shares add up to 1.
+
+    The whole is the gap of the given model if it is known and larger than that of the re-tuned model, else the latter.
+    The kinds are `retuned`, `effect`, `rest` (unexplained) and `floor` (noise and quantiser). A negative share enlarged
+    the gap.
+    """
+    gap, steps = getattr(diagnosis, "gap", None), getattr(diagnosis, "ledger", None)
+    if gap is None or steps is None:
+        raise TypeError(f"diagnosis: must be a Diagnosis, got {described(diagnosis)}")
+    if not gap.before > 0.0 or not np.isfinite(gap.before):
+        raise ValueError(f"plot: needs a gap that was measured, got the verdict {diagnosis.verdict}")
+    given = gap.given if gap.given is not None and gap.given > gap.before else gap.before
+    whole = given**2
+    parts = [("re-tuning", "retuned", (given**2 - gap.before**2) / whole)] * bool(given > gap.before)
+    left = gap.before**2
+    for step in steps:
+        if step.accepted and step.gap_before is not None and step.gap_after is not None:
+            taken = step.gap_before**2 - step.gap_after**2
+            parts.append((step.name.replace("_", " "), "effect", taken / whole))
+            left -= taken
+    together = left - gap.after**2  # by the final fit of all parameters
+    if abs(together) > SMALL * whole:
+        parts.append(("fitted together", "retuned", together / whole))
+    floor = min(gap.floor, gap.after) ** 2
+    rest = 1.0 - sum(share for *_, share in parts) - floor / whole
+    parts.append(("not explained", "rest", rest))
+    return [*parts, ("noise and quantiser", "floor", floor / whole)]
+
+
+def _percent(share: float) -> str:
+    return f"{share:.1f} %" if abs(share) >= 0.1 or share == 0.0 else f"{'' if share > 0.0 else '-'}< 0.1 %"
+
+
+@drawn
+def ledger(diagnosis: Any, *, ax: Any = None) -> Axes:
+    """Plot the composition of a diagnosis' gap: a bar for each effect and for the rest, in shares of its power.
+
+    Args:
+        diagnosis: a Diagnosis.
+        ax: axes; None: a new figure.
+
+    Returns:
+        The axes: bars from the top in the order in which they were found.
+
+    Raises:
+        ValueError: no gap was measured.
+        TypeError: an argument of another type.
+
+    Example:
+        >>> lean = model.replace(effects=[], intervals={})
+        >>> ax = cogging.plot.ledger(cogging.diagnose(log, lean))
+        >>> ax.get_xlabel()
+        "share of the gap's power (%)"
+    """
+    parts = shares(diagnosis)
+    axes = one_of(ax, size=(7.2, 0.9 + 0.36 * len(parts)))
+    place = np.arange(len(parts))
+    percent = 100.0 * np.array([share for _, _, share in parts])
+    start = 0.0
+    for row, (_, kind, _), width in zip(place, parts, percent, strict=True):
+        colour, hatch = KINDS[kind]
+        axes.barh(row, width, left=start, color=colour, hatch=hatch, edgecolor=FITTED, linewidth=0.6, height=0.7)
+        end = max(start, start + width)
+        axes.annotate(_percent(width), (end, row), xytext=(4, 0), textcoords="offset points", va="center")
+        start += width
+    axes.set_yticks(place, [named(name) for name, _, _ in parts])
+    axes.invert_yaxis()
+    axes.margins(x=0.12)
+    axes.grid(visible=False, axis="y")
+    axes.axvline(0.0, color=FITTED, linewidth=0.6)
+    axes.set_xlabel("share of the gap's power (%)")
+    return axes

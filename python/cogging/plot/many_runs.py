@@ -1,4 +1,4 @@
-"""Many runs: an index over what was varied, what controllers would reach, and what less error costs."""
+"""Many runs: sweeps, predicted errors of controllers, and trade-offs of tunings."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from cogging.plot.series import COLOURS, FITTED, GREY, LIMIT, MEASURED, look, ma
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Units of the indexes of a run, in the terms of this package.
+#: Units of indexes, in V and m.
 UNITS = {"error_max": "m", "error_rms": "m", "error_final": "m", "command_rms": "V", "command_max": "V"}
 UNITS |= {"delay_margin": "s", "rms": "m", "max": "m", "max_whole": "m"}
-FEW = 8  # values of a second number up to which each is a line
-WIDE = 30.0  # of what is drawn, largest over smallest, from where the scale is logarithmic
+FEW = 8  # values of a second number, up to which each is a line
+WIDE = 30.0  # ratio of largest to smallest value from which the scale is logarithmic
 
 
 def unit_of(index: str) -> str:
-    """Unit of an index by its name; that of a position or of a command where its name begins so, else none."""
+    """Return the unit of an index by its name, in V and m."""
     if index in UNITS:
         return UNITS[index]
     head = index.split("(")[0].split("_")[0]
@@ -39,15 +39,15 @@ def sweep(
     units: Any = None,
     ax: Any = None,
 ) -> Axes:
-    """Draw an index of many runs over a number that was varied.
+    """Plot an index of a sweep over a varied number.
 
-    Where two numbers were varied on a grid, each value of the second is a line; else the runs are points, with the
-    median and the range of nine tenths of them in ten parts of the range. Runs that failed are marked at the top.
+    On a grid of two numbers each value of the second is a line; otherwise runs are points, with the median and the
+    central 90 % in ten parts of the range. Failed runs are marked at the top.
 
     Args:
         runs: SweepRuns.
-        index: of the runs: `error_rms`, `error_max`, `command_rms` or another of the table.
-        against: path of the number; None: the first that was varied.
+        index: `error_rms`, `error_max`, `command_rms` or another column of the table.
+        against: path of the number; None: the first varied one.
         units: labels of command and position (cogging.Units).
         ax: axes; None: a new figure.
 
@@ -55,8 +55,8 @@ def sweep(
         The axes.
 
     Raises:
-        ValueError: no such index or number.
-        TypeError: an argument is something else.
+        ValueError: an unknown index or number.
+        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.sweep(cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]}))
@@ -88,7 +88,7 @@ def sweep(
 
 
 def _draw_lines(ax: Axes, runs: Any, x: FloatArray, y: FloatArray, others: list[str]) -> bool:
-    """Draw a line for each value of a second number, or one line; say whether the runs are such."""
+    """Plot one line, or one for each value of a second number; return whether the runs are on such a grid."""
     if len(others) > 1:
         return False
     second = np.asarray(runs.table[others[0]], dtype=np.float64) if others else np.zeros(x.size)
@@ -104,7 +104,7 @@ def _draw_lines(ax: Axes, runs: Any, x: FloatArray, y: FloatArray, others: list[
 
 
 def _draw_range(ax: Axes, x: FloatArray, y: FloatArray) -> None:
-    """Draw the median and nine tenths of the runs, in ten parts of what was varied."""
+    """Plot the median and the central 90 % of the runs in ten parts of the range."""
     good = np.isfinite(y)
     x, y = x[good], y[good]
     parts = min(10, x.size // 10)
@@ -119,7 +119,7 @@ def _draw_range(ax: Axes, x: FloatArray, y: FloatArray) -> None:
 
 @drawn
 def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: Any = None) -> Axes:
-    """Draw the tracking error that each controller would reach: median, interval, and each drawn machine.
+    """Plot the predicted tracking error of each controller: median, interval, and each drawn machine.
 
     Args:
         prediction: an ErrorPrediction.
@@ -128,11 +128,11 @@ def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: An
         ax: axes; None: a new figure.
 
     Returns:
-        The axes: one row a controller, from the top down.
+        The axes: one row for each controller from the top.
 
     Raises:
-        ValueError: no such index.
-        TypeError: an argument is something else.
+        ValueError: an unknown index.
+        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.prediction(cogging.predict_error(model, move, ["own"], samples=4))
@@ -168,11 +168,11 @@ def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: An
 
 @drawn
 def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: Any = None) -> Axes:
-    """Draw what less error costs: the trials of a tuning, those that none beats, and the gains before and after.
+    """Plot the trade-off of a tuning: trials, the Pareto front, and the gains before and after.
 
     Args:
         tuning: a Tuning.
-        index: what the rms error is drawn over; None: what it was traded against.
+        index: abscissa; None: the one that the error was traded against.
         units: labels of command and position (cogging.Units); None: those of the tuned model.
         ax: axes; None: a new figure.
 
@@ -180,8 +180,8 @@ def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: A
         The axes.
 
     Raises:
-        ValueError: no such index.
-        TypeError: an argument is something else.
+        ValueError: an unknown index.
+        TypeError: an argument of another type.
 
     Example:
         >>> few = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}

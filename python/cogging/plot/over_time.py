@@ -1,44 +1,49 @@
-"""Logs over time: any of their columns, and the tracking errors of several."""
+"""Logs over time: columns, tracking errors, and the estimates of adaptive controllers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from cogging.calls import described, did_you_mean
 from cogging.plot.canvas import Panels, drawn, grid_of, legend, one_of
-from cogging.plot.rows import UNITS, column, names_of, numbers, require_table, several
-from cogging.plot.scales import scale_of, units_of
-from cogging.plot.series import look, named
-from cogging.plot.traces import draw_trace, is_dense
+from cogging.plot.scales import labelled, scale_of, units_of
+from cogging.plot.series import LIMIT, look, named
+from cogging.plot.traces import UNITS, column, draw_trace, is_dense, names_of, numbers, require_table, several
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, PANEL = 7.2, 1.9  # inches
+MOST = 12  # panels by default
+#: Units of the estimates of adaptive robust controllers before those of the cogging.
+PLAIN = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V", "disturbance": "V"}
+TRIPLE = ("theta[0]", "theta[1]", "theta[2]")
+OBSERVED = {"position": "m", "velocity": "m/s", "disturbance": "m/s^2"}
 
 
 @drawn
 def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Panels:
-    """Draw columns of a log over time, one panel each: position with its reference, tracking error, command.
+    """Plot columns of a log over time, one panel each: position with its reference, tracking error, command.
 
-    Rows that the log lacks are gaps. Of a long log each pixel shows its least and largest value, so that no peak is
-    lost.
+    Missing rows are gaps. Each pixel of a long log shows its least and largest value, so that no peak is lost.
 
     Args:
         log: a Log, or columns by name with `time` (a mapping of arrays, a DataFrame).
-        columns: names of one or more columns, `error` among them; None: what there is of position, error and command.
+        columns: names of one or more columns, `error` among them; None: position, error and command as available.
         units: labels of command and position (cogging.Units); None: those of the model that the log carries.
         ax: as many axes as columns, in any shape; None: a new figure.
 
     Returns:
-        The axes, one a column.
+        The axes, one for each column.
 
     Raises:
-        ValueError: no such column, or another number of axes.
-        TypeError: `log`, `units` or `ax` are something else.
+        ValueError: an unknown column, or another number of axes.
+        TypeError: an argument of another type.
 
     Example:
         >>> position, error, command = cogging.plot.log(log)
@@ -46,7 +51,13 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
         'error (µm)'
     """
     require_table(log)
-    chosen = [columns] if isinstance(columns, str) else list(columns or _usual(log))
+    chosen = (
+        [columns]
+        if isinstance(columns, str)
+        else list(
+            columns or [name for name in ("position", "error", "command") if name in names_of(log)] or names_of(log)
+        )
+    )
     found = {name: column(log, name) for name in chosen}
     panels = grid_of(ax, len(chosen), 1, size=(WIDTH, 0.7 + PANEL * len(chosen)), sharex=True)
     units = units or units_of(log)
@@ -65,17 +76,12 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
     return panels
 
 
-def _usual(log: Any) -> list[str]:
-    known = names_of(log)
-    return [name for name in ("position", "error", "command") if name in known] or known
-
-
 @drawn
 def error(log: Any, error: npt.ArrayLike | None = None, *, units: Any = None, ax: Any = None) -> Axes:
-    """Draw the tracking error, encoder reading minus reference, of one or several logs over time.
+    """Plot the tracking error, encoder reading minus reference, of one or several logs over time.
 
     Args:
-        log: a Log; several, as a list or by the names that the legend shows; or times (s, (n,)) where `error` is given.
+        log: a Log; several, as a list or by name for the legend; or times (s, (n,)) if `error` is given.
         error: m, (n,).
         units: labels of command and position (cogging.Units); None: those of the model that a log carries.
         ax: axes; None: a new figure.
@@ -84,8 +90,8 @@ def error(log: Any, error: npt.ArrayLike | None = None, *, units: Any = None, ax
         The axes.
 
     Raises:
-        ValueError: a log has no reference, arrays are of other shapes.
-        TypeError: an argument is something else.
+        ValueError: a log without reference, or arrays of other shapes.
+        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.error({"first": log, "again": log})
@@ -104,10 +110,171 @@ def error(log: Any, error: npt.ArrayLike | None = None, *, units: Any = None, ax
     scale, over = scale_of("m", *errors.values(), units=units), scale_of("s", *times.values())
     size = {name: float(np.nanmax(np.abs(values), initial=0.0)) for name, values in errors.items()}
     for place, (name, values) in enumerate(errors.items()):
-        # Smaller errors are drawn over larger ones, which would hide them.
+        # Smaller errors above larger ones, which would hide them.
         order = 2.0 + sum(other > size[name] for other in size.values()) / (1.0 + len(size))
         style = look(place, is_dense(axes, values.size))
         draw_trace(axes, over(times[name]), scale(values), label=named(name) or None, zorder=order, **style)
     axes.set(xlabel=over.label("time"), ylabel=scale.label("tracking error"))
     legend(axes)
     return axes
+
+
+class Estimate(NamedTuple):
+    """Name, unit and bounds of an estimate."""
+
+    name: str
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+
+
+@drawn
+def adaptation(
+    log: Any,
+    bounds: Any = None,
+    *,
+    names: Sequence[str] | None = None,
+    which: Sequence[str | int] | None = None,
+    units: Any = None,
+    ax: Any = None,
+) -> Panels:
+    """Plot the estimates of an adaptive controller over time, one panel each, with their bounds.
+
+    The true value of an estimate at its bound may be outside: the bound is too narrow, or the controller's model does
+    not describe the machine.
+
+    Args:
+        log: a Log with estimates (simulate(..., record_estimates=True)), of p columns.
+        bounds: the controller or its parameters; a Model with one; low and high by name; an array (p, 2); None: of the
+            controller in the log's metadata, if any.
+        names: of the estimates, (p,); None: those of the controller.
+        which: estimates to plot, by name or by number from 0; None: the first twelve.
+        units: labels of command and position (cogging.Units); None: those in the log's metadata.
+        ax: as many axes as estimates; None: a new figure.
+
+    Returns:
+        The axes, one for each estimate.
+
+    Raises:
+        ValueError: a log without estimates, other numbers of names, bounds or axes, or an unknown estimate.
+        TypeError: an argument of another type.
+
+    Example:
+        >>> parameters = cogging.AdaptiveRobustParameters(mass_adaptation=1.0, epsilon=0.1)
+        >>> log = cogging.simulate(model, move, controller=cogging.Arc(parameters), record_estimates=True)
+        >>> mass, = cogging.plot.adaptation(log, which=["mass"])
+        >>> mass.get_ylabel()
+        'mass (V/(m/s²))'
+    """
+    values = getattr(log, "estimates", None)
+    if values is None:
+        rule = "must be in the log (simulate(..., record_estimates=True))"
+        raise ValueError(f"estimates: {rule}, got {described(log)} without")
+    units = units or units_of(log)
+    if bounds is None:  # those of the controller of the model in the metadata
+        bounds = ((getattr(log, "metadata", None) or {}).get("model") or {}).get("controller")
+    known = estimates_of(bounds, values.shape[1], names, units)
+    chosen = _chosen(known, which)
+    wide = 1 if len(chosen) < 3 else 2 if len(chosen) < 7 else 3
+    if ax is not None:
+        panels = grid_of(ax, len(chosen), 1)
+    else:
+        rows = -(-len(chosen) // wide)
+        panels = grid_of(None, rows, wide, size=(7.2 if wide < 3 else 9.0, 0.6 + 1.7 * rows), sharex=True)
+        for spare in panels[len(chosen) :]:
+            spare.remove()
+        panels = Panels(panels[: len(chosen)])
+        for panel in panels[max(0, len(chosen) - wide) :]:
+            panel.tick_params(labelbottom=True)
+    over = scale_of("s", log.time)
+    for place, (panel, number) in enumerate(zip(panels, chosen, strict=True)):
+        one = known[number]
+        ends = [end for end in (one.low, one.high) if math.isfinite(end)]
+        scale = scale_of(one.unit, values[:, number], ends, units=units)
+        dense = is_dense(panel, len(log.time))
+        draw_trace(panel, over(log.time), scale(values[:, number]), label=named(one.name), **look(0, dense))
+        for end in ends:
+            panel.axhline(float(scale(end)), color=LIMIT, linestyle="--", linewidth=1.0, label="bound")
+        panel.set_ylabel(scale.label(named(one.name)))
+        if place >= len(chosen) - wide:
+            panel.set_xlabel(over.label("time"))
+    return panels
+
+
+def _chosen(known: Sequence[Estimate], which: Sequence[str | int] | None) -> list[int]:
+    names = [one.name for one in known]
+    if which is None:
+        return list(range(min(len(known), MOST)))
+    found = []
+    for wanted in [which] if isinstance(which, str | int) else which:
+        if isinstance(wanted, str) and wanted in names:
+            found.append(names.index(wanted))
+        elif isinstance(wanted, int | np.integer) and 0 <= wanted < len(known):
+            found.append(int(wanted))
+        else:
+            raise ValueError(f"which: must be estimates, got {wanted!r}: {did_you_mean(str(wanted), names)}")
+    if not found:
+        raise ValueError("which: must name at least one estimate, got none")
+    return found
+
+
+def estimates_of(stated: Any, count: int, names: Sequence[str] | None = None, units: Any = None) -> list[Estimate]:
+    """Return names, units and bounds of `count` estimates; `stated`: the bounds in any form of `adaptation`."""
+    fields = _fields(stated)
+    own = [Estimate(f"[{i}]", "1") for i in range(count)] if fields is None else _of_controller(fields, count, units)
+    if names is not None:
+        if len(names) != count:
+            raise ValueError(f"names: must be {count}, one an estimate, got {len(names)}")
+        own = [one._replace(name=str(name)) for one, name in zip(own, names, strict=True)]
+    if stated is None or fields is not None:
+        return own
+    if isinstance(stated, Mapping):
+        for name in stated:
+            if name not in {one.name for one in own}:
+                raise ValueError(f"bounds: must be of estimates: {did_you_mean(name, [one.name for one in own])}")
+        return [
+            one._replace(low=stated[one.name][0], high=stated[one.name][1]) if one.name in stated else one
+            for one in own
+        ]
+    table = np.asarray(stated, dtype=np.float64) if isinstance(stated, Sequence | np.ndarray) else None
+    if table is None:
+        raise TypeError(f"bounds: must be a controller, its parameters, a Model or pairs, got {described(stated)}")
+    if table.shape != (count, 2):
+        raise ValueError(f"bounds: must have the shape ({count}, 2), got {table.shape}")
+    return [one._replace(low=float(low), high=float(high)) for one, (low, high) in zip(own, table, strict=True)]
+
+
+def _fields(stated: Any) -> Mapping[str, Any] | None:
+    """Return the parameters of a controller by name, from any object that holds them."""
+    if isinstance(stated, Mapping):
+        return stated if "type" in stated or "cogging_bounds" in stated or "theta_min" in stated else None
+    for holder in (stated, getattr(stated, "parameters", None), getattr(stated, "controller", None)):
+        if holder is not None and hasattr(holder, "FIELDS"):
+            fields: Mapping[str, Any] = holder.to_dict()
+            if "sample_rate" in fields:
+                return fields
+    return None
+
+
+def _of_controller(fields: Mapping[str, Any], count: int, units: Any) -> list[Estimate]:
+    if "cogging_bounds" in fields and count >= len(PLAIN):
+        plain = [Estimate(name, unit, *fields[f"{name}_bounds"]) for name, unit in PLAIN.items()]
+        points = int(fields["cogging_control_points"])
+        harmonics = [str(harmonic) for harmonic in fields["cogging_harmonics"]]
+        low, high = fields["cogging_bounds"]
+        made = [
+            Estimate(f"{part} {harmonic}" + f", point {point}" * (points > 1), "V", low, high)
+            for point in range(points)
+            for harmonic in harmonics
+            for part in ("sine", "cosine")
+        ]
+        if len(made) == count - len(plain):
+            return plain + made
+    elif "theta_min" in fields and count == len(TRIPLE):
+        ends = zip(TRIPLE, fields["theta_min"], fields["theta_max"], strict=True)
+        return [Estimate(name, "1", low, high) for name, low, high in ends]
+    elif "observer_gain" in fields and count == len(OBSERVED) + 2 * len(fields["periods"]):
+        lengths = [f"{1e3 * period:.4g} {labelled('mm', units)}" for period in fields["periods"]]
+        waves = [f"{part}, {length}" for length in lengths for part in ("sine", "cosine")]
+        return [Estimate(*one) for one in OBSERVED.items()] + [Estimate(wave, "m/s^2") for wave in waves]
+    return [Estimate(f"[{i}]", "1") for i in range(count)]

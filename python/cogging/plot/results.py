@@ -1,17 +1,15 @@
-"""The whole figure of a result that takes more than one picture: what its `.plot()` shows."""
+"""Figures of results with several panels, for their `.plot()`."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from cogging.plot.canvas import Panels, drawn, grid_of, legend
-from cogging.plot.friction_laws import friction_curve
+from cogging.plot.characteristics import DIRECTIONS, cogging_map, friction_curve, spectrum
 from cogging.plot.many_runs import trade_off
-from cogging.plot.maps import SHARES, cogging_map
 from cogging.plot.over_time import log
 from cogging.plot.scales import scale_of, units_of
 from cogging.plot.series import look
-from cogging.plot.spectra import spectrum
 
 WHOLE_MAP, WHOLE_TUNING = (7.2, 8.0), (9.0, 4.2)  # inches
 MOTION = ("reference", "reference_velocity", "reference_acceleration")
@@ -19,13 +17,13 @@ MOTION = ("reference", "reference_velocity", "reference_acceleration")
 
 @drawn
 def whole_map_fit(fit: Any, *, units: Any = None, ax: Any = None) -> Panels:
-    """The map of a MapFit with its points, what is left of them over position, and their spectrum."""
+    """Plot the map of a MapFit with its points, the residual over position, and the spectrum."""
     units = units or units_of(fit)
     panels = grid_of(ax, 3, 1, size=WHOLE_MAP)
     cogging_map(fit, units=units, ax=panels[0])
     left = fit.force - fit.fitted
     along, up = scale_of("m", fit.position, units=units), scale_of("V", left, units=units)
-    for place, (way, name) in enumerate(SHARES):
+    for place, (way, name) in enumerate(DIRECTIONS):
         kept = fit.direction == way
         if kept.any():
             panels[1].plot(
@@ -39,7 +37,7 @@ def whole_map_fit(fit: Any, *, units: Any = None, ax: Any = None) -> Panels:
 
 @drawn
 def whole_model(model: Any, *, units: Any = None, ax: Any = None) -> Panels:
-    """The cogging of a model over position, where it has one, and its friction over speed."""
+    """Plot the cogging of a model, if it has one, and its friction."""
     count = 1 if model.cogging is None else 2
     panels = grid_of(ax, count, 1, size=(7.2, 0.6 + 2.6 * count))
     if model.cogging is not None:
@@ -50,7 +48,7 @@ def whole_model(model: Any, *, units: Any = None, ax: Any = None) -> Panels:
 
 @drawn
 def whole_tuning(tuning: Any, *, units: Any = None, ax: Any = None) -> Panels:
-    """The trade-off of a tuning, and its points over the delay margin, or the chatter where that is what it costs."""
+    """Plot the trade-off of a tuning, and its points over the delay margin or the chatter."""
     units = units or units_of(tuning)
     panels = grid_of(ax, 1, 2, size=WHOLE_TUNING)
     beside = "delay_margin" if tuning.against != "delay_margin" else "command_chatter"
@@ -61,6 +59,6 @@ def whole_tuning(tuning: Any, *, units: Any = None, ax: Any = None) -> Panels:
 
 @drawn
 def whole_plan(plan: Any, *, units: Any = None, ax: Any = None) -> Panels:
-    """Position, speed and acceleration of a planned motion over time."""
+    """Plot position, velocity and acceleration of a planned motion over time."""
     units = units or units_of(plan)
     return log(dict(plan.motion.samples), MOTION, units=units, ax=ax)

@@ -1,4 +1,4 @@
-"""Units of what is drawn: the model's labels, a prefix that suits the size, micro sign and superscripts."""
+"""Units of plots: labels of the model, a suitable prefix, micro sign and superscripts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from cogging.arrays import FloatArray
 from cogging.calls import described
 
-#: Units whose name takes a prefix, and from which size on (in itself) a quantity keeps its unit as it is.
+#: Units with prefixes, and the magnitude (in the unit) from which no prefix is used.
 PREFIXED = {"m": 1.0, "rad": 1.0, "s": 1.0, "V": 0.1, "A": 0.1, "N": 0.1, "Nm": 0.1, "m/s": 0.1, "rad/s": 0.1}
 PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
 MICRO = re.compile(r"(?<![A-Za-z])u(?=(?:m|rad|V|A|N|Nm|s)(?![A-Za-z]))")
@@ -20,35 +20,27 @@ MICRO = re.compile(r"(?<![A-Za-z])u(?=(?:m|rad|V|A|N|Nm|s)(?![A-Za-z]))")
 
 @dataclass(frozen=True)
 class Scale:
-    """How a quantity is drawn.
+    """Factor and unit of a plotted quantity."""
 
-    Attributes:
-        factor: on its values, to be in `unit`.
-        unit: as a label shows it; empty of a pure number.
-    """
-
-    factor: float
-    unit: str
+    factor: float  # from values to `unit`
+    unit: str  # in a label; empty for a pure number
 
     def __call__(self, values: npt.ArrayLike) -> FloatArray:
-        """Values in this unit."""
+        """Return values in this unit."""
         return np.asarray(values, dtype=np.float64) * self.factor
 
     def label(self, name: str) -> str:
-        """Name and unit, for an axis."""
+        """Return name and unit, for an axis."""
         return f"{name} ({self.unit})" if self.unit else name
 
 
 def scale_of(unit: str, *values: npt.ArrayLike | None, units: Any = None) -> Scale:
-    """The scale that suits the largest of some values.
+    """Return the scale that suits the largest of some values.
 
     Args:
-        unit: of the values, in the terms of this package: "m", "V", "V/(m/s)"; "1" of a pure number.
-        values: arrays of any shape; None and what is not finite count for nothing.
+        unit: of the values, in V and m: "m", "V/(m/s)"; "1" for a pure number.
+        values: arrays of any shape; None and values that are not finite are ignored.
         units: labels of the model (cogging.Units), or None.
-
-    Raises:
-        TypeError: `units` is something else.
     """
     label = labelled(unit, units)
     if unit == "1":
@@ -61,16 +53,12 @@ def scale_of(unit: str, *values: npt.ArrayLike | None, units: Any = None) -> Sca
             break
     if largest == 0.0:
         size, prefix = PREFIXES[0]
-    # 0.3 of a volt is 300 mV and stays 0.3 V; what is shown in mm is at least 1 mm.
+    # 0.3 V stays 0.3 V; values in mm are at least 1 mm.
     return Scale(round(1.0 / size), pretty(f"{prefix}{label}"))
 
 
 def labelled(unit: str, units: Any) -> str:
-    """A unit of this package in the labels of a model (cogging.Units), or as it is without any.
-
-    Raises:
-        TypeError: `units` is something else.
-    """
+    """Return a unit in V and m with the labels of a model (cogging.Units), if any."""
     if units is None:
         return unit
     if not callable(getattr(units, "of", None)):
@@ -79,13 +67,13 @@ def labelled(unit: str, units: Any) -> str:
 
 
 def pretty(unit: str) -> str:
-    """A unit with micro sign and superscripts: um, V/(m/s^2), V/sqrt(Hz)."""
+    """Return a unit with micro sign and superscripts: um, V/(m/s^2), V/sqrt(Hz)."""
     shown = MICRO.sub("µ", unit).replace("^2", "²").replace("^3", "³").replace("sqrt(Hz)", "√Hz")
     return shown.replace("$", r"\$")
 
 
 def units_of(*things: Any) -> Any:
-    """The labels of the first of these that has any: a model, or what holds one."""
+    """Return the unit labels of the first object that has any, or whose model has."""
     for thing in things:
         for holder in (thing, getattr(thing, "model", None)):
             units = getattr(holder, "units", None)

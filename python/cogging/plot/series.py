@@ -1,4 +1,4 @@
-"""How series are told apart: colours that differ in grey and to the colour-blind, and lines and markers."""
+"""Colours, lines and markers of series, distinct in grey and to the colour-blind."""
 
 from __future__ import annotations
 
@@ -16,23 +16,21 @@ LONGEST = 40  # characters of a label
 
 
 def look(place: int, dense: bool = False) -> dict[str, Any]:
-    """Colour and line of the series at a place; a dense trace is drawn through, and told by its colour.
+    """Return colour and line style of the series at a place, from 0.
 
-    Args:
-        place: from 0 on; from 7 on colours come again, with other lines.
-        dense: many rows to a pixel.
+    From 7 on colours repeat with other lines. `dense`: many rows to a pixel, the line is solid.
     """
     round_, colour = divmod(place, len(COLOURS))
     return {"color": COLOURS[colour], "linestyle": "-" if dense else LINES[(colour + round_) % len(LINES)]}
 
 
 def marker(place: int) -> str:
-    """Marker of the points of the series at a place."""
+    """Return the marker of the series at a place."""
     round_, kind = divmod(place, len(MARKERS))
     return MARKERS[(kind + round_) % len(MARKERS)]
 
 
 def named(label: Any) -> str:
-    """A user's name as a legend shows it: no formula, no escape, not endless, and not left out for an underscore."""
+    """Return a user's name for a legend: escaped, shortened, and not hidden by a leading underscore."""
     text = shortened(printable(str(label)), LONGEST).replace("$", r"\$")
     return f" {text}" if text.startswith("_") else text

@@ -1,6 +1,6 @@
-"""Figures and axes that show themselves in a notebook, without pyplot and without a magic line.
+"""Figures and axes that a notebook shows without pyplot.
 
-The one module here that imports matplotlib when it is imported: others import it when something is drawn.
+This module imports matplotlib; the others import it only when something is plotted.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ from matplotlib.figure import Figure
 
 
 def picture(figure: Figure) -> bytes:
-    """The PNG of a figure, the same bytes of the same figure."""
+    """Return the PNG of a figure; the same figure gives the same bytes."""
     content = io.BytesIO()
     figure.savefig(content, format="png", dpi=figure.dpi, metadata={"Software": None})
     return content.getvalue()
 
 
 class ShownFigure(Figure):
-    """A figure that a notebook shows as the value of its cell, in any kernel."""
+    """A figure that a notebook shows as the value of a cell."""
 
     def _repr_png_(self) -> bytes:
         return picture(self)
 
 
 class ShownAxes(Axes):
-    """Axes that a notebook shows, as the figure that they stand in."""
+    """Axes whose figure a notebook shows."""
 
     def _repr_png_(self) -> bytes:
         return picture(self.figure.figure)

@@ -1,24 +1,38 @@
-"""Rows over time as they are drawn: rows that a log lacks are gaps, and long logs keep what a pixel can show."""
+"""Data of plots: columns of logs and tables, and long traces reduced to what a pixel shows."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from cogging.arrays import FloatArray, Mask
+from cogging.calls import described, did_you_mean
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
-LOST = 1.75  # median steps: a longer one has lost a row
-JITTER = 1.5  # times what nineteen of twenty steps take, where steps are not even
-ROWS_PER_PIXEL = 4  # first, least, largest and last: a pixel shows no more
+#: Units of the columns of a log.
+UNITS = {
+    "position": "m",
+    "reference": "m",
+    "error": "m",
+    "command": "V",
+    "reference_velocity": "m/s",
+    "reference_acceleration": "m/s^2",
+    "true_position": "m",
+    "true_velocity": "m/s",
+}
+LOST = 1.75  # median steps: a longer step has lost a row
+JITTER = 1.5  # times the 95 % quantile of the steps, if they are uneven
+ROWS_PER_PIXEL = 4  # first, least, largest and last
 
 
 def gaps(time: FloatArray) -> Mask:
-    """After which rows a row is missing: bool, (n - 1,)."""
+    """Return after which rows a row is missing, (n - 1,)."""
     step = np.diff(time)
     if step.size < 2:
         return np.zeros(step.size, dtype=bool)
@@ -27,14 +41,11 @@ def gaps(time: FloatArray) -> Mask:
 
 
 def trace(time: FloatArray, values: FloatArray, pixels: int) -> tuple[FloatArray, FloatArray]:
-    """The points to draw: all rows with a nan in each gap, or of more than a few a pixel the envelope of each pixel.
+    """Return the points of a line: all rows with NaN in each gap, or the envelope of each pixel of a long trace.
 
     Args:
-        time: s, increasing, (n,); values likewise, nan where nothing is to be drawn.
-        pixels: width of what is drawn.
-
-    Returns:
-        Places and values of the points, at most some five a pixel.
+        time: s, increasing, (n,); values likewise, NaN for a gap.
+        pixels: width of the axes.
     """
     broken = gaps(time)
     if len(time) <= ROWS_PER_PIXEL * pixels:
@@ -54,17 +65,81 @@ def trace(time: FloatArray, values: FloatArray, pixels: int) -> tuple[FloatArray
 
 
 def draw_trace(ax: Axes, time: FloatArray, values: FloatArray, **look: Any) -> Line2D:
-    """Draw rows over time as a line."""
+    """Plot rows over time as a line."""
     x, y = trace(time, values, pixels_of(ax))
     (line,) = ax.plot(x, y, **look)
     return line
 
 
 def pixels_of(ax: Axes) -> int:
-    """Twice the width of axes in pixels, for a sharp screen; at least 800."""
+    """Return twice the width of axes in pixels, for a high-resolution screen; at least 800."""
     return max(800, int(2.0 * ax.bbox.width))
 
 
 def is_dense(ax: Axes, rows: int) -> bool:
-    """Whether so many rows are several to a pixel, so that a dashed line would be none."""
+    """Return whether there are several rows to a pixel, so that dashes would not show."""
     return rows > pixels_of(ax)
+
+
+def numbers(name: str, values: npt.ArrayLike, length: int | None = None) -> FloatArray:
+    """Return values (n,) as an array of real numbers; NaN is a gap. `length`: required n, or None."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: must be an array of real numbers, got {described(values)}") from None
+    if array.ndim != 1 or not array.size:
+        raise ValueError(f"{name}: must have the shape (n,) with at least 1 entry, got {array.shape}")
+    if length is not None and array.size != length:
+        raise ValueError(f"{name}: must be as long as what it is drawn over ({length}), got {array.size}")
+    return array
+
+
+def is_table(value: Any) -> bool:
+    """Return whether a value has columns with `time`: a log, a mapping of arrays, a DataFrame."""
+    if hasattr(value, "time") and hasattr(value, "position"):
+        return True
+    return hasattr(value, "keys") and "time" in value and not hasattr(value["time"], "position")
+
+
+def names_of(log: Any) -> list[str]:
+    """Return the names of the columns that can be plotted."""
+    if hasattr(log, "keys"):
+        names = [str(name) for name in log if name != "time"]
+    else:
+        names = [name for name in UNITS if name != "error" and getattr(log, name, None) is not None]
+    return names + ["error"] * ("reference" in names and "position" in names and "error" not in names)
+
+
+def column(log: Any, name: str, argument: str = "columns") -> FloatArray:
+    """Return a column by name; `error` is position minus reference."""
+    known = names_of(log)
+    if name != "time" and name not in known:
+        raise ValueError(f"{argument}: must be columns of the log, got {name!r}: {did_you_mean(name, known)}")
+    if name == "error" and not (hasattr(log, "keys") and "error" in log):
+        return column(log, "position") - column(log, "reference")
+    values = log[name] if hasattr(log, "keys") else getattr(log, name)
+    time = log["time"] if hasattr(log, "keys") else log.time
+    return numbers(name, values, None if name == "time" else len(time))
+
+
+def require_table(log: Any, argument: str = "log") -> None:
+    """Raise TypeError for a value without columns over time."""
+    if not is_table(log):
+        raise TypeError(f"{argument}: must be a Log, or columns by name with `time`, got {described(log)}")
+
+
+def several(logs: Any) -> dict[str, Any]:
+    """Return logs by name, of one log, a sequence of logs, or a mapping."""
+    if is_table(logs):
+        return {"": logs}
+    if isinstance(logs, Mapping):
+        found = {str(name): log for name, log in logs.items()}
+    elif isinstance(logs, Sequence) and not isinstance(logs, str):
+        found = {f"run {place}": log for place, log in enumerate(logs)}
+    else:
+        raise TypeError(f"log: must be a Log, several, or columns by name with `time`, got {described(logs)}")
+    for log in found.values():
+        require_table(log)
+    if not found:
+        raise ValueError("log: must be at least one, got none")
+    return found

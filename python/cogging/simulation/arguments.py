@@ -1,4 +1,4 @@
-"""What public functions take: models, logs and motions, and what is said of anything else in their place."""
+"""Types of the arguments of public functions, with hints for what users often pass instead."""
 
 from __future__ import annotations
 

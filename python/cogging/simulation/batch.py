@@ -1,4 +1,4 @@
-"""Many runs in one call, and what is kept of them."""
+"""Many runs in one call, reduced to indexes."""
 
 from __future__ import annotations
 
@@ -12,37 +12,36 @@ import numpy as np
 from cogging import _core, plot
 from cogging._core import DivergedError, Plant, Reference
 from cogging.arrays import FloatArray
-from cogging.calls import described, takes
+from cogging.calls import check_arguments, described
 from cogging.logs.log import Log
 from cogging.model.controller import AnyController
 from cogging.model.units import UNITS, Units
 from cogging.progress import Progress, steps
 from cogging.simulation.arguments import LIST, MOTION, NUMBER, PLANTS
-from cogging.simulation.frames import to_frame, to_pandas, to_xarray, write_frame
 from cogging.simulation.reductions import COLUMNS, Failed, Kept, kept_of_runs, names_of, unit_of
-from cogging.values import ByValue
+from cogging.simulation.runs_table import RunsTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TOLD = 50  # times that progress is told of
+REPORTS = 50  # progress reports of a batch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Batch(ByValue, Sequence[Log]):
-    """The runs of closed_loop_batch, in the order of their plants: numbers of each, and what else was asked for.
+class Batch(RunsTable, Sequence[Log]):
+    """The runs of closed_loop_batch, in the order of their plants: indexes, and recorded columns or logs.
 
-    Where the logs were asked for it is a sequence of them; the log of a run that failed raises its DivergedError.
+    With logs it is a sequence of them; the log of a failed run raises its DivergedError.
 
     Attributes:
         indexes: by name (those of Performance, then the reductions), arrays (runs,); NaN where a run failed.
-        failures: the runs that did not come to their end: which, when (s) and why.
-        columns: those asked for by name, one array a run; empty where the run failed.
+        failures: runs that failed: number, time (s) and reason.
+        columns: recorded columns by name, one array a run; empty for a failed run.
         plants: the machine of each run.
-        controllers: the controller of each run, as it was given.
+        controllers: the controller of each run, as given.
         seeds: of each run's noise.
-        in_lanes: of each run, whether it went through the processor side by side with others of its course.
-        with_logs: whether the logs were asked for.
+        in_lanes: whether each run was computed in vector lanes with others.
+        with_logs: whether the logs were recorded.
         units: labels of the plants' units.
 
     Example:
@@ -74,13 +73,13 @@ class Batch(ByValue, Sequence[Log]):
         """The log of each run.
 
         Raises:
-            ValueError: they were not asked for.
-            DivergedError: of the first run that failed.
+            ValueError: the logs were not recorded.
+            DivergedError: that of the first failed run.
         """
         return tuple(self)
 
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the tracking errors of the runs that came to their end over time (cogging.plot.error).
+        """Plot the tracking errors of the completed runs over time (cogging.plot.error).
 
         Args:
             units: labels of command and position (cogging.Units).
@@ -90,59 +89,25 @@ class Batch(ByValue, Sequence[Log]):
             The figure.
 
         Raises:
-            ValueError: the logs were not asked for, or no run came to its end.
+            ValueError: the logs were not recorded, or no run completed.
         """
         failed = {failure.run for failure in self.failures}
         logs = {f"run {run}": self[run] for run in range(len(self)) if run not in failed}
         return plot.error(logs, units=units or self.units, ax=ax).figure.figure
 
     def table(self) -> dict[str, Any]:
-        """One row a run: its place, the indexes, and when (s) and why it failed where it did.
-
-        Returns:
-            Arrays by name.
-        """
+        """Return columns by name, one row a run: its number, the indexes, and time (s) and reason of a failure."""
         reasons = np.full(len(self), "", dtype=object)
         times = np.full(len(self), np.nan)
         for failure in self.failures:
             reasons[failure.run], times[failure.run] = failure.reason, failure.time
         return {"run": np.arange(len(self)), **self.indexes, "failed_at": times, "reason": reasons}
 
-    def to_pandas(self) -> Any:
-        """The table as a pandas DataFrame with `run` as its index.
+    def _rows(self) -> tuple[Mapping[str, Any], Mapping[str, str]]:
+        return self.table(), {name: self.units.of(unit_of(name)) for name in (*self.indexes, *self.columns)}
 
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
-        return to_pandas(self.table()).set_index("run")
-
-    def to_frame(self) -> Any:
-        """The same as `to_pandas`, with the units of the columns in `attrs["units"]`.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
-        return to_frame(self.table(), self._units()).set_index("run")
-
-    def to_xarray(self) -> Any:
-        """The table and the columns as an xarray Dataset over `run` and `row`; NaN beyond the end of a shorter run.
-
-        Raises:
-            ImportError: xarray is not there; names the extra that brings it.
-        """
-        return to_xarray(self.table(), self.columns, self._units())
-
-    def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as CSV, or as Parquet where the name ends so.
-
-        Raises:
-            InputError: the file cannot be written.
-            ImportError: pyarrow is not there for Parquet; names the extra that brings it.
-        """
-        write_frame(path, self.table(), self._units())
-
-    def _units(self) -> dict[str, str]:
-        return {name: self.units.of(unit_of(name)) for name in (*self.indexes, *self.columns)}
+    def _recorded(self) -> Mapping[str, Sequence[FloatArray]]:
+        return self.columns
 
     def __len__(self) -> int:
         return len(self.plants)
@@ -155,33 +120,31 @@ class Batch(ByValue, Sequence[Log]):
     @overload
     def __getitem__(self, which: slice) -> Batch: ...
     def __getitem__(self, which: int | slice) -> Log | Batch:
-        """The log of a run, or a batch of some of them."""
+        """Return the log of a run, or a batch of some runs."""
         if isinstance(which, slice):
-            return self._some(range(len(self))[which])
+            runs = range(len(self))[which]
+            places = {run: place for place, run in enumerate(runs)}
+            return Batch(
+                {name: values[list(runs)] for name, values in self.indexes.items()},
+                tuple(failure._replace(run=places[failure.run]) for failure in self.failures if failure.run in places),
+                {name: tuple(each[run] for run in runs) for name, each in self.columns.items()},
+                tuple(self.plants[run] for run in runs),
+                tuple(self.controllers[run] for run in runs),
+                tuple(self.seeds[run] for run in runs),
+                tuple(self.in_lanes[run] for run in runs),
+                self.with_logs,
+                self.units,
+            )
         if not self.with_logs:
             raise ValueError("logs: must be asked for to be kept: closed_loop_batch(..., logs=True)")
         run = range(len(self))[which]
         for failure in self.failures:
             if failure.run == run:
                 raise DivergedError(f"run {run}: {failure.reason}")
-        return Log.of({name: runs[run] for name, runs in self.columns.items()})
-
-    def _some(self, runs: range) -> Batch:
-        places = {run: place for place, run in enumerate(runs)}
-        return Batch(
-            {name: values[list(runs)] for name, values in self.indexes.items()},
-            tuple(failure._replace(run=places[failure.run]) for failure in self.failures if failure.run in places),
-            {name: tuple(each[run] for run in runs) for name, each in self.columns.items()},
-            tuple(self.plants[run] for run in runs),
-            tuple(self.controllers[run] for run in runs),
-            tuple(self.seeds[run] for run in runs),
-            tuple(self.in_lanes[run] for run in runs),
-            self.with_logs,
-            self.units,
-        )
+        return Log.of({name: each[run] for name, each in self.columns.items()})
 
 
-@takes(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER, units=UNITS)
+@check_arguments(plants=PLANTS, controllers=LIST, reference=MOTION, duration=NUMBER, units=UNITS)
 def closed_loop_batch(
     plants: Sequence[Plant],
     controllers: Sequence[AnyController],
@@ -201,39 +164,40 @@ def closed_loop_batch(
     units: Units | None = None,
     progress: Progress = False,
 ) -> Batch:
-    """Run many plants under their controllers along one reference: what closed_loop would give for each, reduced.
+    """Simulate many plants under their controllers along one reference, and keep indexes of each run.
 
-    Of each run the indexes of `performance` are kept, computed on the way: memory grows with what is asked for, not
-    with rows. A run that diverges is a row with its reason and time; the others stand.
+    Each run gives the indexes of `performance`, equal to those of its closed_loop and computed while it runs: memory
+    grows with what is recorded, not with rows. A run that diverges is reported with its reason and time; the others
+    complete.
 
-    Further reductions, by name, of the quantities `error` (reading minus reference, m), `command` (V) and `true_error`
-    (m): `error_max` and `error_rms` of its size, `error_final` (the last value), `error_quantile(0.95)` of its size,
-    `error_tone(3.0)` the amplitude at a frequency (Hz) and `command_wave(0.05)` the amplitude at a period along the
-    travel (m), both by least squares beside an offset. Quantiles are exact up to 65,536 rows, and within 0.07 % beyond,
-    from a histogram.
+    Further reductions, by name, of `error` (reading minus reference, m), `command` (V) and `true_error` (m):
+    `error_max` and `error_rms` of its magnitude, `error_final` (the last value), `error_quantile(0.95)` of its
+    magnitude, `error_tone(3.0)`, the amplitude at a frequency (Hz), and `command_wave(0.05)`, the amplitude at a period
+    along the travel (m), both by least squares with an offset. Quantiles are exact up to 65,536 rows and within 0.07 %
+    beyond, from a histogram.
 
-    Runs of one course go side by side through the lanes of the processor's vectors; `in_lanes` of the result says which
-    did. They have controllers of one type and rate, as they were made, whose settings without a lane of their own
-    (lists, bounds, limits) are equal, and machines with the same travel, knots of the cogging and kinds of effects,
-    whose friction is smooth. Others run alone: machines that stick or have a state of their own, effects and
-    controllers of one's own. The environment variable COGGING_INSTRUCTIONS chooses the instructions: v2, v3, v4 (x86-64
-    with SSE4.2, AVX2, AVX-512), neon, or none. No result depends on it.
+    Similar runs share the lanes of the processor's vector unit (`in_lanes` of the result). They have controllers of
+    one type and rate, fresh, whose settings without a lane of their own (lists, bounds, limits) are equal, and machines
+    with the same travel, knots of the cogging and kinds of effects, with smooth friction. Other runs are computed one
+    by one: machines that stick or have further states, custom effects and controllers. The environment variable
+    COGGING_INSTRUCTIONS selects the instructions: v2, v3, v4 (x86-64 with SSE4.2, AVX2, AVX-512), neon, or none. No
+    result depends on it.
 
     Args:
-        plants: one a run.
-        controllers: one for each plant; they are copied, not changed. Those of Python run one at a time, beside those
-            of the core and compiled ones.
+        plants: one for each run.
+        controllers: one for each plant; they are copied. Those in Python run one at a time, while runs with controllers
+            of the core and compiled ones run in parallel.
         reference: the motion of all runs.
-        duration: s; 0 = the reference's own end.
-        seeds: of force and encoder noise, one for each plant; none: 0 for all.
-        steps_per_sample: the fewest integration steps between two samples.
-        threads: that share the runs; 0 = all cores. The result does not depend on it.
-        start, stop: s; indexes and reductions look at the rows with start <= time < stop.
+        duration: s; 0 = the end of the reference.
+        seeds: of force and encoder noise, one for each plant; empty: 0 for all.
+        steps_per_sample: least number of integration steps between two samples.
+        threads: number of threads; 0 = all cores. The result does not depend on it.
+        start, stop: s; indexes and reductions use the rows with start <= time < stop.
         final_window: s, of error_final_max.
-        reductions: beside the indexes, by name.
-        columns: of the log, by name, to keep as well.
-        every: keep each so many rows of them, from the first on.
-        logs: keep all columns and rows, so that the batch is a sequence of logs.
+        reductions: further reductions by name.
+        columns: columns of the log to record, by name.
+        every: record every so many rows, from the first on.
+        logs: record all columns and rows, so that the batch is a sequence of logs.
         units: unit labels of command and position in the result; V and m by default.
         progress: see cogging.progress.
 
@@ -241,10 +205,10 @@ def closed_loop_batch(
         The runs in the order of the plants.
 
     Raises:
-        ValueError: lists of different lengths, a reference that leaves the travel, no duration for a motion without
-            an end, a reduction or a column that is none; COGGING_INSTRUCTIONS names what this machine lacks.
-        TypeError: a controller is none, or cannot be copied; says what it lacks.
-        ControllerError: a controller of one's own raised, or gave no finite number; says when and in which row.
+        ValueError: lists of different lengths, a reference that leaves the travel, an endless motion without a
+            duration, an unknown reduction or column; COGGING_INSTRUCTIONS names what this machine lacks.
+        TypeError: a controller is not a Controller, or cannot be copied; says what it lacks.
+        ControllerError: a user's controller raised, or returned no finite number; says when and in which row.
 
     Example:
         >>> plants = [cogging.Plant(cogging.AxisParameters(mass=mass)) for mass in (0.1, 0.2)]
@@ -254,11 +218,16 @@ def closed_loop_batch(
         >>> [f"{1e6 * largest:.0f} um" for largest in batch.indexes["error_max"]]
         ['181 um', '306 um']
     """
-    _require_plants(plants)
+    for plant in plants:
+        if not isinstance(plant, Plant):
+            raise TypeError(f"closed_loop_batch: plants: must be a list, each a Plant, got {described(plant)}")
     columns, every = (COLUMNS, 1) if logs else (columns, every)
     options: dict[str, Any] = {"durations": [duration], "steps_per_sample": [steps_per_sample], "threads": threads}
     options |= {"window": (start, stop, final_window), "reductions": reductions, "columns": columns, "every": every}
-    kept = _in_parts(plants, controllers, reference, seeds, options, progress)
+    if progress is False or len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
+        kept = kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)  # the core refuses other lengths
+    else:
+        kept = _in_parts(plants, controllers, reference, seeds, options, progress)
     return Batch(
         dict(zip(names_of(reductions), kept.values.T, strict=True)),
         kept.failures,
@@ -272,41 +241,30 @@ def closed_loop_batch(
     )
 
 
-def _require_plants(plants: Sequence[Plant]) -> None:
-    for plant in plants:
-        if not isinstance(plant, Plant):
-            raise TypeError(f"closed_loop_batch: plants: must be a list, each a Plant, got {described(plant)}")
-
-
 def _in_parts(
     plants: Sequence[Plant],
     controllers: Sequence[AnyController],
     reference: Reference,
     seeds: Sequence[int],
-    options: Mapping[str, Any],
+    options: dict[str, Any],
     progress: Progress,
 ) -> Kept:
-    """The runs, part by part where progress is to be told between them."""
-    # Where lists differ in length, the core says so.
-    if progress is False or len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
-        return kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)
+    """Return the results of all runs, computed in parts with a progress report after each."""
     lanes = _core.instruction_sets().get(_core.instruction_set(), 1)
     at_once = lanes * (options["threads"] or os.cpu_count() or 1)
-    size = at_once * -(-max(1, len(plants) // TOLD) // at_once)
+    size = at_once * -(-max(1, len(plants) // REPORTS) // at_once)
     options = {**options, "runs_in_all": len(plants)}
-    parts = [range(first, min(first + size, len(plants))) for first in range(0, len(plants), size)]
-    values: list[FloatArray] = []
+    parts: list[Kept] = []
     failures: list[Failed] = []
-    columns: dict[str, list[FloatArray]] = {name: [] for name in options["columns"]}
-    in_lanes: list[bool] = []
-    with steps(progress, "closed_loop_batch", len(parts)) as step:
-        for part in parts:
-            own = slice(part.start, part.stop)
-            kept = kept_of_runs(plants[own], controllers[own], [reference], seeds=seeds[own], **options)
-            values.append(kept.values)
-            failures += [failure._replace(run=failure.run + part.start) for failure in kept.failures]
-            for name, runs in kept.columns.items():
-                columns[name] += runs
-            in_lanes += kept.in_lanes
-            step(f"{part.stop} of {len(plants)} runs")
-    return Kept(np.concatenate(values), tuple(failures), columns, tuple(in_lanes))
+    with steps(progress, "closed_loop_batch", -(-len(plants) // size)) as step:
+        for first in range(0, len(plants), size):
+            own = slice(first, min(first + size, len(plants)))
+            parts.append(kept_of_runs(plants[own], controllers[own], [reference], seeds=seeds[own], **options))
+            failures += [failure._replace(run=failure.run + first) for failure in parts[-1].failures]
+            step(f"{own.stop} of {len(plants)} runs")
+    return Kept(
+        np.concatenate([part.values for part in parts]),
+        tuple(failures),
+        {name: [run for part in parts for run in part.columns[name]] for name in options["columns"]},
+        tuple(flag for part in parts for flag in part.in_lanes),
+    )

@@ -1,4 +1,4 @@
-"""What many runs were asked for, as a number: laws of the user's own with all that they are made of."""
+"""Digest of a sweep or a tuning: model, arguments, and custom laws with all that they refer to."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from cogging.effects.custom import COMPILED, Custom
 from cogging.model.model import Model
 
 STANDARD = Path(os.__file__).parent
-PUBLISHED = ("cogging", "numpy", "scipy", "numba")  # beside Python's own: their versions say what they hold
+PUBLISHED = ("cogging", "numpy", "scipy", "numba")  # beside the standard library: their versions identify the content
 WRAPPERS = ("functools._lru_cache_wrapper", "numba.core.registry.CPUDispatcher", "numba.core.ccallback.CFunc")
 PLAIN = (type(None), type(...), bool, int, float, complex, str, bytes)
 OF_CODE = (
@@ -34,19 +34,16 @@ GLOBAL = ("LOAD_GLOBAL", "LOAD_NAME", "IMPORT_NAME")
 
 
 def digest_of(model: Model, asked: Mapping[str, Any]) -> str | None:
-    """A number for what was asked, equal for equal: all that decides what the runs give.
+    """Return a digest of all that determines the results of runs; None if a custom law cannot be described.
 
     Args:
-        model: that is run.
-        asked: what else decides it, as JSON can hold it.
-
-    Returns:
-        The number; None where the model has a law of which cannot be said what it is made of.
+        model: the model.
+        asked: the other arguments, as JSON can hold them.
     """
     described = _Description()
     try:
         laws = [described.of(effect) for effect in model.effects if isinstance(effect, Custom)]
-    except Exception:  # whatever a foreign object raises that is asked what it is made of
+    except Exception:  # any error of a foreign object
         return None
     version = importlib.metadata.version("cogging")
     whole = {"version": version, "model": model.to_dict(), "laws": laws, **asked}
@@ -58,21 +55,17 @@ def _as_json(value: Any) -> Any:
 
 
 class _Description:
-    """Describes functions and what they hold, by what they are and not by where they stand, as JSON can hold it.
+    """Describes functions and the values they hold by content, as JSON can hold it.
 
-    A function is its code, defaults and closure, and the globals that it names; one of a library its name and version;
-    a compiled one its file. Whatever else is what pickle would make of it.
+    A function is its code, defaults, closure, and the globals that it names; one of a library its name and version; a
+    compiled one the digest of its file. Any other value is what pickle would store of it.
     """
 
     def __init__(self) -> None:
-        self._met: dict[Any, tuple[int, Any]] = {}  # kept alive, so that no other gets their place
+        self._met: dict[Any, tuple[int, Any]] = {}  # keeps the values alive, so that no id is used again
 
     def of(self, value: Any) -> Any:
-        """A value.
-
-        Raises:
-            Exception: it cannot be said what the value is made of.
-        """
+        """Return the description of a value, or raise an exception if it has none."""
         kind = type(value)
         if kind in PLAIN:
             return [kind.__name__, repr(value)]
@@ -87,7 +80,7 @@ class _Description:
         return self._again(id(value), value) or self._object(value)
 
     def _again(self, key: Any, value: Any) -> list[Any]:
-        """Its number, where it was met before."""
+        """Return the number of a value that was met before; empty if it is new."""
         met = key in self._met
         number, _ = self._met.setdefault(key, (len(self._met), value))
         return ["again", number] if met else []
@@ -95,10 +88,10 @@ class _Description:
     def _object(self, value: Any) -> Any:
         if isinstance(value, COMPILED):
             (library,) = (one for one in (value._objects or {}).values() if isinstance(one, ctypes.CDLL))
-            return [value.__name__, _content(library._name)]  # a function made of an address has none
+            return [value.__name__, _content(library._name)]  # fails for a function made from an address
         if isinstance(value, ModuleType):
             return _version(value.__name__)
-        if f"{type(value).__module__}.{type(value).__qualname__}" in WRAPPERS:  # which do what their function does
+        if f"{type(value).__module__}.{type(value).__qualname__}" in WRAPPERS:  # they do what their function does
             options = getattr(getattr(value, "_compiler", None), "targetoptions", None)
             return [_version(type(value).__module__), self.of(options), self.of(value.__wrapped__)]
         if isinstance(value, FunctionType | type):
@@ -127,7 +120,7 @@ class _Description:
         return [*map(self.of, parts), self._named(space, called, frozenset(named))]
 
     def _named(self, space: Mapping[str, Any], called: Any, named: frozenset[str]) -> list[Any]:
-        """What stands under names; of a module of the user's own what stands there under any that the law names."""
+        """Describe globals by name; of a user's module, those of its attributes that the law names."""
         found = []
         for name in sorted(called):
             value = space.get(name)
@@ -140,11 +133,7 @@ class _Description:
 
 
 def _reference(value: Any, name: str) -> list[str]:
-    """What a library or a compiled module holds, by its name there.
-
-    Raises:
-        LookupError: it is no such thing.
-    """
+    """Describe what a library or a compiled module holds, by its name there; LookupError for other values."""
     module = sys.modules[getattr(value, "__module__", None) or pickle.whichmodule(value, name)]  # type: ignore[attr-defined]
     found: Any = module
     for part in name.split("."):

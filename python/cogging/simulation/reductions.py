@@ -1,4 +1,4 @@
-"""What a run of a batch is reduced to, by name, and the runs of a batch in the core."""
+"""Indexes and reductions of runs by name, and batches of runs in the core."""
 
 from __future__ import annotations
 
@@ -14,30 +14,17 @@ from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.shown import quoted
 
-#: The fields of Performance, which every run has.
-INDEXES = (
-    "error_max",
-    "error_rms",
-    "error_final_max",
-    "command_rms",
-    "command_change_rms",
-    "command_chatter",
-)
+#: Fields of Performance, computed for every run.
+INDEXES = ("error_max", "error_rms", "error_final_max", "command_rms", "command_change_rms", "command_chatter")
 QUANTITIES = ("true_error", "error", "command")
 PLAIN = ("max", "rms", "final")
 NUMBERED = ("quantile", "tone", "wave")
 NAMED = re.compile(rf"({'|'.join(QUANTITIES)})_(?:({'|'.join(PLAIN)})|({'|'.join(NUMBERED)})\(([^()]+)\))")
 COLUMNS = (
-    "time",
-    "position",
-    "command",
-    "reference",
-    "reference_velocity",
-    "reference_acceleration",
-    "true_position",
-    "true_velocity",
+    *("time", "position", "command", "reference", "reference_velocity", "reference_acceleration"),
+    *("true_position", "true_velocity"),
 )
-#: Of what a table of runs holds under these names; every other reduction is in the unit of its quantity.
+#: Units by name; every other reduction has the unit of its quantity.
 UNITS = {
     "time": "s",
     "reference_velocity": "m/s",
@@ -49,21 +36,15 @@ UNITS = {
 
 
 class Failed(NamedTuple):
-    """A run that did not come to its end.
+    """A run that failed."""
 
-    Attributes:
-        run: its place in the batch.
-        time: s, when; NaN where it did not begin.
-        reason: in one line.
-    """
-
-    run: int
-    time: float
-    reason: str
+    run: int  # its number in the batch
+    time: float  # s, when it failed; NaN if it did not start
+    reason: str  # in one line
 
 
 class Kept(NamedTuple):
-    """What the core keeps of runs: values (runs, indexes and reductions), failures, columns of each run."""
+    """Results of runs in the core: values (runs, indexes and reductions), failures, columns of each run."""
 
     values: FloatArray
     failures: tuple[Failed, ...]
@@ -72,16 +53,12 @@ class Kept(NamedTuple):
 
 
 def reduction(name: str) -> tuple[str, str, float]:
-    """Quantity, kind and number of a reduction by its name, such as `error_quantile(0.95)`.
-
-    Raises:
-        ValueError: no such reduction.
-    """
+    """Return quantity, kind and number of a reduction such as `error_quantile(0.95)`."""
     found = NAMED.fullmatch(name)
     if found is None:
         known = [f"{quantity}_{kind}" for quantity in QUANTITIES for kind in PLAIN]
         known += [f"{quantity}_{kind}(number)" for quantity in QUANTITIES for kind in NUMBERED]
-        raise ValueError(f"reductions: {quoted(name)} is none; {did_you_mean(name, known)}")
+        raise ValueError(f"reductions: {quoted(name)} is unknown; {did_you_mean(name, known)}")
     quantity, plain, numbered, text = found.groups()
     try:
         number = float(text) if text else 0.0
@@ -96,7 +73,7 @@ def reduction(name: str) -> tuple[str, str, float]:
 
 
 def unit_of(name: str) -> str:
-    """The unit of an index, a reduction or a column; nothing where it has none, or is none of them."""
+    """Return the unit of an index, a reduction or a column; empty for other names and for texts."""
     if name in UNITS:
         return UNITS[name]
     if name in COLUMNS or name in INDEXES or NAMED.fullmatch(name):
@@ -105,26 +82,12 @@ def unit_of(name: str) -> str:
 
 
 def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
-    """The names of all that is kept of a run: the indexes, then what else was asked for.
-
-    Raises:
-        ValueError: a reduction that is none, or one that was asked for twice.
-    """
+    """Return the names of all values of a run: the indexes, then the further reductions, each once."""
     names = (*INDEXES, *(name for name in reductions if name not in INDEXES))
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"reductions: must be asked for once each, got {name} twice")
     return names
-
-
-def require_reductions(names: Sequence[str]) -> None:
-    """Refuse names that are no reductions before anything runs.
-
-    Raises:
-        ValueError: names the first, with the nearest.
-    """
-    for name in names_of(names)[len(INDEXES) :]:
-        reduction(name)
 
 
 def kept_of_runs(
@@ -143,10 +106,17 @@ def kept_of_runs(
     keeps_refused: bool = False,
     **starts: Any,
 ) -> Kept:
-    """Run in the core; the arguments as closed_loop_batch takes them, with one reference, duration and number of steps
-    for all runs or one for each. With `keeps_refused`, a run that cannot begin is a failure among the others.
-    `starts`: `initial_positions` (m, one for all, one for each or none), and of all runs `initial_velocity` and
-    `added_command` (a list), as closed_loop takes them; `runs_in_all`, of how many as much will be kept."""
+    """Return the results of runs in the core; arguments as of closed_loop_batch.
+
+    Args:
+        plants, controllers, seeds: one for each run.
+        references, durations, steps_per_sample: one for each run, or one for all.
+        threads, reductions, columns, every: see closed_loop_batch.
+        window: start, stop and final window, s.
+        keeps_refused: report a run that cannot start as a failure; else it raises.
+        **starts: `initial_positions` (m, one for all, one for each or none); for all runs `initial_velocity` and
+            `added_command` (a list); `runs_in_all`, for how many runs memory must suffice.
+    """
     further = names_of(reductions)[len(INDEXES) :]
     start, stop, final_window = window
     kept: dict[str, Any] = _core.closed_loop_records(

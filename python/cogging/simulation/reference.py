@@ -1,4 +1,4 @@
-"""Reference files: what the axis is asked to do."""
+"""Reference files: the motion of the axis."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ import numpy as np
 
 from cogging import _core
 from cogging._core import Reference, Sampled
-from cogging.calls import PATHS, takes
+from cogging.calls import PATHS, check_arguments
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
 from cogging.shown import nearest, quoted
 
 TYPES = tuple(_core.REFERENCES)
-#: Motions by the name that a reference file gives them, parameter struct and class, but for the sampled one.
+#: Parameter struct and class of each motion by its name in reference files, except the sampled one.
 REFERENCES: dict[str, tuple[Any, Any]] = {
     name: (motion.PARAMETERS, motion) for name, motion in _core.REFERENCES.items() if motion is not Sampled
 }
-#: Fields of a sampled motion: a file, or the samples themselves.
+#: Fields of a sampled motion: a file, or the samples.
 SAMPLED_KEYS = ("file", "time", "reference", "reference_velocity", "reference_acceleration")
 
 
-@takes(path=PATHS)
+@check_arguments(path=PATHS)
 def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
-    """Read a reference file (TOML): the motion and its `duration` (s; 0 = the motion's own end).
+    """Read a reference file (TOML).
 
     Args:
         path: of the file.
 
     Returns:
-        The motion, and the duration that the file states, s; 0 where it states none.
+        The motion, and the duration stated in the file, s; 0 if none is.
 
     Raises:
-        InputError: the file cannot be used; names file, line, field, rule and value.
+        InputError: the file is invalid; names file, line, field, rule and value.
 
     Example:
         >>> with open("sine.toml", "w") as file:
@@ -54,21 +54,13 @@ def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
 
 
 def files_of_reference(path: str | os.PathLike[str]) -> list[str | os.PathLike[str]]:
-    """A reference file and the table of samples that it names, if it does.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
+    """Return a reference file and the file of samples that it names, if any."""
     file = read_toml(path).get("file")
     return [path, Path(path).parent / file] if isinstance(file, str) else [path]
 
 
 def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> tuple[Reference, float]:
-    """Make a motion from the fields of a reference file; `file` of a sampled one is sought in `folder`.
-
-    Raises:
-        FieldError: a ValueError that names field, rule and value.
-    """
+    """Return the motion and duration (s) from the fields of a reference file; `folder` holds the `file` of samples."""
     fields = dict(document)
     refuse_mistyped(fields, "type", "")
     kind = fields.pop("type", None)
@@ -87,12 +79,15 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
     return motion, float(duration)
 
 
-def reference_to_dict(reference: Reference) -> dict[str, Any]:
-    """The fields of a reference file for a motion: what reference_from reads. A sampled one has arrays.
+def motion_of(reference: Reference | Mapping[str, Any] | str | os.PathLike[str]) -> tuple[Reference, float]:
+    """Return the motion that a user gave in any form, and the duration that its file states, s; 0 if none is."""
+    if isinstance(reference, Reference):
+        return reference, 0.0
+    return reference_from(reference) if isinstance(reference, Mapping) else read_reference(reference)
 
-    Raises:
-        TypeError: a motion of a class that reference files do not know.
-    """
+
+def reference_to_dict(reference: Reference) -> dict[str, Any]:
+    """Return the fields of a reference file for a motion, those of a sampled one as arrays."""
     if isinstance(reference, Sampled):
         return {"type": "sampled", **reference.samples}
     for kind, (_, motion) in REFERENCES.items():

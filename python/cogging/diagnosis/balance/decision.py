@@ -20,7 +20,7 @@ from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
-from cogging.threads import on_threads
+from cogging.resources import on_threads
 
 THRESHOLD = 20.0  # score from which on a candidate is taken: above those of 36 drawn logs with nothing missing
 MINOR = 0.1  # of the largest score: what is less is a trait of a law that is nearly right

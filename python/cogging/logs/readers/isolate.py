@@ -1,8 +1,8 @@
-"""Readers of binary formats, run in a process of their own.
+"""Readers of binary formats, run in a separate process.
 
-The libraries that read MATLAB, HDF5, ASAM MDF and Parquet files were not made for broken ones: cut or altered files
-made them end the whole process, loop without end or ask for all memory. That process takes no code from the folder in
-which a user works or a log lies, has bounded memory and time, and ends with its parent.
+Damaged MATLAB, HDF5, ASAM MDF and Parquet files can crash the libraries that read them, or make them loop or allocate
+all memory. The process imports no code from the working folder or that of the log, has limited memory and time, and
+ends with its parent.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ import numpy.typing as npt
 from cogging.arrays import FloatArray
 from cogging.files import InputError
 from cogging.logs.readers import matlab, mdf, parquet
-from cogging.logs.readers.request import MIB, Request, numbers_most
+from cogging.logs.readers.column_request import MIB, Request, numbers_most
 
-#: Formats by name: what they are called, the extra that brings the library, and the reader.
+#: Description, extra that installs the library, and reader of each format.
 FORMATS: dict[str, tuple[str, str, Callable[[Request], dict[str, Any]]]] = {
     "matlab": ("MATLAB file", "matlab", matlab.read),
     "hdf5": ("MATLAB 7.3 (HDF5) file", "matlab", matlab.read_hdf5),
     "mdf": ("ASAM MDF file", "mdf", mdf.read),
     "parquet": ("Parquet file", "parquet", parquet.read),
 }
-TEMPORARY = ("mdf",)  # formats whose library wants a temporary file whatever it does
+TEMPORARY = ("mdf",)  # formats whose library always creates a temporary file
 
-COPIES = 4  # of its numbers that a library holds while it reads: twice were seen, three times of Parquet
-LIBRARIES = 2048 * MIB  # bytes of addresses that a library takes without a file: 374 MiB were seen, of asammdf
-ADDRESSES = 512 * MIB  # bytes of them that it may take beyond the memory that is left: they are not all in use
-SECONDS = 30.0  # in which a small file must be read
-BYTES_A_SECOND = 2e6  # slower is no reading
-PROCESSOR_SECONDS = 4.0  # that a process may take for each second that it is given
+COPIES = 4  # of the numbers in a library while it reads; 2 measured, 3 for Parquet
+LIBRARIES = 2048 * MIB  # bytes of address space of a library without a file; 374 MiB measured for asammdf
+ADDRESSES = 512 * MIB  # bytes of address space beyond the free memory, which are not all used
+SECONDS = 30.0  # time limit for a small file
+BYTES_A_SECOND = 2e6  # further time for a large one
+PROCESSOR_SECONDS = 4.0  # processor time for each second of it
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
-#: What the process runs. The package's own start is left out: readers need none of it.
+#: Program of the process. It does not run the package's __init__, which readers do not need.
 BEGIN = """
 import json, sys, types
 job = json.loads(sys.stdin.readline())
@@ -57,37 +57,33 @@ sys.modules["cogging"] = package
 """
 START = "from cogging.logs.readers.isolate import serve; serve(job)"
 OPTIONS = ("-I", "-B") if sys.flags.dont_write_bytecode else ("-I",)
-#: Variables that are handed on as they are: places, language, and what a dynamic linker has already loaded here.
+#: Environment variables that are passed on: places, language, and libraries loaded here already.
 KEPT: tuple[str, ...] = ("HOME", "LANG", "LC_ALL", "LC_CTYPE", "TMPDIR", "TEMP", "TMP", "LD_PRELOAD")
 KEPT += ("HDF5_USE_FILE_LOCKING", "SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "USERPROFILE")
-#: Lists of folders, of which those that are no absolute paths are left out: an empty one is the current folder.
+#: Lists of folders, of which only absolute paths are passed on: an empty one is the current folder.
 FOLDERS = ("PATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
-#: Reading columns needs no threads, each of which asks for memory.
+#: Reading needs no threads, each of which allocates memory.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_MAX_THREADS")
-ANSWER = b"\0cogging: what was read\0\n"  # behind whatever else was written to standard output
-#: Errors of the machine, not of a file.
+ANSWER = b"\0cogging: what was read\0\n"  # precedes the result, behind other text on standard output
+#: Errors of the machine, not of the file.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EMFILE, errno.ENFILE)
 
-# The process that asks ------------------------------------------------------------------------------------------------
+# The parent process ------------------------------------------------------------------------------------------------
 
 
 def memory_most(size: int, left: float) -> int:
-    """Return the bytes of addresses that reading a file of so many bytes may take where `left` bytes are free."""
+    """Return the bytes of address space for reading a file of a size with `left` bytes of free memory."""
     return int(min(LIBRARIES + COPIES * numbers_most(size), ADDRESSES + left))
 
 
 def seconds_most(size: int) -> float:
-    """Return the seconds in which a file of so many bytes must be read."""
+    """Return the time limit for a file of a size, s."""
     return SECONDS + size / BYTES_A_SECOND
 
 
 def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
-    """Read columns of finite real numbers of one length; `kind` is a key of FORMATS.
-
-    Raises:
-        InputError: the file cannot be used, or its reader fails in whatever way; the library is not installed.
-    """
-    from cogging._core import memory_left  # which the process that reads does without
+    """Return columns of finite real numbers of equal length; `kind` is a key of FORMATS."""
+    from cogging._core import memory_left  # not in the reading process
 
     what, size = FORMATS[kind][0], os.path.getsize(request.path)
     seconds, late = seconds_most(size), threading.Event()
@@ -108,7 +104,7 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
         "temporary": None,
     }
     with contextlib.ExitStack() as stack:
-        if kind in TEMPORARY:  # a folder that goes with what the library left there, however the process ended
+        if kind in TEMPORARY:  # removed with its content, however the process ends
             try:
                 folder = tempfile.TemporaryDirectory(prefix="cogging", ignore_cleanup_errors=True)
             except OSError as error:
@@ -138,7 +134,7 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
 
 @contextlib.contextmanager
 def _started(job: Mapping[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
-    """Start the process that reads; it is ended with the block."""
+    """Start the reading process; it is killed at the end of the block."""
     process = subprocess.Popen(
         [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + START],
         stdin=subprocess.PIPE,
@@ -150,9 +146,9 @@ def _started(job: Mapping[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
     assert process.stdin is not None
     assert process.stdout is not None
     try:
-        with contextlib.suppress(BrokenPipeError):  # it has ended: its status says how
+        with contextlib.suppress(BrokenPipeError):  # it has ended: its status tells why
             process.stdin.write(json.dumps(job).encode() + b"\n")
-            process.stdin.flush()  # left open: its end is the parent's
+            process.stdin.flush()  # left open: it closes when the parent ends
         yield process
     finally:
         process.kill()
@@ -163,11 +159,7 @@ def _started(job: Mapping[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, FloatArray] | None:
-    """Return the columns that serve() writes, or None if it ends before all are there.
-
-    Raises:
-        InputError: what serve() refuses.
-    """
+    """Return the columns that serve() writes, or None if it ends before all are there."""
     from cogging._core import require_memory
 
     stream = process.stdout
@@ -199,9 +191,9 @@ def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, F
 
 
 def import_paths(beside: str) -> list[str]:
-    """Return the entries of this process' search path, but for the current folder, that of a file, and relative ones.
+    """Return the search path of this process without the current folder, that of a file, and relative entries.
 
-    A folder from which numpy was loaded is one of installed libraries, wherever it is.
+    The folder from which numpy was imported counts as one of installed libraries.
     """
     libraries = Path(np.__file__).parents[1]
     user = [folder for folder in (os.curdir, os.path.dirname(os.path.abspath(beside))) if os.path.exists(folder)]
@@ -215,7 +207,7 @@ def import_paths(beside: str) -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    """Return the variables that the process needs, without what makes Python or a linker take code from elsewhere."""
+    """Return the environment of the process, without variables that load code from other places."""
     kept = {name: os.environ[name] for name in KEPT if name in os.environ}
     for name in FOLDERS:
         folders = [folder for folder in os.environ.get(name, "").split(os.pathsep) if os.path.isabs(folder)]
@@ -224,13 +216,13 @@ def environment() -> dict[str, str]:
     return kept | dict.fromkeys(ONE_THREAD, "1")
 
 
-# The process that reads -----------------------------------------------------------------------------------------------
+# The reading process -----------------------------------------------------------------------------------------------
 
 
 def serve(job: Mapping[str, Any]) -> None:
-    """Read in this process what read_isolated asks for, and write it to standard output."""
+    """Read the columns of a job, and write them to standard output."""
     output = os.fdopen(os.dup(1), "wb")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # whatever a library prints
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards what a library prints
     confine(job)
     tempfile.tempdir = job["temporary"]
     request = Request(
@@ -253,20 +245,20 @@ def serve(job: Mapping[str, Any]) -> None:
         for values in columns.values() if rows else ():
             output.write(np.ascontiguousarray(values).data.cast("B"))
     output.flush()
-    os._exit(0)  # without the libraries' own ends, which broken files have made to fail
+    os._exit(0)  # skips the libraries' exit handlers, which damaged files can crash
 
 
 def confine(job: Mapping[str, Any]) -> None:
-    """Bind this process to its parent's life and to the job's `memory` (bytes) and `seconds`."""
+    """Limit this process to the job's `memory` (bytes) and `seconds`, and end it with its parent."""
     if sys.platform == "linux":
-        with contextlib.suppress(ImportError, OSError, AttributeError):  # at once, even out of a loop of a library
+        with contextlib.suppress(ImportError, OSError, AttributeError):  # at once, even in a loop of a library
             import ctypes
 
             ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to answer
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Ctrl-C
 
     def end_with_parent() -> None:
-        while os.read(0, 1):  # which nobody writes any more
+        while os.read(0, 1):  # nothing is written to it
             pass
         os._exit(1)
 
@@ -302,7 +294,7 @@ def _read(kind: str, request: Request) -> dict[str, FloatArray]:
         if error.errno in NO_ROOM and not error.filename:
             raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
         raise _broken(request, what, error) from None
-    except Exception as error:  # whatever a library answers to a broken file
+    except Exception as error:  # any error of a library
         raise _broken(request, what, error) from None
 
 
@@ -312,7 +304,7 @@ def _broken(request: Request, what: str, error: Exception) -> InputError:
 
 
 def _numbers(request: Request, table: Mapping[str, Any]) -> dict[str, FloatArray]:
-    """Check that what a reader gave is columns of finite real numbers of one length, and take the rows."""
+    """Return the requested rows as arrays; refuse columns that are not finite real numbers of equal length."""
     arrays: dict[str, FloatArray] = {}
     for name, values in table.items():
         array = np.asarray(values)

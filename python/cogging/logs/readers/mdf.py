@@ -8,24 +8,24 @@ from dataclasses import replace
 from typing import Any
 
 from cogging.files import InputError
-from cogging.logs.readers.request import Request
+from cogging.logs.readers.column_request import Request
 
-#: Conversions that make numbers of numbers, by the library's codes. Those of value ranges to texts may hold others.
+#: Conversions of numbers to numbers, by the library's codes. Those of value ranges to texts may contain others.
 NUMBERS = {3: (65535, 0, 1, 2, 6, 7, 8, 9), 4: (0, 1, 2, 4, 5)}
-RANGES = 6  # to numbers, of version 4: of whole numbers the library takes the wrong ones
+RANGES = 6  # value ranges to numbers, version 4; the library is wrong for integers
 FLOATS = (4, 5)  # data types of version 4
 VALUES_TO_TEXTS = {3: (11, 12), 4: (7, 8)}
 FORMULA = {3: 10, 4: 3}
-OF_TIME = (65535, 0)  # that the library applies to the time of version 2 and 3: none and linear
+OF_TIME = (65535, 0)  # conversions that the library applies to the time of version 2 and 3: none and linear
 
 
 class Formulas:
-    """Keep asammdf, imported after this was made, from evaluating texts of a file.
+    """Prevents asammdf, imported later, from evaluating formulas of a file.
 
-    It hands formulas to numexpr and sympy, which run them as Python; its own texts are evaluated.
+    It passes formulas to numexpr and sympy, which run them as Python. Only its own formulas are evaluated.
 
     Attributes:
-        refused: texts that were not evaluated.
+        refused: formulas that were not evaluated.
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class Formulas:
 
 
 def _own_texts() -> set[str]:
-    """The library's own: rational and polynomial laws of the parameters that a file holds as numbers."""
+    """Return the library's own formulas: rational and polynomial conversions with parameters from the file."""
     from asammdf.blocks import v2_v3_constants, v4_constants
 
     texts = set()
@@ -60,23 +60,19 @@ def _own_texts() -> set[str]:
 
 
 def _unit(channel: Any) -> str:
-    """The unit of a channel, whose conversion may hold it instead."""
+    """Return the unit of a channel, or of its conversion."""
     return str(getattr(channel, "unit", "") or getattr(getattr(channel, "conversion", None), "unit", "") or "")
 
 
 def read(request: Request) -> dict[str, Any]:
-    """Read channels of one channel group; `time` is its master channel unless a channel bears that name.
+    """Return channels of one channel group; `time` is its master channel unless a channel has that name.
 
-    A channel that stands in several groups is called `GROUP.CHANNEL`, the group by its number.
-
-    Raises:
-        ImportError: asammdf is not installed.
-        InputError: a channel is missing, or they stand in different groups. What a broken file raises is asammdf's.
+    A channel that occurs in several groups is named `GROUP.CHANNEL`, with the number of the group.
     """
-    formulas = Formulas()  # before the library takes them up
+    formulas = Formulas()  # before asammdf imports numexpr
     from asammdf import MDF
 
-    plain: dict[str, Any] = {"process_bus_logging": False}  # which opens what is attached
+    plain: dict[str, Any] = {"process_bus_logging": False}  # it would open attachments
     with MDF(request.path, **plain) as file:
         places = _places(file)
         wants_master = _wants_master(request, places)
@@ -100,7 +96,7 @@ def read(request: Request) -> dict[str, Any]:
 
 
 def _places(file: Any) -> dict[str, tuple[int, int]]:
-    """Group and channel by name; a name that several groups have with the group's number before it."""
+    """Return group and channel by name, with the group's number before a name of several groups."""
     return {
         name if len(entries) == 1 else f"{group}.{name}": (group, channel)
         for name, entries in file.channels_db.items()
@@ -109,7 +105,7 @@ def _places(file: Any) -> dict[str, tuple[int, int]]:
 
 
 def _wants_master(request: Request, places: Mapping[str, tuple[int, int]]) -> bool:
-    """Whether the time is that of the channel group: it is asked for, and no channel bears its name."""
+    """Return whether the time is the master channel: it is requested, and no channel has its name."""
     asked = "time" in (*request.names, *request.optional) and "time" not in request.columns
     return asked and request.in_file("time") not in places
 
@@ -117,7 +113,7 @@ def _wants_master(request: Request, places: Mapping[str, tuple[int, int]]) -> bo
 def _chosen(
     request: Request, file: Any, places: Mapping[str, tuple[int, int]], wants_master: bool
 ) -> dict[str, tuple[int, int]]:
-    """Group and channel of each column that is read, without the time of the group."""
+    """Return group and channel of each column, without the master channel."""
     others, optional, names = tuple(request.names), tuple(request.optional), list(places)
     if wants_master:
         masters = set(file.masters_db.items())
@@ -129,7 +125,7 @@ def _chosen(
 
 
 def _samples(request: Request, file: Any, name: str, group: int, channel: int) -> Any:
-    """The values of a channel, all of them valid."""
+    """Return the values of a channel; refuse invalid ones."""
     signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
     if signal.invalidation_bits is not None and signal.invalidation_bits.any():
         row = int(signal.invalidation_bits.argmax())
@@ -138,14 +134,14 @@ def _samples(request: Request, file: Any, name: str, group: int, channel: int) -
 
 
 def _require_room(request: Request, group: Any, columns: int) -> None:
-    """Refuse a group that states more cycles, or longer records, than a file of this size may hold."""
+    """Refuse a group that states more data than a file of this size may hold."""
     record = getattr(group, "samples_byte_nr", 0) + getattr(group, "invalidation_bytes_nr", 0)
     cycles = int(group.cycles_nr)
     request.require_room("cycles", cycles, float(cycles) * max(float(columns), record / 8.0))
 
 
 def _require_time(request: Request, file: Any, group: int, version: int) -> None:
-    """Refuse a group whose time, which the library reads along, is not made of what stands in the file."""
+    """Refuse a group whose time is not a linear conversion of numbers in the file."""
     if group not in file.masters_db:
         return
     master = file.groups[group].channels[file.masters_db[group]]
@@ -156,10 +152,7 @@ def _require_time(request: Request, file: Any, group: int, version: int) -> None
 
 
 def _require_numbers(request: Request, name: str, channel: Any, version: int) -> None:
-    """Refuse a channel whose conversion is not done or not one of numbers: what comes out would be raw counts.
-
-    A formula is a text that the library evaluates.
-    """
+    """Refuse a channel whose conversion is absent, a formula, or not one of numbers: its values would be raw counts."""
     if channel.conversion is None:
         if getattr(channel, "conversion_addr", 0):
             raise request.refuse(f"{name}: must have a whole conversion, got one that cannot be read")

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from cogging.logs.readers.request import Request
+from cogging.logs.readers.column_request import Request
 
 
 def read(request: Request) -> dict[str, Any]:
-    """Read columns of a Parquet file; a unit may stand in the name or in the field's metadata `unit`.
-
-    Raises:
-        ImportError: pyarrow is not installed.
-        InputError: a column is missing or holds no numbers. What a broken file raises is pyarrow's.
-    """
+    """Return columns of a Parquet file; a unit is in the name or in the field's metadata `unit`."""
     import pyarrow as pa
     import pyarrow.parquet as parquet
 

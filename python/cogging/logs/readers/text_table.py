@@ -1,4 +1,4 @@
-"""Text tables: comma, semicolon, tab or blanks between the columns, a header row, any lines before it."""
+"""Text tables: columns separated by comma, semicolon, tab or blanks, with a header row."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from tqdm import tqdm
 from cogging._core import NumberReader, require_memory
 from cogging.arrays import FloatArray
 from cogging.files import InputError
-from cogging.logs.readers.request import Request, split_unit
+from cogging.logs.readers.column_request import Request, split_unit
 
-HEADER = 1 << 18  # bytes of a text table in which its header row must stand
+HEADER = 1 << 18  # bytes that contain the header row
 BLOCK = 1 << 22  # bytes read at once
 HEAD_LINES = 200
-ROWS_ALIKE = 3  # lines of as many numbers, one after the other, that are taken for a table's
-LARGE = 100 << 20  # bytes from which a bar shows how far the reading is
+ROWS_ALIKE = 3  # consecutive lines of equally many numbers that begin a table
+LARGE = 100 << 20  # bytes from which a progress bar is shown
 SEPARATORS = (";", ",", "\t")
-DECIMAL_COMMAS = "decimal commas"  # what is said of a table that has them
-SHOWN = 40  # letters of a line that an error shows
+DECIMAL_COMMAS = "decimal commas"  # note
+SHOWN = 40  # characters of a line in a message
 DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")  # or a decimal comma before three digits
 WHOLE = re.compile(r"[+-]?\d+(?:[eE][+-]?\d+)?")
@@ -31,7 +31,7 @@ QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
 
 
 def read(request: Request) -> dict[str, FloatArray]:
-    """Read columns of a text table (see columns.read_columns for what is refused)."""
+    """Return columns of a text table (see columns.read_columns)."""
     try:
         with open(request.path, "rb", buffering=0) as file:
             size = os.fstat(file.fileno()).st_size
@@ -50,11 +50,7 @@ def read(request: Request) -> dict[str, FloatArray]:
 
 
 def survey(request: Request) -> None:
-    """Tell the request the names and units of all columns (Request.survey).
-
-    Raises:
-        InputError: the file cannot be read as a text table, or has no header row.
-    """
+    """Fill the request's survey with the names and units of all columns."""
     try:
         with open(request.path, "rb", buffering=0) as file:
             head = _head(file, os.fstat(file.fileno()).st_size)
@@ -70,7 +66,7 @@ def survey(request: Request) -> None:
 
 
 def _head(file: IO[bytes], size: int) -> bytes:
-    """The beginning of a file, in which the header row must stand."""
+    """Return the beginning of a file, which contains the header row."""
     head = file.read(min(HEADER, size))
     while len(head) < min(HEADER, size) and (more := file.read(HEADER - len(head))):
         head += more
@@ -78,7 +74,7 @@ def _head(file: IO[bytes], size: int) -> bytes:
 
 
 def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dict[str, int], list[str], int]:
-    """What takes the rows, places of the wanted columns, those read in their order, and the first data line."""
+    """Return the reader of the rows, the places of the columns, their order, and the first data line."""
     lines = _lines(head, request)
     separator, labels, units, first_data = _find_header(lines, request)
     index = request.choose(labels, "header", units)
@@ -93,8 +89,8 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
     mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
     limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
     expected = int(1.1 * limit / mean) + 16
-    told = f"about {limit / mean:.3g} rows of {len(order)} columns"
-    require_memory("rows", 8.0 * expected * len(order), told, f"{size} bytes")
+    table = f"about {limit / mean:.3g} rows of {len(order)} columns"
+    require_memory("rows", 8.0 * expected * len(order), table, f"{size} bytes")
     reader = NumberReader(
         separator=separator,
         fields=len(labels),
@@ -110,12 +106,9 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
 
 
 def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: int, first: int, request: Request) -> str:
-    """The decimal mark of the wanted columns, as the rows at the file's beginning have it: a point or a comma.
+    """Return the decimal mark of the columns, from the first rows: a point or a comma.
 
-    That a comma is no mark of thousands may be seen in any column.
-
-    Raises:
-        InputError: both stand there, or only commas that may part thousands as well.
+    Any column may show that a comma does not separate thousands.
     """
     comma = point = ""
     sure = False
@@ -142,7 +135,7 @@ def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: in
 
 
 def _require_points(cells: list[str], fields: int, line: int, request: Request) -> None:
-    """Refuse whole numbers that are more than the header's columns: what decimal commas make of a comma's columns."""
+    """Refuse rows of more integers than the header has columns: decimal commas in a comma-separated table."""
     if fields < len(cells) <= 2 * fields and all(WHOLE.fullmatch(cell) for cell in cells):
         rule = f"must have {fields} columns as the header, got {len(cells)} columns"
         advice = "numbers with decimal commas need semicolons or tabs between the columns"
@@ -150,7 +143,7 @@ def _require_points(cells: list[str], fields: int, line: int, request: Request) 
 
 
 def _feed(reader: NumberReader, file: IO[bytes], size: int, request: Request) -> None:
-    """Give the reader the file in blocks, behind a bar where it is large."""
+    """Feed the file to the reader in blocks, with a progress bar for a large one."""
     shown = request.progress and size >= LARGE and sys.stderr.isatty()
     with tqdm(total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False) as bar:
         while not reader.done and (block := file.read(BLOCK)):
@@ -166,7 +159,7 @@ def _readable(error: ValueError, request: Request) -> InputError:
 
 
 def _lines(head: bytes, request: Request) -> list[str]:
-    """The lines of the file's beginning, the last one left out where it may be cut."""
+    """Return the lines of the file's beginning without a last one that may be incomplete."""
     whole = len(head) < HEADER
     if b"\0" in head:
         raise request.refuse(f"must be UTF-8 text, got a zero at byte {head.index(0)}")
@@ -187,7 +180,7 @@ def _lines(head: bytes, request: Request) -> list[str]:
 
 
 def _offset(head: bytes, line: int) -> int:
-    """Where a line (from 0) begins, in bytes."""
+    """Return the byte at which a line (from 0) begins."""
     at = 0
     for _ in range(line):
         newline = head.find(b"\n", at)
@@ -200,21 +193,18 @@ def _offset(head: bytes, line: int) -> int:
 def _split(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.replace("\t", " ").split()
-    fields = [entry.strip() for entry in _cells(line, separator)]
+    try:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:  # a cell beyond the limit of the module
+        cells = line.split(separator)
+    fields = [cell.strip() for cell in cells]
     while fields and not fields[-1]:
         fields.pop()
     return fields
 
 
-def _cells(line: str, separator: str) -> list[str]:
-    try:
-        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    except csv.Error:  # a field beyond all measure
-        return line.split(separator)
-
-
 def _require_whole_quotes(line: str, separator: str, number: int, request: Request) -> None:
-    """Refuse quotes that are open at the line's end, or have text behind them: rows are held to the same (the core)."""
+    """Refuse quotes that do not close, or have text behind them, as the core does in rows."""
     blanks = " " if separator == "\t" else " \t"
     at = 0
     while at < len(line):
@@ -233,7 +223,7 @@ def _require_whole_quotes(line: str, separator: str, number: int, request: Reque
 
 
 def _separator(line: str, below: Sequence[str] = ()) -> str:
-    """What parts the columns: of several, what stands as often in the lines below, before a comma."""
+    """Return the separator of columns: one that is as frequent in the lines below, a comma last."""
     outside, *others = ("".join(text.split('"')[::2]) for text in (line, *below))
     known = [mark for mark in SEPARATORS if mark in outside]
     shared = [m for m in known if others and all(outside.count(m) == other.count(m) for other in others)]
@@ -251,7 +241,7 @@ def _is_number(text: str) -> bool:
 
 
 def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], list[str] | None, int]:
-    """Separator, names, units of a row below them, and the first data line."""
+    """Return separator, names, the units in a row below, and the first data line."""
     candidates = [i for i, line in enumerate(lines[:HEAD_LINES]) if line.strip()]
     best = _header_line(lines, candidates, request)
     if best is None:
@@ -270,7 +260,7 @@ def _find_header(lines: list[str], request: Request) -> tuple[str, list[str], li
 
 
 def _header_line(lines: list[str], candidates: list[int], request: Request) -> int | None:
-    """The line that has the wanted names, or else that before the first row of numbers, or the first."""
+    """Return the line with the wanted names, or the one before the first row of numbers, or the first."""
     if request.survey is not None:
         return _line_above_rows(lines, candidates)
     wanted = {request.in_file(name) for name in request.names}
@@ -285,9 +275,9 @@ def _header_line(lines: list[str], candidates: list[int], request: Request) -> i
 
 
 def _line_above_rows(lines: list[str], candidates: list[int]) -> int | None:
-    """The line above the first rows of which at least half are numbers, and more than one; or the first line.
+    """Return the header above the first rows with more than one number, at least half of the cells; or the first line.
 
-    Where that line has units, it is the one above it, which has as many names.
+    A row of units below the header is skipped.
     """
     like_rows = []
     for i in candidates:
@@ -296,17 +286,13 @@ def _line_above_rows(lines: list[str], candidates: list[int]) -> int | None:
         like_rows.append(len(fields) if numbers > 1 and 2 * numbers >= len(fields) else 0)
     for k, count in enumerate(like_rows):
         if count and set(like_rows[k : k + ROWS_ALIKE]) == {count}:
-            return _above_units(lines, candidates[:k]) if k else candidates[0]
+            last = candidates[max(k - 1, 0)]
+            if k < 2:
+                return last
+            names, units = _fields(lines, candidates[k - 2]), _fields(lines, last)
+            has_units = 1 < len(units) == len(names) and not any(map(_is_number, names))
+            return candidates[k - 2] if has_units else last
     return next(iter(candidates), None)
-
-
-def _above_units(lines: list[str], candidates: list[int]) -> int:
-    """The last of some lines; the one before it where that has as many names and the last one their units."""
-    last = candidates[-1]
-    if len(candidates) < 2:
-        return last
-    names, units = _fields(lines, candidates[-2]), _fields(lines, last)
-    return candidates[-2] if 1 < len(units) == len(names) and not any(map(_is_number, names)) else last
 
 
 def _fields(lines: list[str], line: int) -> list[str]:

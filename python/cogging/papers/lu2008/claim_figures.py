@@ -15,9 +15,9 @@ from cogging.papers.lu2008.harmonics import HIGHEST, chosen
 from cogging.papers.lu2008.setup import AXES, HARMONICS, GantryAxis
 from cogging.papers.lu2008.theorem import Law, draw
 from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.characteristics import spectrum
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
-from cogging.plot.spectra import spectrum
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -35,7 +35,7 @@ from cogging.papers.lu2008.setup import (
     reference,
 )
 from cogging.papers.result import Row, Table
-from cogging.simulation.closed_loop import closed_loop
+from cogging.simulation.run import closed_loop
 
 MARGIN = 1.3  # of k_s1 over the least that makes (29) positive, in what follows from it
 ERROR_GAINS = np.geomspace(10.0, 5000.0, 1001)  # 1/s: among which k_1 is looked for

@@ -52,7 +52,7 @@ from cogging.papers.lu2008.setup import (
     controller_parameters,
     reference,
 )
-from cogging.simulation.closed_loop import closed_loop
+from cogging.simulation.run import closed_loop
 
 EPSILON = 0.002  # V m/s, of (20) and (30), not reported
 DISTURBANCE = 0.3  # V, delta_d of (12), not reported

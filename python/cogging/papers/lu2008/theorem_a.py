@@ -16,7 +16,7 @@ from cogging.papers.lu2008.setup import COULOMB_WIDTH, START, TRAVEL, GantryAxis
 from cogging.papers.lu2008.theorem import DISTURBANCE, EPSILON, ESTIMATED, SAMPLE_RATE, Law, Trial, draw
 from cogging.papers.result import Row, Table
 from cogging.simulation.batch import closed_loop_batch
-from cogging.simulation.closed_loop import closed_loop
+from cogging.simulation.run import closed_loop
 
 MACHINES = 4  # an axis and controller in `reproduce`
 EPSILONS = (1.0, 0.1, 0.01)  # V m/s, with which the printed gains run beside the tables' machine

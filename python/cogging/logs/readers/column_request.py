@@ -1,4 +1,4 @@
-"""What is asked of a file: which columns, under which names and units, and which rows."""
+"""A request to a reader: columns with their names and units in the file, and rows."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from cogging.files import InputError
 from cogging.shown import nearest, printable, shortened
 
 MIB = 1 << 20
-COLUMNS = 16384  # as many as a spreadsheet has
-SMALL = 256 * MIB  # bytes of numbers that a small file may ask for
-EXPANSION = 256  # bytes of numbers for each byte of a file: packed time that rises has never been seen beyond 50
+COLUMNS = 16384  # most columns of a spreadsheet
+SMALL = 256 * MIB  # bytes of numbers that any file may hold
+EXPANSION = 256  # further bytes of numbers for each byte of a file; compressed time reaches 50
 #: SI units by the last word of a column's name; a column of another name takes the command unit.
 SI_UNITS = {"time": "s", "velocity": "m/s", "acceleration": "m/s^2", "position": "m", "reference": "m"}
 #: Spellings of units that need no conversion.
@@ -27,22 +27,22 @@ SPELLINGS = {
     ),
     "V": ("V", "A", "N", "Nm", "N m", "volt", "volts", "ampere", "amperes", "amp", "amps", "newton", "newtons"),
 }
-#: What an error asks for.
+#: Units in messages.
 NEEDED = {"s": "s", "m": "m or rad", "m/s": "m/s or rad/s", "m/s^2": "m/s^2 or rad/s^2", "V": "V, A, N or Nm"}
-#: Lengths, angles and times whose factor is known, so that the error can propose it.
+#: Factors that a message proposes.
 FACTORS = {"mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "cm": 1e-2, "km": 1e3, "in": 0.0254}
 FACTORS |= {"mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "rev": 2.0 * math.pi}
 TIME_FACTORS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 COMMAND_FACTORS = {"mV": 1e-3, "mA": 1e-3, "mN": 1e-3, "kN": 1e3, "kV": 1e3, "kA": 1e3, "mNm": 1e-3}
-#: In round brackets only these are units: a name may have a remark in them.
+#: In round brackets only known units are units: a name may have a remark there.
 OTHER_UNITS = ("rpm", "%", "counts", "count", "inc", "g")
 SQUARED = ("s^2", "s2", "s²")
-SHOWN = 40  # columns that an error lists
-LONGEST = 80  # characters of a name in an error
+SHOWN = 40  # columns that a message lists
+LONGEST = 80  # characters of a name in a message
 
 
 def numbers_most(size: int) -> int:
-    """Return the bytes of numbers, 8 each, that a file of so many bytes may ask for."""
+    """Return the bytes of numbers, 8 each, that a file of a size may hold."""
     return SMALL + EXPANSION * size
 
 
@@ -51,16 +51,16 @@ class Request:
     """Columns and rows that a reader must deliver.
 
     Attributes:
-        path: the file, for what is refused.
-        names: columns that must be there.
-        optional: columns that may be there.
-        columns: what a column is called in the file, by its name here.
-        scaled: columns whose factor was given, so that a unit other than SI is converted.
-        rows: data rows to take, from 0.
-        progress: whether a long reading may show how far it is.
-        shown: what the file is called in what is refused; as `path` where empty.
-        notes: what a reader found of the file that bears on its numbers, in words.
-        survey: filled with all names and units of the file, in place of choosing among them; None: chosen.
+        path: the file.
+        names: required columns.
+        optional: further columns.
+        columns: names in the file by name here.
+        scaled: columns with a factor, which converts a unit other than SI.
+        rows: data rows to read, from 0.
+        progress: show a progress bar for a large file.
+        shown: name of the file in messages; `path` if empty.
+        notes: notes of the reader on the numbers.
+        survey: filled with all names and units of the file instead of choosing columns; None: choose.
     """
 
     path: str | os.PathLike[str]
@@ -75,20 +75,11 @@ class Request:
     survey: list[tuple[str, str]] | None = None
 
     def refuse(self, problem: str) -> InputError:
-        """Make the error that names the file, on one line whatever the file's names hold."""
+        """Return the error that names the file, in one line."""
         return InputError(f"{self.shown or self.path}: {printable(problem)}")
 
     def require_room(self, name: str, rows: int, numbers: float) -> None:
-        """Refuse what a file asks for beyond its size, before any of it is read.
-
-        Args:
-            name: of what asks.
-            rows: of it.
-            numbers: that they take together, of 8 bytes each.
-
-        Raises:
-            InputError: names the size and what is asked.
-        """
+        """Raise InputError if a file states more numbers (of 8 bytes) than one of its size may hold."""
         size = os.path.getsize(self.path)
         if 8 * numbers > numbers_most(size):
             most = numbers_most(size) // 8
@@ -96,19 +87,14 @@ class Request:
             raise self.refuse(f"{name}: {rule}, got {rows} rows, {numbers:.4g} numbers")
 
     def in_file(self, name: str) -> str:
-        """What a column is called in the file."""
+        """Return the name of a column in the file."""
         return self.columns.get(name, name)
 
     def choose(self, present: Sequence[str], place: str, units: Sequence[str] | None = None) -> dict[str, int]:
-        """Find the columns among those that a file has: index by name.
+        """Return the index of each column among those of the file.
 
-        A name matches a column's whole text or what stands before its unit, `position [mm]`. `units` are those that
-        the file states apart from the names. Which of several columns is meant is asked, not guessed, unless `columns`
-        says it: those that differ from the name by a unit or by capitals alone may all be meant.
-
-        Raises:
-            InputError: a column is missing or stands twice, several may be meant, or it has a unit that is not SI and
-                no factor was given.
+        A name matches a column's whole text or the part before its unit, `position [mm]`. `units` are those that the
+        file states separately. If several columns match, or differ only by case or unit, `columns` must select one.
         """
         if self.survey is not None:
             stated_apart = units or [""] * len(present)
@@ -131,25 +117,21 @@ class Request:
                 raise self.refuse(f"column {there}: must stand once in the {place}, got {len(whole)} of that name")
             alike = [i for i, (bare, _) in enumerate(parts) if bare.strip().casefold() == there.strip().casefold()]
             if len(places) > 1 or (len({*places, *alike}) > 1 and name not in self.columns):
-                raise self._ask(name, there, [present[i] for i in sorted({*places, *alike})], place)
+                among = [present[i].strip() for i in sorted({*places, *alike})]
+                advice = " or ".join(f'"{name}={shortened(text, LONGEST)}"' for text in among[:2])
+                got = f"got {listed(list(map(repr, among)))}: say which, --columns {advice}"
+                raise self.refuse(f"column {there}: must be one column of the {place}, {got}")
             found[name] = places[0]
             stated = parts[places[0]][1] or (units[places[0]].strip() if units else "")
             if stated and name not in self.scaled:
                 self._require_si(name, there, stated)
         return found
 
-    def _ask(self, name: str, there: str, among: Sequence[str], place: str) -> InputError:
-        names = [repr(text.strip()) for text in among]
-        advice = " or ".join(f'"{name}={shortened(text.strip(), LONGEST)}"' for text in among[:2])
-        return self.refuse(
-            f"column {there}: must be one column of the {place}, got {listed(names)}: say which, --columns {advice}"
-        )
-
     def _require_si(self, name: str, there: str, unit: str) -> None:
-        wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
-        spelled = unit.strip().replace("**", "^")
         if is_si(name, unit):
             return
+        wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
+        spelled = unit.strip().replace("**", "^")
         factors = {"s": TIME_FACTORS, "V": COMMAND_FACTORS}.get(wanted, FACTORS)
         length, slash, rest = spelled.partition("/")
         factor = factors.get(length)
@@ -161,16 +143,16 @@ class Request:
 
 
 def is_si(name: str, unit: str) -> bool:
-    """Whether a column of a log may be taken as it is in a stated unit."""
+    """Return whether a unit of a column needs no conversion."""
     wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
     spelled = unit.strip().replace("**", "^")
     return spelled in SPELLINGS[wanted] or spelled.lower() in SPELLINGS[wanted][1:]
 
 
 def bracketed(text: str) -> tuple[str, str, str]:
-    """A name, what stands in brackets behind it, and the bracket that opens; all empty where there are none.
+    """Return a name, the text in brackets behind it, and the opening bracket; all empty without brackets.
 
-    By hand, in one pass: a pattern would look at a name of many blanks once for each pair of them, or three.
+    Parsed by hand: a regular expression takes the square of the length of a name of blanks.
     """
     whole = text.strip()
     opening = {"]": "[", ")": "("}.get(whole[-1:], "")
@@ -180,7 +162,7 @@ def bracketed(text: str) -> tuple[str, str, str]:
 
 
 def split_unit(text: str) -> tuple[str, str]:
-    """Part a column's name from the unit in brackets behind it; ("force (filtered)", "") where there is none."""
+    """Return a column's name and the unit in brackets behind it, or the whole text and ""."""
     name, inside, opening = bracketed(text)
     if not name:
         return text, ""
@@ -193,6 +175,6 @@ def split_unit(text: str) -> tuple[str, str]:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names as an error shows them."""
+    """Return names for a message."""
     shown = ", ".join(shortened(name.strip(), LONGEST) for name in names[:SHOWN])
     return (shown or "none") + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")

@@ -1,0 +1,164 @@
+"""What commands print: text on standard output, one line on standard error, colour, and a status line."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TextIO
+
+from cogging.files import InputError
+from cogging.shown import one_line, printable
+
+PATIENCE, BETWEEN = 1.0, 0.5  # s, until the status line appears, and between its updates
+BOLD, RED, GREEN, YELLOW, CYAN, PLAIN = (f"\x1b[{code}m" for code in ("1", "31", "32", "33", "36", "0"))
+VERDICTS = {"named": GREEN, "no_gap": GREEN, "ambiguous": YELLOW, "unlisted": YELLOW}  # the others: RED
+#: What is coloured in a line, and how; the first pattern that matches.
+PATTERNS = (
+    (re.compile(r"^verdict: (\w+)"), ""),
+    (re.compile(r"^  ([a-z]\w+(?: or [a-z][\w, ]*)?)(?=: confidence )"), BOLD),
+    (re.compile(r"^\s*(warning:)"), YELLOW),
+    (re.compile(r"^(next:) "), CYAN),
+    (re.compile(r"^(cogging[ \w]*:) "), RED),
+)
+
+
+def replace_closed_streams() -> None:
+    """Send standard output and error to the null device if they were closed before the command began.
+
+    Libraries print without checking, and the next opened file would get the number of the closed one.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
+
+
+def require_open_output() -> None:
+    """Raise InputError if standard output, which a program is to read, was closed before the command began."""
+    if getattr(sys.stdout, "name", None) == os.devnull:  # the replacement; a redirected one has the name <stdout>
+        raise InputError("standard output: must be open for what is asked, got a closed one")
+
+
+def print_text(text: str, *, plain: bool = False) -> None:
+    """Print a text on standard output, with control characters and what the encoding lacks escaped.
+
+    If the reader has gone, as `head -1` does, the rest is discarded and the command completes. `plain`: for a program,
+    never coloured; an output that is closed or cannot be written raises InputError.
+    """
+    if plain:
+        require_open_output()
+    out = sys.stdout
+    encoding = getattr(out, "encoding", None) or "utf-8"
+    safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)
+    if not plain and wants_colour(out):
+        safe = coloured(safe)
+    try:
+        out.write(f"{safe}\n")
+        out.flush()
+    except BrokenPipeError:
+        _discard(out)
+    except OSError as error:
+        _discard(out)
+        raise InputError(f"standard output: cannot be written: {error.strerror}") from None
+
+
+def print_error(text: str) -> None:
+    """Print one line on standard error."""
+    line = one_line(text)
+    try:
+        sys.stderr.write((coloured(line) if wants_colour(sys.stderr) else line) + "\n")
+        sys.stderr.flush()
+    except OSError:  # nobody reads it
+        _discard(sys.stderr)
+
+
+def _discard(stream: TextIO) -> None:
+    """Discard what a stream has buffered, so that the interpreter does not try again to write it."""
+    try:
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, stream.fileno())
+        os.close(null)
+    except (OSError, ValueError):  # a stream without a descriptor
+        pass
+
+
+def wants_colour(stream: TextIO) -> bool:
+    """Return whether text on a stream is coloured.
+
+    NO_COLOR forbids it; FORCE_COLOR and CLICOLOR_FORCE demand it; otherwise the stream must be a capable terminal, and
+    CLICOLOR=0 forbids it (no-color.org, force-color.org, bixense.com/clicolors).
+    """
+    environment = os.environ
+    if environment.get("NO_COLOR"):
+        return False
+    forced = environment.get("CLICOLOR_FORCE", "0") not in ("", "0")
+    if forced or environment.get("FORCE_COLOR", "0") not in ("", "0", "false"):
+        return True
+    terminal = environment.get("TERM", "dumb" if os.name != "nt" else "")
+    if environment.get("CLICOLOR") == "0" or terminal == "dumb":
+        return False
+    if os.name == "nt" and not (environment.get("WT_SESSION") or terminal or environment.get("ANSICON")):
+        return False  # an old console, which shows the codes
+    try:
+        return stream.isatty()
+    except ValueError:  # closed
+        return False
+
+
+def coloured(text: str) -> str:
+    """Return a text with verdict, names and warnings coloured."""
+    return "\n".join(map(_coloured_line, text.split("\n")))
+
+
+def _coloured_line(line: str) -> str:
+    for pattern, colour in PATTERNS:
+        found = pattern.match(line)
+        if found:
+            begin, end = found.span(1)
+            paint = colour or BOLD + VERDICTS.get(found[1], RED)
+            return f"{line[:begin]}{paint}{line[begin:end]}{PLAIN}{line[end:]}"
+    return line
+
+
+@contextmanager
+def status_line(arguments: argparse.Namespace, name: str) -> Iterator[Callable[[str], None]]:
+    """Show on a terminal, after the first second, what a command does and for how long; nothing with `--quiet`.
+
+    A thread updates the time, so that the line moves while the core computes.
+
+    Args:
+        arguments: of the command, with `quiet`.
+        name: of the command.
+
+    Yields:
+        A function to call with each step in words (cogging.progress.Progress).
+    """
+    if arguments.quiet or not sys.stderr.isatty():
+        yield lambda step: None
+        return
+    step, done = [name], threading.Event()
+
+    def show() -> None:
+        if done.wait(PATIENCE):
+            return
+        import time
+
+        from tqdm import tqdm
+
+        form = "{desc} [{elapsed}]"
+        with tqdm(desc=step[0], bar_format=form, leave=False, file=sys.stderr, dynamic_ncols=True) as bar:
+            bar.start_t = time.time() - PATIENCE
+            while not done.wait(BETWEEN):
+                bar.set_description_str(step[0])
+
+    thread = threading.Thread(target=show, daemon=True)
+    thread.start()
+    try:
+        yield lambda text: step.__setitem__(0, f"{name}: {text}")
+    finally:
+        done.set()
+        thread.join()

@@ -1,0 +1,125 @@
+"""Memory and threads: what a call needs is checked before it is allocated, BLAS runs on one thread, jobs on many.
+
+The bytes for each task were measured as the growth of a process over the call (`python -m tests.attack.memory_peaks`).
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import threading
+from collections.abc import Callable, Iterable, Sized
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+import threadpoolctl
+
+from cogging import _core
+
+F = TypeVar("F", bound=Callable[..., Any])
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+NUMBER = 8  # bytes
+LOG_COLUMNS = 8  # of a simulated log
+MACHINE = 2500.0  # bytes of a drawn machine and its plant; 1350 to 1950 measured
+POINT = 36.0  # bytes for each point of a scan and line of its spectrum, two complex tables; 26 to 33 measured
+#: Bytes for each row of a log, and for each row and fitted parameter, beside the log itself.
+ROW = {
+    "audit": (500.0, 0.0),  # 441 measured
+    "identify": (1300.0, 70.0),  # 1840 with 10 parameters, 6500 with 82
+    "diagnose": (8500.0, 0.0),  # 8010 and fewer
+}
+
+
+def require_rows(task: str, logs: Iterable[Sized], parameters: int = 0) -> None:
+    """Raise ValueError if a task (a key of ROW) on these logs and fitted parameters exceeds the free memory."""
+    rows = sum(len(log) for log in logs)
+    row, parameter = ROW[task]
+    size = row + parameter * parameters
+    _core.require_memory("rows", rows * size, f"the tables of {task}, {size:.3g} bytes a row,", str(rows))
+
+
+def require_machines(name: str, count: int, numbers: int) -> None:
+    """Raise ValueError if `count` machines with so many drawn numbers each exceed the free memory."""
+    _core.require_memory(name, count * (MACHINE + 4 * NUMBER * numbers), f"{count} machines", str(count))
+
+
+def require_table(name: str, rows: float, columns: float, copies: float = 1.0) -> None:
+    """Raise ValueError if `copies` of a table of numbers exceed the free memory; `name`: field that sets the rows."""
+    size = f"{rows:.6g} rows of {columns:g} columns" + (f", {copies:g} times," if copies > 1.0 else "")
+    _core.require_memory(name, NUMBER * rows * columns * copies, size, f"{rows:.6g}")
+
+
+def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job], threads: int | None = None) -> list[Result]:
+    """Return the results of jobs in order, run on threads (None: as many as Python chooses).
+
+    The core releases Python's lock. An exception of a job, or a KeyboardInterrupt, stops the other jobs in the core
+    before it is raised.
+    """
+    stop = _core.StopFlag()
+    with ThreadPoolExecutor(max_workers=threads, initializer=stop.heed) as pool:
+        try:
+            return list(pool.map(run, jobs))
+        except BaseException:
+            stop.set()
+            raise
+
+
+class OneThread:
+    """Context in which every loaded BLAS computes on one thread, so that no result depends on their number.
+
+    A BLAS splits the sums of a matrix product over its threads and rounds differently for each number of them. The
+    matrices here are long and narrow: more threads gain nothing. The number of threads belongs to the process; the last
+    of several concurrent contexts restores it.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._blocks = 0
+        self._limits: list[Any] = []
+
+    def __enter__(self) -> None:
+        with self._lock:
+            self._blocks += 1
+            _release_control()
+            # In each context: a BLAS may have been loaded since the last one.
+            self._limits.append(threadpoolctl.threadpool_limits(1, user_api="blas"))
+
+    def __exit__(self, *error: object) -> None:
+        with self._lock:
+            self._blocks -= 1
+            _release_control()
+            while self._limits and self._blocks == 0:
+                self._limits.pop().restore_original_limits()
+            _release_control()
+
+
+def _release_control() -> None:
+    """Let any thread set the number of threads of OpenBLAS; newer versions of threadpoolctl allow one at a time."""
+    release = getattr(threadpoolctl.OpenBLASController, "clear_controlling_thread", None)
+    if release is not None:
+        release(force=True)
+
+
+ONE_THREAD = OneThread()
+
+
+def on_one_blas_thread(*, scipy: bool) -> Callable[[F], F]:
+    """Return a decorator that runs a function with BLAS on one thread.
+
+    Args:
+        scipy: load SciPy's BLAS first; if the function itself loaded it, it would keep its own threads.
+    """
+
+    def decorate(function: F) -> F:
+        @functools.wraps(function)
+        def on_one_thread(*args: Any, **kwargs: Any) -> Any:
+            if scipy:
+                importlib.import_module("scipy.linalg")
+            with ONE_THREAD:
+                return function(*args, **kwargs)
+
+        return on_one_thread  # type: ignore[return-value]
+
+    return decorate

@@ -1,0 +1,105 @@
+"""Tables of runs, one row a run: pandas, xarray, CSV and Parquet, with units."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cogging.arrays import FloatArray
+from cogging.outputs import write_bytes
+from cogging.simulation.reductions import unit_of
+from cogging.tables import frame_of, library, to_pandas
+from cogging.values import ByValue
+
+
+class RunsTable(ByValue):
+    """Base of results with one row a run; a subclass gives the columns and their units."""
+
+    def _rows(self) -> tuple[Mapping[str, Any], Mapping[str, str]]:
+        """Return the columns by name, (runs,), and units beside those of `unit_of`."""
+        raise NotImplementedError
+
+    def _recorded(self) -> Mapping[str, Sequence[FloatArray]]:
+        """Return recorded columns by name, one array a run."""
+        return {}
+
+    def to_pandas(self) -> Any:
+        """Return the table as a pandas DataFrame with `run` as its index.
+
+        Raises:
+            ImportError: pandas is not installed; names the extra.
+        """
+        return to_pandas(self._rows()[0]).set_index("run")
+
+    def to_frame(self) -> Any:
+        """Return the same as `to_pandas`, with the units of the columns in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not installed; names the extra.
+        """
+        table, units = self._rows()
+        return frame_of(table, _with_known_units(table, units)).set_index("run")
+
+    def to_xarray(self) -> Any:
+        """Return an xarray Dataset: the table over `run`, recorded columns over `run` and `row`, with their `units`.
+
+        A shorter run is padded with NaN.
+
+        Raises:
+            ImportError: xarray is not installed; names the extra.
+        """
+        xarray = library("xarray")
+        table, units = self._rows()
+        variables: dict[str, Any] = {name: ("run", np.asarray(table[name])) for name in table if name != "run"}
+        for name, runs in self._recorded().items():
+            padded = np.full((len(runs), max(map(len, runs), default=0)), np.nan)
+            for place, values in enumerate(runs):
+                padded[place, : len(values)] = values
+            variables[name] = (("run", "row"), padded)
+        dataset = xarray.Dataset(variables, coords={"run": np.asarray(table["run"])})
+        for name, unit in _with_known_units(variables, units).items():
+            dataset[name].attrs["units"] = unit
+        return dataset
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as CSV, or as Parquet with `units` if the name ends in `.parquet`.
+
+        Raises:
+            InputError: the file cannot be written.
+            ImportError: pyarrow is not installed; names the extra.
+        """
+        write_runs(path, *self._rows())
+
+
+def is_parquet(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file name ends in `.parquet`."""
+    return os.fspath(path).lower().endswith(".parquet")
+
+
+def write_runs(path: str | os.PathLike[str], table: Mapping[str, Any], units: Mapping[str, str] | None = None) -> None:
+    """Write columns by name as CSV, or as Parquet with their units; numbers keep their last bit, NaN is empty."""
+    if is_parquet(path):
+        pyarrow, parquet = library("pyarrow"), library("pyarrow", "parquet")
+        sink, known = io.BytesIO(), _with_known_units(table, units or {})
+        arrays = {name: np.asarray(values) for name, values in table.items()}
+        whole = pyarrow.table({name: one.tolist() if one.dtype == object else one for name, one in arrays.items()})
+        fields = [field.with_metadata({"units": known.get(field.name, "")}) for field in whole.schema]
+        parquet.write_table(whole.cast(pyarrow.schema(fields)), sink, write_page_checksum=True)
+        write_bytes(path, sink.getvalue())
+        return
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(table)
+    columns = [["" if value != value else value for value in np.asarray(values).tolist()] for values in table.values()]
+    writer.writerows(zip(*columns, strict=True))
+    write_bytes(path, text.getvalue().encode())
+
+
+def _with_known_units(names: Iterable[str], units: Mapping[str, str]) -> dict[str, str]:
+    known = {name: units.get(name) or unit_of(name) for name in names}
+    return {name: unit for name, unit in known.items() if unit}
