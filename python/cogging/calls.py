@@ -276,6 +276,3 @@ def _rule_of(annotation: str) -> str:
         if word in annotation:
             return rule
     return {"bool": "True or False"}.get(annotation, annotation)
-
-
-takes, told_constructor = check_arguments, check_constructor  # their names until now, in rooms not yet renamed

@@ -21,7 +21,7 @@ from cogging._core import (
     friction_slope_max,
 )
 from cogging.arrays import FloatArray
-from cogging.calls import told_constructor
+from cogging.calls import check_constructor
 from cogging.design.observer import ObserverDesign, ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.effects.effect import Effect, laws_of
@@ -183,7 +183,7 @@ NO_DISTURBANCE = (
 )
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounds(ByValue):
     """The bounds of an uncertain axis, and the controllers designed for them.

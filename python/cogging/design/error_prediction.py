@@ -14,7 +14,7 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import Arc, Cascade, Dcarc, ObserverBased, OutputFeedbackArc, Pid, Reference
 from cogging.arrays import FloatArray, real_array
-from cogging.calls import did_you_mean, takes
+from cogging.calls import check_arguments, did_you_mean
 from cogging.design.bounds import Bounds
 from cogging.design.observer import design_observer
 from cogging.model.controller import AnyController, ListedController
@@ -380,7 +380,7 @@ COVERAGE = 0.95
 ROWS_MOST = 8e6  # of two columns that are held at a time: 128 MB
 
 
-@takes(model=MODEL, reference=REFERENCE)
+@check_arguments(model=MODEL, reference=REFERENCE)
 @on_one_blas_thread(scipy=True)
 def predict_error(
     model: Model | str | os.PathLike[str],

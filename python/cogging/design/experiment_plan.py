@@ -13,7 +13,7 @@ import numpy as np
 
 from cogging._core import PidParameters, Sampled
 from cogging.arrays import FloatArray
-from cogging.calls import PATH, Kind, takes
+from cogging.calls import PATH, Kind, check_arguments
 from cogging.design.experiment_motion import (
     CHANGES,
     SURVEY,
@@ -443,7 +443,7 @@ def beside(path: str | os.PathLike[str], ending: str) -> str:
     return os.path.splitext(os.fspath(path))[0] + ending
 
 
-@takes(model=MODEL, limits=LIMITS, result=RESULT)
+@check_arguments(model=MODEL, limits=LIMITS, result=RESULT)
 @on_one_blas_thread(scipy=True)
 def plan_experiment(
     model: Model | str | os.PathLike[str],

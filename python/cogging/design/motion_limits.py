@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import Sampled
-from cogging.calls import PATHS, takes, told_constructor
+from cogging.calls import PATHS, check_arguments, check_constructor
 from cogging.estimation.statistics import moving_average
 from cogging.file_schema import LIMITS, LIMITS_NEEDED
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
@@ -25,7 +25,7 @@ JERK_RISE = 0.01  # s, in which the acceleration rises to its limit without a st
 LASTING = 0.02  # s, over which a machine's acceleration is averaged, against held commands and noise
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits(ByValue):
     """The limits of a machine in an experiment.
@@ -75,7 +75,7 @@ class MotionLimits(ByValue):
         return f"{place}{self.velocity:g} m/s, {self.acceleration:g} m/s^2, {self.duration:g} s"
 
     @classmethod
-    @takes(path=PATHS)
+    @check_arguments(path=PATHS)
     def read(cls, path: str | os.PathLike[str]) -> MotionLimits:
         """Read a limits file (TOML): `velocity`, `acceleration`, `duration`, and optional the others.
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.calls import Kind, takes, told_constructor
+from cogging.calls import Kind, check_arguments, check_constructor
 from cogging.resources import on_one_blas_thread
 from cogging.values import ByValue, brief
 
@@ -63,7 +63,7 @@ class ObserverDesign(ByValue):
         return f"{harmonics} periods, lambda* {self.lambda_equal:.4g} m/s^2, slowest pole {self.slowest_pole:.4g} 1/s"
 
 
-@told_constructor
+@check_constructor
 @dataclass(frozen=True, eq=False, repr=False)
 class ObserverProblem(ByValue):
     """What the observer is designed for.
@@ -148,7 +148,7 @@ class ObserverProblem(ByValue):
         return a, c, c_o, b_o
 
 
-@takes(problem=Kind((ObserverProblem,), "an ObserverProblem"))
+@check_arguments(problem=Kind((ObserverProblem,), "an ObserverProblem"))
 @on_one_blas_thread(scipy=True)
 def design_observer(problem: ObserverProblem) -> ObserverDesign:
     """Find the gain K with the smallest gamma_o (Theorem 3 with the pole disk), and certify it by eigenvalues.

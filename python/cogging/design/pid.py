@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from cogging.calls import takes
+from cogging.calls import check_arguments
 
 
-@takes()
+@check_arguments()
 def pid_gains(poles: Sequence[complex], mass: float) -> tuple[float, float, float]:
     """Place the poles of a PID on a pure mass: s^3 + kd/M s^2 + kp/M s + ki/M (Xu and Yao 2001, eq. 56).
 
@@ -43,7 +43,7 @@ def pid_gains(poles: Sequence[complex], mass: float) -> tuple[float, float, floa
     return kp, ki, kd
 
 
-@takes()
+@check_arguments()
 def pid_poles(kp: float, ki: float, kd: float, mass: float) -> npt.NDArray[np.complex128]:
     """The poles (1/s) that PID gains give on a pure mass (Xu and Yao 2001, eq. 56): what pid_gains inverts.
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
-from cogging.calls import Kind, did_you_mean, takes
+from cogging.calls import Kind, check_arguments, did_you_mean
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, Push, machines_of, push_of, variations_of
 from cogging.file_schema import TUNE, TUNE_INDEXES, TUNE_NEEDED
@@ -758,7 +758,7 @@ def _changes(before: Reached, after: Reached) -> list[str]:
     return changes or ["the present gains do not run"]
 
 
-@takes(model=MODEL, reference=REFERENCE, gains=TABLE, controller=CONTROLLER)
+@check_arguments(model=MODEL, reference=REFERENCE, gains=TABLE, controller=CONTROLLER)
 @on_one_blas_thread(scipy=True)
 def tune(
     model: Model | str | os.PathLike[str],

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging._core import DivergedError
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.diagnosis.balance.decision import Outcome, search
 from cogging.diagnosis.balance.evidence import TooLittleMotion
 from cogging.diagnosis.detection_limits import limits, unmeasured
@@ -41,7 +41,7 @@ CONTRADICTED = 1.25  # of a gap's power: with all that was found, and in the rep
 FOLLOWED = 3.0  # floors of noise: a replay farther off the logs measures something else
 
 
-@takes(logs=LOGS, model=MODEL, confirm=LOGS)
+@check_arguments(logs=LOGS, model=MODEL, confirm=LOGS)
 @np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
 @on_one_blas_thread(scipy=True)
 def diagnose(

@@ -7,7 +7,7 @@ import os
 import numpy as np
 from scipy.stats import chi2
 
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.diagnosis.balance.candidates import Search, sharpen, wave_scan
 from cogging.diagnosis.balance.cells import hats
 from cogging.diagnosis.balance.decision import Outcome
@@ -31,7 +31,7 @@ SMALL = 1e-3  # of the rms command: what is left of less is that of integration 
 ROUNDS = 3  # of re-tuning
 
 
-@takes(logs=LOGS, model=MODEL)
+@check_arguments(logs=LOGS, model=MODEL)
 @on_one_blas_thread(scipy=True)
 def locate_gap(
     logs: Logs,

@@ -15,7 +15,7 @@ import numpy as np
 
 from cogging._core import Reference
 from cogging.arrays import FloatArray
-from cogging.calls import PATH, Kind, takes
+from cogging.calls import PATH, Kind, check_arguments
 from cogging.files import InputError, parse_toml
 from cogging.first_model.axis_sizes import WIDTH, Sizes, Wave, sizes_of, strongest_wave
 from cogging.first_model.column_guess import ColumnGuesses, guess_columns
@@ -420,7 +420,7 @@ ROWS_OF_CONTROLLER = 50_000  # used to recover the controller
 FEWEST = 10  # rows
 
 
-@takes(log=FILE)
+@check_arguments(log=FILE)
 @np.errstate(all="ignore")  # extreme values lead to sizes that are not identifiable
 @on_one_blas_thread(scipy=True)
 def draft_model(

@@ -12,7 +12,7 @@ from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray, IntArray, least_squares, real_array
-from cogging.calls import did_you_mean, takes
+from cogging.calls import check_arguments, did_you_mean
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
 from cogging.model.units import UNITS, Units
@@ -353,7 +353,7 @@ class FrictionCurve(ByValue):
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
 
-@takes(units=UNITS)
+@check_arguments(units=UNITS)
 @on_one_blas_thread(scipy=True)
 def fit_friction_curve(
     velocity: npt.ArrayLike,

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.identification.identification_result import Identification
 from cogging.identification.logged_run import LoggedRun
 from cogging.identification.misreading import misreading
@@ -30,7 +30,7 @@ FEWEST_ROWS = 200
 CUTOFFS = (80.0, 40.0, 20.0, 10.0)  # Hz; the first at which reading noise does not dominate is used
 
 
-@takes(logs=LOGS, model=MODEL)
+@check_arguments(logs=LOGS, model=MODEL)
 @np.errstate(all="ignore")  # extreme values are refused where they are used
 @on_one_blas_thread(scipy=True)
 def identify(

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import replay_controller
 from cogging.arrays import FloatArray, Mask, least_squares
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.files import LARGEST
 from cogging.log_check.controller_samples import FILLED, LONG, Samples
 from cogging.logs.log import Log
@@ -309,7 +309,7 @@ class ControllerCheck(ByValue):
         return f"{self.type} {verdict} the command{left}"
 
 
-@takes(log=LOG, model=MODEL_ALONE)
+@check_arguments(log=LOG, model=MODEL_ALONE)
 @on_one_blas_thread(scipy=False)
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.log_check.controller_check import fit_columns, fit_samples, linear_regressors
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
@@ -45,7 +45,7 @@ class RecoveredController(NamedTuple):
         return f"RecoveredController({line_of(self.parameters, self.units.of)}, leaves {left})"
 
 
-@takes(log=LOG)
+@check_arguments(log=LOG)
 @on_one_blas_thread(scipy=True)
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.files import InputError
 from cogging.log_check.controller_check import ControllerCheck, check_controller
 from cogging.log_check.encoder_readings import encoder_quantum, find_outliers
@@ -141,7 +141,7 @@ def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
     return lines + [f"note: {note}" for note in check.notes]
 
 
-@takes(log=LOG, model=MODEL_OR_NONE)
+@check_arguments(log=LOG, model=MODEL_OR_NONE)
 @on_one_blas_thread(scipy=False)
 def audit(log: Log, model: Model | None = None) -> Audit:
     """Summarise a log, and compare it with the controller that a model states (see check_controller).
@@ -309,7 +309,7 @@ ANGLES = {math.pi / 180.0: "degrees", 2.0 * math.pi: "turns"}
 TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 
-@takes(log=LOG, model=MODEL_ALONE)
+@check_arguments(log=LOG, model=MODEL_ALONE)
 def check_against_model(log: Log, model: Model, name: str = "log") -> None:
     """Refuse a log whose units cannot be those of the model.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cogging import plot
 from cogging.arrays import FloatArray
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.logs.log import Log
 from cogging.model.units import Units
 from cogging.resources import on_one_blas_thread
@@ -78,7 +78,7 @@ class TrackingSpectrum(ByValue):
         return f"{', '.join(lines) or 'no line'}; noise {1e6 * self.noise:.3g} {micro}"
 
 
-@takes(log=LOG)
+@check_arguments(log=LOG)
 @on_one_blas_thread(scipy=True)
 def tracking_spectrum(
     log: Log, *, shortest_period: float = 2e-3, most: int = 8, share: float = 0.15

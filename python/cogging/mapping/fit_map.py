@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging._core import SplineHarmonics
 from cogging.arrays import FloatArray
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.mapping.cogging_spectrum import (
     FLOOR,
     FOLDS,
@@ -499,7 +499,7 @@ MOST_TERMS = 32  # of SplineHarmonics
 MOST_COMPARED = 2000  # coefficients of each fit in a comparison
 
 
-@takes(units=UNITS)
+@check_arguments(units=UNITS)
 @on_one_blas_thread(scipy=False)
 def fit_map(
     position: npt.ArrayLike,

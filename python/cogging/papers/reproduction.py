@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 
-from cogging.calls import takes
+from cogging.calls import check_arguments
 from cogging.papers.result import Reproduction
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
@@ -15,7 +15,7 @@ from cogging.shown import nearest
 PAPERS = ("lu2008", "malaize2009", "xu2001")
 
 
-@takes()
+@check_arguments()
 @on_one_blas_thread(scipy=True)
 def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Reproduce the experiments of a paper: its tables beside ours, and its figures.
@@ -42,7 +42,7 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
     return _run(f"cogging.papers.{paper}.reproduce", "reproduce", paper, out, progress)
 
 
-@takes()
+@check_arguments()
 @on_one_blas_thread(scipy=True)
 def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
     """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.

@@ -673,9 +673,9 @@ def waves(s: Search) -> None:
         constant = plain.T if same and plain is not None else 0.0  # the score with a constant amplitude
         trials = max(1, len(known)) if kappa in known else 3000
         for count in MODULATIONS if kappa * length > 2.5 else ():
-            shape = modulated_wave(s, kappa, count)
-            if constant < NESTED * s.scored(shape)[0]:
-                s.put("cogging_modulation", shape, len(MODULATIONS) * trials)
+            modulated = modulated_wave(s, kappa, count)
+            if constant < NESTED * s.scored(modulated)[0]:
+                s.put("cogging_modulation", modulated, len(MODULATIONS) * trials)
 
 
 def several_waves(s: Search) -> None:
