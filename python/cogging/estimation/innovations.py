@@ -113,7 +113,7 @@ class Innovations:
         """
         if len(models) == 1:
             return np.asarray(self.scale * self.prediction(models[0]).innovation[None, :])
-        return self.scale * self.predictor.innovations([quiet_plant(model) for model in models])
+        return np.asarray(self.scale * self.predictor.innovations([quiet_plant(model) for model in models]))
 
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and derivatives (p, n) by the parameters.

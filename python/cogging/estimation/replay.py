@@ -71,7 +71,7 @@ class Replay:
     @property
     def velocity(self) -> FloatArray:
         """Along the prediction, m/s, (n,)."""
-        return self._seen.velocity
+        return np.asarray(self._seen.velocity)
 
     def as_run(self, model: Model) -> Model:
         """The model as it is run: without noise, and free to leave the travel."""

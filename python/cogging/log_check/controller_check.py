@@ -184,7 +184,7 @@ def linear_regressors(
     bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
 
     def command(**gain: float) -> FloatArray:
-        return replay_controller(make(bare.replace(**gain)), **motion, position=position)
+        return np.asarray(replay_controller(make(bare.replace(**gain)), **motion, position=position))
 
     columns = {name: command(**{name: 1.0}) for name in gains if (kind, name) != ("cascade", "kp")}
     if kind == "cascade":
