@@ -221,7 +221,7 @@ def test_the_verdict_stays(fault):
         result = cogging.diagnose(spoiled(fault, log, np.random.default_rng(3)), moving_axis.machine())
         assert [effect.name for effect in result.effects] == [effect.NAME for effect in hidden], str(result)
         assert result.verdict == ("named" if hidden else "no_gap")
-        assert any("neighbours" in note for note in result.notes)
+        assert any("interpolation" in note for note in result.notes)
 
 
 @pytest.mark.parametrize("fault", ["drop 5", "readings 8", "commands 8"])
