@@ -421,14 +421,16 @@ class Evidence:
         for factor in WIDER if width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0 else (1.0,):
             wider = with_values(self.model, {"axis.coulomb_width": factor * width})
             left = self.filtered([b.rows(b.residual(wider)) for b in self.balances], gap.taps)[0]
-            steps = gap.solved(own & free, moved, left)
-            power = float(gap.weight @ (left - (steps * gap.size) @ gap.x) ** 2)
-            if power < least:
-                least, best = power, (steps, factor * width)
-        moved = best[0]
-        model = model.replace(axis=model.axis.replace(coulomb_width=best[1]))
-        tuned = self.moved(model, dict(zip(paths, map(float, moved), strict=False)))
-        return tuned.replace(effects=tuple(effect for path, effect in effect_paths(tuned.effects) if path not in gone))
+            whole = gap.solved(own & free, moved, left)
+            for share in SHARES_OF_A_STEP:
+                steps = dict(zip(paths, map(float, moved + share * (whole - moved)), strict=False))
+                tuned = self.moved(model.replace(axis=wider.axis), steps)
+                kept_effects = [effect for path, effect in effect_paths(tuned.effects) if path not in gone]
+                tuned = tuned.replace(effects=tuple(kept_effects))
+                power = sum(float(np.mean(b.rows(b.residual(tuned))[0][b.mask] ** 2)) for b in self.balances)
+                if power < least:
+                    least, best = power, tuned
+        return best
 
     def paths_in(self, model: Model) -> list[str]:
         """`paths` as a model with more effects behind those of this one calls them: two of a name have numbers."""
