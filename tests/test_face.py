@@ -3,6 +3,7 @@
 import copy
 import inspect
 import pickle
+from collections import ChainMap
 
 import numpy as np
 import pytest
@@ -10,13 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cogging
+from cogging import _core
 from cogging.model.model import CONTROLLERS
 from cogging.values import same
 from tests.fixtures.examples import ABSTRACT, EXAMPLES, LOG, MODEL
 from tests.fixtures.plants_by_hand import example
 
 CLASSES = sorted(name for name in cogging.__all__ if inspect.isclass(getattr(cogging, name)))
-OBJECTS = {**EXAMPLES, **{f"effects.{name}": example(name) for name in cogging.EFFECTS}}
+OBJECTS = ChainMap(EXAMPLES, {f"effects.{name}": example(name) for name in cogging.EFFECTS})
 ERRORS = ("ControllerError", "DivergedError", "InputError")
 
 
@@ -182,3 +184,18 @@ def test_progress_is_told_each_step():
     told = []
     cogging.identify(LOG, MODEL, free=["axis.mass"], progress=told.append)
     assert told == ["inverse dynamics", "output error", "logs one by one", "other answers"]
+
+
+def test_parameter_structs_are_read_only_and_say_their_units():
+    structs = [kind for kind in vars(_core).values() if inspect.isclass(kind) and hasattr(kind, "FIELDS")]
+    structs += list(cogging.EFFECTS.values())
+    assert len(structs) > 15
+    for struct in structs:
+        made = struct()
+        for name, (_unit, meaning) in struct.FIELDS.items():
+            assert meaning, f"{struct.__name__}.{name} has no meaning"
+            try:
+                setattr(made, name, 1.0)
+            except AttributeError:
+                continue
+            raise AssertionError(f"{struct.__name__}.{name} can be changed")

@@ -1,10 +1,6 @@
 """The command: what it writes, what it says, and its exit status."""
 
-import argparse
-import importlib
 import json
-import pkgutil
-import re
 import subprocess
 import sys
 
@@ -13,7 +9,7 @@ import pytest
 
 import cogging
 import cogging.cli
-from cogging.cli.main import COMMANDS, main
+from cogging.cli.main import main
 from cogging.papers.lu2008 import setup as lu2008
 from tests.fixtures.files import MODEL, REFERENCE
 
@@ -35,25 +31,6 @@ def test_simulate_writes_a_log(folder, capsys):
     np.testing.assert_array_equal(log.command, direct.command)
     other = cogging.simulate("model.toml", "ref.toml", seed=5)
     assert not np.array_equal(log.command, other.command)
-
-
-def test_every_command_is_one_module_and_one_line_of_the_list(capsys):
-    """Its name, what reads its words and what runs it stand in the module of that name."""
-    modules = {
-        entry.name: importlib.import_module(f"cogging.cli.{entry.name}")
-        for entry in pkgutil.iter_modules(cogging.cli.__path__)
-    }
-    assert {name for name, module in modules.items() if hasattr(module, "add_parser")} == set(COMMANDS)
-    for name in COMMANDS:
-        commands = argparse.ArgumentParser().add_subparsers()
-        modules[name].add_parser(commands)
-        (command,) = commands.choices.values()
-        assert list(commands.choices) == [name]
-        assert command.get_default("run") is modules[name].run
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    said = capsys.readouterr().out
-    assert tuple(re.findall(r"^ {4}(\w+)", said, re.MULTILINE)) == COMMANDS
 
 
 def test_the_command_is_installed(folder):
