@@ -1,6 +1,5 @@
 """The command: what it writes, what it says, and its exit status."""
 
-import json
 import subprocess
 import sys
 
@@ -135,24 +134,3 @@ def test_a_scan_of_three_points(folder, capsys):
     assert "got 3" in error
     assert error.count("\n") == 1
     assert not (folder / "map.toml").exists()
-
-
-def test_reproduce_writes_tables_and_figures(folder, capsys):
-    assert main(["reproduce", "lu2008", "--out", "results"]) == 0
-    screen = capsys.readouterr().out
-    assert "calibrated" in screen
-    assert "predicted" in screen
-    document = json.loads((folder / "results" / "lu2008.json").read_text())
-    assert document["paper"] == "lu2008"
-    tables = [table["id"] for table in document["tables"]]
-    assert tables[:2] == ["table1", "table2"]
-    claims = {f"{name}_{axis}" for name in ("constant_speed", "harmonics", "matrix29", "theorem1a") for axis in "XY"}
-    assert claims | {"claim", "theorem1b"} <= set(tables)
-    row = document["tables"][0]["rows"][0]
-    assert (
-        row.items()
-        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}.items()
-    )
-    pictures = sorted(path.name for path in (folder / "results").glob("*.png"))
-    numbered = [f"fig{number}" for number in (2, 3, 5, 6, 7, 8, 9, 10)]
-    assert pictures == sorted(f"lu2008_{name}.png" for name in (*numbered, "fft", "claim", "theorem1"))
