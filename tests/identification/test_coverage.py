@@ -6,7 +6,7 @@ import pytest
 from tests.fixtures.identify_coverage import FAMILIES, by_parameter, outcomes
 
 
-@pytest.fixture(scope="module", params=[8, pytest.param(24, marks=pytest.mark.study)])
+@pytest.fixture(scope="module", params=[12, pytest.param(24, marks=pytest.mark.study)])
 def usual(request):
     return outcomes(range(500, 500 + request.param), jobs=1)
 
