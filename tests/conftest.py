@@ -29,12 +29,22 @@ def pytest_configure():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
+def is_slow(path):
+    """Whether SLOW names a file or its folder."""
+    name = path.relative_to(TESTS).as_posix()
+    return name.partition("/")[0] in SLOW or name in SLOW
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Do not even import what `-m "not slow"` leaves out."""
+    return True if config.option.markexpr == "not slow" and is_slow(collection_path) else None
+
+
 def pytest_collection_modifyitems(config, items):
     """Mark what SLOW names; with `-n` that comes first, so that no process is left with a long file at the end."""
     for item in items:
-        path = item.path.relative_to(TESTS).as_posix()
         apart = any(item.get_closest_marker(name) for name in ("study", "data", "pages", "root", "notebook"))
-        if apart or path.partition("/")[0] in SLOW or path in SLOW:
+        if apart or is_slow(item.path):
             item.add_marker("slow")
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: item.get_closest_marker("slow") is None)

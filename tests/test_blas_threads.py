@@ -1,7 +1,6 @@
 """Linear algebra runs on one thread while the package computes: answers do not depend on how many there are."""
 
 import importlib
-import inspect
 import os
 import subprocess
 import sys
@@ -10,13 +9,7 @@ import threading
 import pytest
 import threadpoolctl
 
-import cogging
-from cogging import resources
 from cogging.resources import ONE_THREAD, on_one_blas_thread
-
-#: Public functions without linear algebra of their own, or with that of a few numbers alone.
-WITHOUT = {"check_against_model", "closed_loop", "closed_loop_batch", "parameters_of", "pid_gains", "pid_poles"}
-WITHOUT |= {"get_cmake_dir", "get_include", "read_log", "read_reference", "repeat", "schema", "simulate", "sweep"}
 
 
 def threads():
@@ -80,12 +73,3 @@ print(outer(inner(number))(), inner(number)(), number())
     names = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "2")
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env={**os.environ, **names})
     assert (done.stdout, done.stderr) == ("{1} {1} {2}\n", "")
-
-
-@pytest.mark.parametrize("name", [n for n in cogging.__all__ if inspect.isfunction(getattr(cogging, n))])
-def test_each_public_function_computes_on_one_thread_or_needs_none(name):
-    function, rooms = getattr(cogging, name), set()
-    while function is not None:
-        rooms.add(function.__globals__["__name__"])
-        function = getattr(function, "__wrapped__", None)
-    assert (resources.__name__ in rooms) == (name not in WITHOUT)

@@ -22,12 +22,18 @@ def documented():
         yield name, value
         if inspect.isclass(value):
             yield from ((f"{name}.{word}", member) for word, member in vars(value).items() if word[0] != "_")
+    yield from ((f"plot.{name}", getattr(cogging.plot, name)) for name in cogging.plot.__all__)
 
 
 TEXTS = {name: inspect.getdoc(value) or "" for name, value in documented()}
 
 
-@pytest.mark.parametrize("name", sorted(name for name, text in TEXTS.items() if ">>>" in text))
+#: That of `ledger` takes a diagnosis.
+STUDIES = {"plot.ledger"}
+NAMES = sorted(name for name, text in TEXTS.items() if ">>>" in text)
+
+
+@pytest.mark.parametrize("name", [pytest.param(one, marks=[pytest.mark.study] * (one in STUDIES)) for one in NAMES])
 def test_examples_run(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     space = {"cogging": cogging, "np": np, "model": MODEL, "move": MOVE, "log": LOG}

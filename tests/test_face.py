@@ -3,6 +3,7 @@
 import copy
 import inspect
 import pickle
+from collections import ChainMap
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from tests.fixtures.examples import ABSTRACT, EXAMPLES, LOG, MODEL
 from tests.fixtures.plants_by_hand import example
 
 CLASSES = sorted(name for name in cogging.__all__ if inspect.isclass(getattr(cogging, name)))
-OBJECTS = {**EXAMPLES, **{f"effects.{name}": example(name) for name in cogging.EFFECTS}}
+OBJECTS = ChainMap(EXAMPLES, {f"effects.{name}": example(name) for name in cogging.EFFECTS})
 ERRORS = ("ControllerError", "DivergedError", "InputError")
 
 
@@ -182,3 +183,28 @@ def test_progress_is_told_each_step():
     told = []
     cogging.identify(LOG, MODEL, free=["axis.mass"], progress=told.append)
     assert told == ["inverse dynamics", "output error", "logs one by one", "other answers"]
+
+
+def structs():
+    """An example of each class of parameters."""
+    found = [value for value in OBJECTS.values() if hasattr(value, "FIELDS")]
+    assert len(found) > 30
+    return found
+
+
+def test_parameter_structs_are_read_only_and_say_their_units():
+    for value in structs():
+        assert type(value)(**value.to_dict()) == value
+        for name, (_unit, meaning) in value.FIELDS.items():
+            assert meaning, f"{type(value).__name__}.{name} has no meaning"
+            with pytest.raises(AttributeError):
+                setattr(value, name, 1.0)
+
+
+def test_no_field_takes_a_nan():
+    for kind in map(type, structs()):
+        for name, value in kind().to_dict().items():
+            if not isinstance(value, str | bool):
+                nan, told = ([0.0, np.nan], "") if isinstance(value, list) else (np.nan, ".*nan")
+                with pytest.raises((TypeError, ValueError), match=rf"\b{name}: {told}"):
+                    kind(**{name: nan})

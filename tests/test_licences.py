@@ -1,6 +1,5 @@
 """Licences: all that is compiled in, or brought by pip, is named with the licence that it states."""
 
-import importlib.metadata
 import json
 import re
 import subprocess
@@ -20,17 +19,6 @@ TEXT = (ROOT / "THIRD_PARTY.md").read_text(encoding="utf-8")
 #: Of whoever installs cogging for use; those of its tests and its site are not listed one by one.
 OF_USERS = [name for name in PROJECT["project"]["optional-dependencies"] if name not in ("test", "docs", "lint", "all")]
 OF_USERS.remove("benchmark")
-INSTALLED = {re.sub(r"[-_.]+", "-", one.name).lower() for one in importlib.metadata.distributions()}
-#: How packages word a licence that the page names by its identifier.
-WORDS = {
-    "BSD-3-Clause": r"BSD|Enthought",
-    "Apache-2.0": r"Apache",
-    "MIT": r"MIT",
-    "MPL-2.0": r"MPL|Mozilla",
-    "MPL-2.0 AND MIT": r"MPL.*MIT",
-    "LGPL-3.0-or-later": r"LGPLv3\+|LGPL-3.0-or-later",
-    "Python Software Foundation's, adapted": r"Python Software Foundation|matplotlib",
-}
 
 
 def table(heading):
@@ -52,57 +40,6 @@ def brought():
 
 def test_each_dependency_of_a_user_is_listed():
     assert {name: use for name, _, use in table("Brought by pip, not shipped")} == brought()
-
-
-@pytest.mark.parametrize(
-    ("name", "licence"), [row[:2] for row in table("Brought by pip, not shipped") if row[0].lower() in INSTALLED]
-)
-def test_each_has_the_licence_that_its_package_states(name, licence):
-    stated = importlib.metadata.metadata(name)
-    classifiers = [one for one in stated.get_all("Classifier") or [] if one.startswith("License")]
-    words = f"{stated.get('License-Expression')} {stated.get('License')} {' '.join(classifiers)}"
-    assert re.search(WORDS[licence], words, re.DOTALL), words[:300]
-
-
-def includes(folder):
-    """What the sources of a folder include in angle brackets, up to the first slash."""
-    files = [path for path in (ROOT / "cpp" / folder).rglob("*") if path.suffix in (".hpp", ".cpp")]
-    assert files
-    return {
-        match[1]
-        for path in files
-        for match in re.finditer(r"^ *# *include *<([\w+.-]+)", path.read_text(encoding="utf-8"), re.MULTILINE)
-    }
-
-
-def test_the_core_includes_nothing_of_others_and_the_bindings_what_is_listed():
-    """Beside the standard library's headers, which have no suffix, and those of systems and processors."""
-    systems = {"immintrin.h", "arm_neon.h", "x86intrin.h", "emmintrin.h"}
-    systems |= {"unistd.h", "sys/resource.h", "windows.h", "mach/mach.h"}
-    suffixed = {folder: {one for one in includes(folder) if "." in one} - systems for folder in ("cogging", "fmi")}
-    assert suffixed == {"cogging": set(), "fmi": set()}
-    named = {one for one in includes("bindings") if one in ("pybind11", "Eigen") or "." in one}
-    assert named - systems == {"pybind11"}  # whose eigen.h brings Eigen
-    found = re.findall(r"find_package\((\w+)", (ROOT / "cpp" / "bindings" / "CMakeLists.txt").read_text("utf-8"))
-    assert set(found) == {"Python", "pybind11", "Eigen3"}
-
-
-def test_no_file_of_others_lies_in_what_ships():
-    """Sources, texts, our style sheet: no fonts, scripts, archives, binaries or data that came from elsewhere."""
-    ours = {".py", ".pyi", ".hpp", ".cpp", ".txt", ".map", ".cmake", ".toml", ".css", ".j2", ".mplstyle", ".typed", ""}
-    files = [path for folder in ("python", "cpp") for path in (ROOT / folder).rglob("*") if path.is_file()]
-    foreign = {p for p in files if p.suffix not in ours | {".so", ".pyd", ".pyc"} and ".mypy_cache" not in p.parts}
-    assert foreign == set()
-    holders = {
-        line.strip(" /#")
-        for path in files
-        if path.suffix in ours
-        for line in path.read_text(encoding="utf-8").splitlines()
-        if re.search(r"copyright \(c\)", line, re.IGNORECASE)
-    }
-    assert len(holders) == 1
-    assert "Sun Microsystems" in holders.pop()
-    assert "Copyright (C) 1993 by Sun Microsystems" in TEXT
 
 
 def bill_of_materials(folder, **given):

@@ -6,10 +6,10 @@ The outputs that are committed are compared with those of a fresh run: the words
 """
 
 import ast
+import functools
 import subprocess
 import sys
 
-import nbformat
 import numpy as np
 import pytest
 
@@ -42,8 +42,15 @@ RUN = pytest.mark.parametrize(
 )
 
 
+@functools.cache
+def read(path):
+    import nbformat
+
+    return nbformat.read(path, as_version=4)
+
+
 def code_of(path):
-    return [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code"]
+    return [cell for cell in read(path).cells if cell.cell_type == "code"]
 
 
 def draws(source):
@@ -88,7 +95,7 @@ def test_none_reaches_out_of_its_folder(path):
 def test_the_committed_notebook_shows_its_story(path):
     """Each cell that draws has its picture, none has an error; nothing in it changes from run to run."""
     assert path.stat().st_size < LARGEST
-    notebook = nbformat.read(path, as_version=4)
+    notebook = read(path)
     assert notebook.metadata == METADATA
     drawing = 0
     for number, cell in enumerate(code_of(path), start=1):

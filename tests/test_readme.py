@@ -19,3 +19,10 @@ def test_the_fifteen_lines_run(tmp_path, capsys):
 def test_the_figure_is_there():
     (path,) = re.findall(r"!\[.*?\]\((.*?)\)", README.read_text())
     assert (README.parent / path).read_bytes().startswith(b"\x89PNG")
+
+
+def test_links_of_the_documents_beside_the_readme_lead_somewhere():
+    """Those of docs/ are checked when the site is built."""
+    for path in README.parent.glob("*.md"):
+        for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", path.read_text(encoding="utf-8")):
+            assert link.startswith(("http:", "https:")) or (path.parent / link).exists(), (path.name, link)

@@ -16,32 +16,45 @@ CALM = ["plain", "coloured_noise", "pink_noise", "wrong_nominals", "fine_steps",
 EASY = ["cable_spring", "disturbance_tone", "viscous_asymmetry", "command_dead_zone", "cogging_harmonic"]
 
 
+#: How many of the drawn cases are run: nulls, effects, snags. All of them are a longer study.
+CASES = [pytest.param((2, 3, 1), id="some"), pytest.param((6, 5, 4), id="all", marks=pytest.mark.study)]
+
+
+@pytest.fixture(scope="module", params=CASES)
+def counts(request):
+    return dict(zip(("null", "effect", "snag"), request.param, strict=True))
+
+
 @pytest.fixture(scope="module")
-def snags(tmp_path_factory):
+def snags(counts, tmp_path_factory):
     """Results on logs of axes that a force holds at one place, of any shape."""
     folder = tmp_path_factory.mktemp("snags")
     plan = plan_suite(SEED, 4, kinds=["effect"], effects=["local_force"], ratios=[1000.0])
     key = draw_suite(SEED, folder / "cases", folder / "key", plan)
-    cases = [("diagnose", str(folder / "cases" / name), str(folder / f"{name}.json")) for name in key["cases"]]
+    cases = [("diagnose", str(folder / "cases" / name), str(folder / f"{name}.json")) for name in sorted(key["cases"])]
+    cases = cases[: counts["snag"]]
     return [run_case(case)[1] for case in cases]
 
 
 def test_a_snag_is_a_force_at_one_place_and_no_modulation(snags):
     names = [[{effect["name"], *effect["alternatives"]} for effect in result["effects"]] for result in snags]
     print([(result["verdict"], told) for result, told in zip(snags, names, strict=True)])
-    assert sum(any("local_force" in one for one in told) for told in names) >= 3
+    assert sum(any("local_force" in one for one in told) for told in names) >= 0.75 * len(names)
     assert not any("cogging_modulation" in one for told in names for one in told)
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory):
+def outcomes(counts, tmp_path_factory):
     folder = tmp_path_factory.mktemp("blind")
     plan = plan_suite(SEED, 6, kinds=["null"], families=CALM) + plan_suite(
         SEED, 5, kinds=["effect"], effects=EASY, ratios=[1000.0]
     )
     key = draw_suite(SEED, folder / "cases", folder / "key", plan)
-    found = []
+    found, left = [], {kind: counts[kind] for kind in ("null", "effect")}
     for name, truth in sorted(key["cases"].items()):
+        if not left[truth["kind"]]:
+            continue
+        left[truth["kind"]] -= 1
         answer = folder / f"{name}.json"
         _, result, seconds = run_case(("diagnose", str(folder / "cases" / name), str(answer)))
         assert json.loads(answer.read_text())["result"] == json.loads(json.dumps(result))
@@ -50,18 +63,18 @@ def outcomes(tmp_path_factory):
     return found
 
 
-def test_every_case_is_answered(outcomes):
-    assert len(outcomes) == 11
+def test_every_case_is_answered(outcomes, counts):
+    assert len(outcomes) == counts["null"] + counts["effect"]
     assert all("error" not in result for _, result, _ in outcomes)
 
 
-def test_nothing_is_named_where_nothing_is_hidden(outcomes):
+def test_nothing_is_named_where_nothing_is_hidden(outcomes, counts):
     nulls = [result["verdict"] for truth, result, _ in outcomes if truth["kind"] == "null"]
-    assert len(nulls) == 6
+    assert len(nulls) == counts["null"]
     assert set(nulls) <= {"no_gap", "insufficient_excitation"}
 
 
-def test_strong_effects_are_named_and_none_wrongly(outcomes):
+def test_strong_effects_are_named_and_none_wrongly(outcomes, counts):
     right = wrong = 0
     for truth, result, _ in outcomes:
         if truth["kind"] != "effect":
@@ -70,4 +83,4 @@ def test_strong_effects_are_named_and_none_wrongly(outcomes):
         names = {n for e in result["effects"] for n in (e["name"], *e["alternatives"])}
         right += hidden <= names
         wrong += result["verdict"] == "named" and not hidden & names
-    assert (right, wrong) == (5, 0)
+    assert (right, wrong) == (counts["effect"], 0)

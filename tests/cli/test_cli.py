@@ -1,10 +1,5 @@
 """The command: what it writes, what it says, and its exit status."""
 
-import argparse
-import importlib
-import json
-import pkgutil
-import re
 import subprocess
 import sys
 
@@ -13,7 +8,7 @@ import pytest
 
 import cogging
 import cogging.cli
-from cogging.cli.main import COMMANDS, main
+from cogging.cli.main import main
 from cogging.papers.lu2008 import setup as lu2008
 from tests.fixtures.files import MODEL, REFERENCE
 
@@ -35,25 +30,6 @@ def test_simulate_writes_a_log(folder, capsys):
     np.testing.assert_array_equal(log.command, direct.command)
     other = cogging.simulate("model.toml", "ref.toml", seed=5)
     assert not np.array_equal(log.command, other.command)
-
-
-def test_every_command_is_one_module_and_one_line_of_the_list(capsys):
-    """Its name, what reads its words and what runs it stand in the module of that name."""
-    modules = {
-        entry.name: importlib.import_module(f"cogging.cli.{entry.name}")
-        for entry in pkgutil.iter_modules(cogging.cli.__path__)
-    }
-    assert {name for name, module in modules.items() if hasattr(module, "add_parser")} == set(COMMANDS)
-    for name in COMMANDS:
-        commands = argparse.ArgumentParser().add_subparsers()
-        modules[name].add_parser(commands)
-        (command,) = commands.choices.values()
-        assert list(commands.choices) == [name]
-        assert command.get_default("run") is modules[name].run
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    said = capsys.readouterr().out
-    assert tuple(re.findall(r"^ {4}(\w+)", said, re.MULTILINE)) == COMMANDS
 
 
 def test_the_command_is_installed(folder):
@@ -158,24 +134,3 @@ def test_a_scan_of_three_points(folder, capsys):
     assert "got 3" in error
     assert error.count("\n") == 1
     assert not (folder / "map.toml").exists()
-
-
-def test_reproduce_writes_tables_and_figures(folder, capsys):
-    assert main(["reproduce", "lu2008", "--out", "results"]) == 0
-    screen = capsys.readouterr().out
-    assert "calibrated" in screen
-    assert "predicted" in screen
-    document = json.loads((folder / "results" / "lu2008.json").read_text())
-    assert document["paper"] == "lu2008"
-    tables = [table["id"] for table in document["tables"]]
-    assert tables[:2] == ["table1", "table2"]
-    claims = {f"{name}_{axis}" for name in ("constant_speed", "harmonics", "matrix29", "theorem1a") for axis in "XY"}
-    assert claims | {"claim", "theorem1b"} <= set(tables)
-    row = document["tables"][0]["rows"][0]
-    assert (
-        row.items()
-        >= {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}.items()
-    )
-    pictures = sorted(path.name for path in (folder / "results").glob("*.png"))
-    numbered = [f"fig{number}" for number in (2, 3, 5, 6, 7, 8, 9, 10)]
-    assert pictures == sorted(f"lu2008_{name}.png" for name in (*numbered, "fft", "claim", "theorem1"))

@@ -65,10 +65,3 @@ def count(kind, seeds, tmp_path, capfd, caplog, monkeypatch, request):
 def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch, request):
     wrong = count(kind, range(CALLS[kind]), tmp_path, capfd, caplog, monkeypatch, request)
     assert not wrong, "\n".join(f"{call}\n    {'; '.join(found)}" for call, found in wrong.items())
-
-
-@pytest.mark.study
-@pytest.mark.parametrize("kind", hostile_calls.KINDS)
-def test_more_hostile_calls(kind, tmp_path, capfd, caplog, monkeypatch, request):
-    wrong = count(kind, range(1000, 1000 + 8 * CALLS[kind]), tmp_path, capfd, caplog, monkeypatch, request)
-    assert not wrong, "\n".join(f"{call}\n    {'; '.join(found)}" for call, found in wrong.items())

@@ -265,7 +265,7 @@ def shots():
         ["-m", "cogging", *AUDIT],
         CONSOLE + AUDIT,
     ]
-    for place in range(12):
+    for place in range(6):
         call = calls[place % len(calls)]
         yield call, draw.choice(list(STATUS)), draw.uniform(0.0, 0.3) if place % 2 else draw.uniform(0.3, 1.5)
 

@@ -43,12 +43,11 @@ SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.c
 AUDIT = ["audit", "log.csv", "--model", "model.toml"]
 
 
-@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", hostile_calls.KINDS)
-def test_a_process_answers_as_this_one_does(kind, seed, tmp_path):
-    call = hostile_calls.draw(kind, 5000 + seed)
+def test_a_process_answers_as_this_one_does(kind, tmp_path):
+    call = hostile_calls.draw(kind, 5000)
     if call.arguments[0] == "reproduce" or any("\0" in a or "\ud800" <= a[:1] <= "\udbff" for a in call.arguments):
-        call = hostile_calls.draw("document", 5000 + seed)  # what no shell can pass, or takes long
+        call = hostile_calls.draw("document", 5000)  # what no shell can pass, or takes long
     before = place(call, tmp_path)
     done = process(call.arguments, tmp_path)
     left = sorted(name for name, content in everything(tmp_path).items() if content != before.get(name))
@@ -56,14 +55,14 @@ def test_a_process_answers_as_this_one_does(kind, seed, tmp_path):
     assert not list(faults(answer, tmp_path)), str(call)
 
 
-@pytest.mark.parametrize("arguments", [AUDIT, ["map", "scan.csv", "--pitch", "0.05"], ["--help"], ["schema"]])
+@pytest.mark.parametrize("arguments", [AUDIT, ["--help"]])
 def test_a_terminal_of_few_letters(arguments, folder):
     done = process(arguments, folder, environment={"PYTHONIOENCODING": "ascii"})
     assert (done.returncode, done.stderr) == (0, b"")
     assert done.stdout.decode("ascii")
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
 def test_a_name_in_letters_that_the_terminal_has_not(encoding, folder):
     named = "caf\u00e9 \u4e2d \u00b5.csv"
     (folder / named).write_bytes(hostile_calls.LOG)
@@ -93,7 +92,7 @@ def test_a_name_that_is_no_utf_8(folder):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes of another kind")
-@pytest.mark.parametrize("arguments", [["schema"], ["--help"], [*AUDIT, "--json", "out.json"], SIMULATE])
+@pytest.mark.parametrize("arguments", [["schema"], [*AUDIT, "--json", "out.json"]])
 def test_a_reader_that_has_gone(arguments, folder):
     """As `head -1` goes: nothing on standard error, and all that was asked for is written."""
     reading, writing = os.pipe()

@@ -74,6 +74,7 @@ void compare(const char* name, const FourParameters& four_parameters, const OneP
   const PointToPoint reference(motion);
   RunOptions options;
   options.seed = 3;
+  options.duration = 0.5;
   options.steps_per_sample = 2;
   options.record_estimates = true;
   const std::vector<Machine> list = machines(width);

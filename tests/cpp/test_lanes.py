@@ -26,7 +26,7 @@ def printed(cmake, programs):
 
 @pytest.mark.parametrize("controller", ["dcarc", "arc", "pid", "mixed"])
 def test_lanes_give_the_bits_of_single_runs(printed, controller):
-    assert printed[controller + "_rows"] > 5000
+    assert printed[controller + "_rows"] > 2000
     assert printed[controller + "_difference"] == 0.0
     assert printed[controller + "_spread"] > 0.5  # V: the lanes are different machines
 

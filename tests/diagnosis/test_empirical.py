@@ -33,6 +33,3 @@ def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
     again = cogging.Model.read(path)
     assert again.effects == result.model.effects
     assert len(run(*again.effects, duration=0.5)) > 500
-    plain = cogging.diagnose(logs, MODEL, confirm=confirm)
-    assert "added" not in plain.unlisted
-    assert "empirical_force" not in [effect.NAME for effect in plain.model.effects]

@@ -25,7 +25,13 @@ def hidden_in(name):
     return fields, record(machine([cogging.EFFECTS[name](**fields)]), 21)
 
 
-@pytest.mark.parametrize("name", sorted(COPIES))
+#: The others are a longer study.
+SOME = {"cable_spring", "encoder_periodic_error"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.study] * (name not in SOME)) for name in sorted(COPIES)]
+)
 def test_a_copy_explains_a_log_as_the_effect_does(name):
     """Of a hidden effect of the vocabulary, a user's copy of it is among the names, or stands for it."""
     make, _ = COPIES[name]
@@ -103,6 +109,8 @@ def test_the_page_on_effects_of_your_own_runs_and_tells_the_truth():
     without, found, truth = space["without"], space["found"], space["machine"].effects[0]
     assert f"print(without.verdict)  # {without.verdict}\n" in text
     assert without.verdict == "unlisted"
+    assert "added" not in without.unlisted  # an empirical force is added only where it is asked for
+    assert "empirical_force" not in [effect.NAME for effect in without.model.effects]
     assert "eddy_drag" not in without.text()
     assert found.verdict == "named"
     assert f"print(found.verdict)  # {found.verdict}\n" in text

@@ -1,6 +1,5 @@
 """`[units]`: labels that a model carries, and what they do to the units of everything that is said of it."""
 
-import jsonschema
 import pytest
 
 import cogging
@@ -73,6 +72,8 @@ def test_a_model_carries_them_and_a_model_without_keeps_the_usual_ones(tmp_path)
     ],
 )
 def test_what_is_no_label_is_refused_in_one_line_and_by_the_schema(tmp_path, section, said):
+    import jsonschema
+
     path = tmp_path / "model.toml"
     path.write_text(f"{section}\n{MODEL}" if section.startswith("units") else f"{MODEL}\n{section}\n")
     with pytest.raises(InputError, match=said) as error:
@@ -86,6 +87,8 @@ def test_what_is_no_label_is_refused_in_one_line_and_by_the_schema(tmp_path, sec
 
 @pytest.mark.parametrize("label", ["A", "N", "Nm", "V", "%", "rad", "µm", "A/m", "deg", "kN"])
 def test_what_a_machine_builder_calls_a_unit_is_a_label(label):
+    import jsonschema
+
     units = cogging.Units(command=label, position=label)
     jsonschema.validate(units.to_dict(), cogging.schema()["$defs"]["model"]["properties"]["units"])
     assert cogging.Units.from_dict(units.to_dict()) == units

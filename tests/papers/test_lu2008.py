@@ -2,11 +2,13 @@
 
 import dataclasses
 import importlib.resources
+import json
 
 import numpy as np
 import pytest
 
 import cogging
+from cogging.cli.main import main
 from cogging.papers.lu2008 import reproduce as lu2008_reproduce
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.lu2008 import tables as lu2008_tables
@@ -14,6 +16,7 @@ from cogging.papers.lu2008.shapes import FIRST_SHAPE
 from studies.lu2008 import calibration as lu2008_calibration
 from studies.lu2008 import search as lu2008_search
 from studies.lu2008 import study as lu2008_study
+from tests.fixtures.reproduced import reproduced, with_progress
 
 # Committed values, um: e_inf and e_2 of C1, C2, C3.
 COMMITTED = {
@@ -243,7 +246,27 @@ def test_the_map_is_what_its_docstring_says():
 
 
 def test_progress_tells_each_step():
-    told = []
-    result = lu2008_reproduce.reproduce(told.append)
-    assert tuple(told) == lu2008_reproduce.STEPS
+    result, told = with_progress("lu2008")
+    assert told == lu2008_reproduce.STEPS
     assert "calibrated" in result.text()
+
+
+def test_the_command_writes_tables_and_figures(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: reproduced(paper))
+    assert main(["reproduce", "lu2008", "--out", "results"]) == 0
+    screen = capsys.readouterr().out
+    assert "calibrated" in screen
+    assert "predicted" in screen
+    document = json.loads((tmp_path / "results" / "lu2008.json").read_text())
+    assert document["paper"] == "lu2008"
+    tables = [table["id"] for table in document["tables"]]
+    assert tables[:2] == ["table1", "table2"]
+    claims = {f"{name}_{axis}" for name in ("constant_speed", "harmonics", "matrix29", "theorem1a") for axis in "XY"}
+    assert claims | {"claim", "theorem1b"} <= set(tables)
+    row = document["tables"][0]["rows"][0]
+    stated = {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}
+    assert row.items() >= stated.items()
+    pictures = sorted(path.name for path in (tmp_path / "results").glob("*.png"))
+    numbered = [f"fig{number}" for number in (2, 3, 5, 6, 7, 8, 9, 10)]
+    assert pictures == sorted(f"lu2008_{name}.png" for name in (*numbered, "fft", "claim", "theorem1"))

@@ -1,7 +1,6 @@
 """The plant against force balances by hand, an independent integrator, and closed forms of stick and slip."""
 
 import math
-import pickle
 from itertools import pairwise
 
 import numpy as np
@@ -886,42 +885,6 @@ def test_rules(kind, change, message):
     with pytest.raises(ValueError) as caught:  # noqa: PT011 the message is compared whole
         (cogging.EFFECTS.get(kind) or getattr(cogging, kind))(**change)
     assert str(caught.value) == message
-
-
-@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
-def test_no_effect_takes_a_nan(name):
-    kind = cogging.EFFECTS[name]
-    for field in kind.FIELDS:
-        default = getattr(kind(), field)
-        if isinstance(default, int):  # no such thing as a whole NaN
-            with pytest.raises(TypeError):
-                kind(**{field: math.nan})
-        elif isinstance(default, list):
-            with pytest.raises(ValueError, match=f"^{field}: .*nan"):
-                kind(**{field: [0.0, math.nan]})
-        else:
-            with pytest.raises(ValueError, match=f"^{field}: .*, got nan$"):
-                kind(**{field: math.nan})
-
-
-@pytest.mark.parametrize("name", [*sorted(cogging.EFFECTS), "AxisParameters", "EncoderParameters"])
-def test_parameters_are_values(name):
-    if name in cogging.EFFECTS:
-        parameters = example(name)
-    elif name == "AxisParameters":
-        parameters = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, travel=[0.0, 0.51])
-    else:
-        parameters = cogging.EncoderParameters(resolution=0.5e-6, noise=1e-7)
-    kind = type(parameters)
-    assert pickle.loads(pickle.dumps(parameters)) == parameters
-    assert kind(**parameters.to_dict()) == parameters
-    assert parameters != kind()
-    for field, (_, meaning) in kind.FIELDS.items():
-        assert meaning
-        with pytest.raises(AttributeError):
-            setattr(parameters, field, 1.0)
-    with pytest.raises(TypeError):
-        kind(no_such_field=1.0)
 
 
 def test_a_plant_keeps_what_it_was_made_of():

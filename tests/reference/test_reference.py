@@ -1,7 +1,6 @@
 """References: limits, rest, continuity and the shortest time, over thousands of random moves."""
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -357,32 +356,3 @@ def test_sampled_rules(arguments, message):
 
 
 # Parameter structs -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        cogging.PointToPointParameters(distance=-0.2, jerk=500.0, repeats=4),
-        cogging.SineParameters(center=1.0, amplitude=0.5, frequency=0.25),
-    ],
-    ids=lambda p: type(p).__name__,
-)
-def test_parameters_are_values(parameters):
-    kind = type(parameters)
-    assert kind(**parameters.to_dict()) == parameters
-    assert pickle.loads(pickle.dumps(parameters)) == parameters
-    assert list(parameters.to_dict()) == list(kind.FIELDS)
-    for name, (unit, meaning) in kind.FIELDS.items():
-        assert unit
-        assert meaning
-        with pytest.raises(AttributeError):
-            setattr(parameters, name, 1.0)
-    first = next(iter(kind.FIELDS))
-    changed = parameters.replace(**{first: 0.125})
-    assert getattr(changed, first) == 0.125
-    assert changed != parameters
-    assert changed.replace(**{first: getattr(parameters, first)}) == parameters
-    with pytest.raises(TypeError):
-        kind(no_such_field=1.0)
-    with pytest.raises(TypeError):
-        parameters.replace(no_such_field=1.0)
