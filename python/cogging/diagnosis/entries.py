@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+SURE = 0.9  # minimum confidence of a named effect (contract)
 CLOSED_MIN = 1e-3  # of the squared gap: minimum power above the floor
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.decision import MINOR
 from cogging.diagnosis.balance.evidence import LARGELY, Evidence
-from cogging.diagnosis.entries import Gap, NamedEffect, Value
+from cogging.diagnosis.entries import SURE, Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
 from cogging.diagnosis.patched_model import Term
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
@@ -20,7 +20,6 @@ from cogging.model.model import Model
 from cogging.model.parameters import effect_paths
 from cogging.model.units import Units
 
-SURE = 0.9  # minimum confidence of a named effect (contract)
 NOT_SURE = 0.89  # highest confidence of an effect beside a force without a name
 HELD_OUT = 0.5  # highest confidence of an effect that is not in the model
 RELIABLE = 0.92  # share of right names among those with a probability of at least 0.98, drawn logs: docs/evidence.md
