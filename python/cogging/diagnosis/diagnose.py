@@ -206,7 +206,7 @@ def _result(
 
     # 2. the remaining gap, the named effects and the unlisted force
     rest = predicted(after, after_there)
-    command = np.concatenate([rows["command"][mask] for rows, mask in zip(after.rows, after.masks, strict=True)])
+    command = after.in_motion("command")
     rms = float(np.sqrt(np.mean(command**2))) if len(command) else 0.0
     gap = Gap(
         units.command,

@@ -43,10 +43,15 @@ class Discrepancy:
     masks: tuple[Mask, ...]
     position: float | None = None
 
+    def in_motion(self, name: str = "") -> FloatArray:
+        """Return a column of `rows`, by default the unexplained force, over the rows in motion of all logs, (n,)."""
+        columns = [rows[name] for rows in self.rows] if name else self.series
+        return np.concatenate([row[mask] for row, mask in zip(columns, self.masks, strict=True)])
+
     @property
     def rms(self) -> float:
         """Rms over rows in motion, V."""
-        moving = np.concatenate([row[mask] for row, mask in zip(self.series, self.masks, strict=True)])
+        moving = self.in_motion()
         return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 
     @property

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging.diagnosis.report.sentences import headline, joined, percent, shared_text
+from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def apart_text(effect: NamedEffect) -> str:
     """Return the names that these logs cannot distinguish; empty for a single name."""
     if not effect.alternatives:
         return ""
-    return f"{joined([effect.name, *effect.alternatives], 'or')}: these logs cannot distinguish them"
+    return f"{effect.name} or {', '.join(effect.alternatives)}: these logs cannot distinguish them"
 
 
 def _gap_lines(result: Diagnosis) -> list[str]:
@@ -97,7 +97,7 @@ def full_text(result: Diagnosis) -> str:
     for effect in result.effects:
         names, share = effect.name, "" if effect.share is None else f", {percent(effect.share)} of the gap"
         if effect.alternatives:
-            names = joined([effect.name, *effect.alternatives], "or")
+            names += f" or {', '.join(effect.alternatives)}"
         lines.append(f"  {names}: confidence {effect.confidence:.2f}{share}")
         if effect.alternatives:
             shared = shared_text(effect, result.vocabulary)
