@@ -24,6 +24,11 @@ PUSHES = 0.02  # of the largest command: tolerance of a negative friction level
 STEPS, MOVES = 2000, 0.01  # intervals of a log; minimum share of the largest mean speed in an interval of motion
 
 
+def fields_with_role(effect: Effect, kind: str) -> list[str]:
+    """Return the fields of an effect with a role: "amplitude", "shape" or "setting"."""
+    return [field for field, role in effect.ROLES.items() if role["role"] == kind]
+
+
 def ends(logs: Sequence[Log], role: Mapping[str, Any]) -> tuple[float, float]:
     """Return the lowest and highest value that logs allow a parameter with a role (see cogging.effects, ROLES).
 
