@@ -296,7 +296,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
     ratio = (best.none.cost - best.cost) / best.inflation
     by_row = (best.none.by_row() - best.by_row()) / best.inflation
-    expected = best.told**2 / best.inflation
+    expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in evidence.counted[:given])
     return Contender(
         f,

@@ -101,7 +101,7 @@ class Maximum:
         size: scale of each column, (p,).
         none: fit to the same rows without the added columns.
         inflation: largest ratio of the variance of a score to that of independent rows.
-        told: part of each row that the added columns explain, in standard deviations, (n,).
+        explained: part of each row that the added columns explain, in standard deviations, (n,).
     """
 
     cost: float
@@ -119,7 +119,7 @@ class Maximum:
     size: FloatArray = field(init=False)
     none: Maximum = field(init=False)
     inflation: float = field(init=False, default=1.0)
-    told: FloatArray = field(init=False)
+    explained: FloatArray = field(init=False)
 
     def solved(self, free: Mask, theta: FloatArray, r: FloatArray | None = None) -> FloatArray:
         """Return theta (p,) with the free amplitudes re-fitted and the others held, to its own rows or to r."""
@@ -402,7 +402,7 @@ class Evidence:
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
         best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance)), initial=1.0))
-        best.told = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
+        best.explained = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
         best.x = best.r = best.gram = np.zeros(0)
 
     def retuned(self, share: float = 1.0) -> Model:
