@@ -65,53 +65,32 @@ def next_step(result: Diagnosis, files: GivenFiles | None = None) -> NextStep:
         'cogging predict MODEL.toml --reference REF.toml'
     """
     files = files or GivenFiles()
-    if result.mismatch is not None:
-        return _read_otherwise(result, files)
-    steps = {
-        "no_gap": _keep_the_model,
-        "named": _take_the_model,
-        "ambiguous": _tell_apart,
-        "unlisted": _look_where_it_sits,
-        "controller_mismatch": _state_the_controller,
-        "insufficient_excitation": _move_more,
-    }
-    return steps[result.verdict](result, files)
-
-
-def _read_otherwise(result: Diagnosis, files: GivenFiles) -> NextStep:
-    """Repeat the call with a misread column read correctly."""
-    mismatch = result.mismatch or {}
-    name, _, value = str(mismatch.get("option") or "").partition(" ")
-    words = str(mismatch.get("advice") or "Correct that column and read the log again.")
-    return NextStep("mend", words, _diagnose(files, name, value) if value else "")
-
-
-def _keep_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = "Keep the model and use it to predict the tracking error. Effects below the detection limits may exist: "
-    words += "cogging experiment computes a motion that shows smaller ones."
-    return NextStep("use", words, _predict(files.patched or files.model))
-
-
-def _take_the_model(result: Diagnosis, files: GivenFiles) -> NextStep:
-    return _adopt(files, _is_confirmed(result, files), "Write the patched model")
-
-
-def _look_where_it_sits(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = (
-        "Part of the gap is unexplained: check its location, and repeat the motion with only that coordinate changed"
-    )
-    if result.unlisted is not None and empirical_term(result.unlisted) is None:
-        if not result.effects:
-            return _move_more(result, files, words + ". ")
-        return _adopt(
-            files, _is_confirmed(result, files), words + ". To use the named effects, write the patched model"
-        )
-    words += ". Meanwhile, add an empirical force of that shape to the model"
-    return _adopt(files, _is_confirmed(result, files), words, empirical=True)
-
-
-def _is_confirmed(result: Diagnosis, files: GivenFiles) -> bool:
-    return bool(files.confirm) or result.gap.confirm_before is not None
+    confirmed = bool(files.confirm) or result.gap.confirm_before is not None
+    if result.mismatch is not None:  # repeat the call with the column read correctly
+        name, _, value = str(result.mismatch.get("option") or "").partition(" ")
+        words = str(result.mismatch.get("advice") or "Correct that column and read the log again.")
+        return NextStep("mend", words, _diagnose(files, name, value) if value else "")
+    if result.verdict == "no_gap":
+        words = "Keep the model and use it to predict the tracking error. Effects below the detection limits may "
+        words += "exist: cogging experiment computes a motion that shows smaller ones."
+        return NextStep("use", words, _predict(files.patched or files.model))
+    if result.verdict == "named":
+        return _adopt(files, confirmed, "Write the patched model")
+    if result.verdict == "ambiguous":
+        return _tell_apart(result, files)
+    if result.verdict == "controller_mismatch":
+        words = "State the gains and the sample rate of the controller that was running, or remove the controller from "
+        words += "the model. The audit computes the gains that reproduce the logged command."
+        return NextStep("audit", words, _line("audit", *files.logs, *files.confirm, "--model", files.model))
+    if result.verdict == "insufficient_excitation":
+        return _move_more(files)
+    words = "Part of the gap is unexplained: see its location, and repeat the motion with only that coordinate changed"
+    if result.unlisted is None or empirical_term(result.unlisted) is not None:
+        words += ". Meanwhile, add an empirical force of that shape to the model"
+        return _adopt(files, confirmed, words, empirical=True)
+    if not result.effects:
+        return _move_more(files, words + ". ")
+    return _adopt(files, confirmed, words + ". To use the named effects, write the patched model")
 
 
 def _adopt(files: GivenFiles, confirmed: bool, words: str, *, empirical: bool = False) -> NextStep:
@@ -126,10 +105,8 @@ def _adopt(files: GivenFiles, confirmed: bool, words: str, *, empirical: bool = 
         words += ", and use it from now on." if confirmed else "; then check it on a log of other motion."
         return NextStep("write_model", words, _diagnose(files, *more, "--out", files.patched or "PATCHED.toml"))
     if not confirmed:
-        words = (
-            "Check the patched model before you use it: record a second log with other speeds and strokes, and pass "
-        )
-        words += "it as a confirm log."
+        words = "Check the patched model before you use it: record a second log with other speeds and strokes, and "
+        words += "pass it as a confirm log."
         one = replace(files, confirm=[*files.confirm, "OTHER_LOG.csv"])
         return NextStep("confirm", words, _diagnose(one, *more, "--out", files.patched))
     words = "Use the patched model to predict the tracking error."
@@ -147,13 +124,7 @@ def _tell_apart(result: Diagnosis, files: GivenFiles) -> NextStep:
     return NextStep("tell_apart", words, _experiment(files, "--result", files.result))
 
 
-def _state_the_controller(result: Diagnosis, files: GivenFiles) -> NextStep:
-    words = "State the gains and the sample rate of the controller that was running, or remove the controller from the "
-    words += "model. The audit computes the gains that reproduce the logged command."
-    return NextStep("audit", words, _line("audit", *files.logs, *files.confirm, "--model", files.model))
-
-
-def _move_more(result: Diagnosis, files: GivenFiles, words: str = "") -> NextStep:
+def _move_more(files: GivenFiles, words: str = "") -> NextStep:
     words += "Move the axis over its travel in both directions at several speeds for at least ten seconds. "
     words += "cogging experiment computes such a motion within the limits of the machine."
     return NextStep("move", words, _experiment(files))

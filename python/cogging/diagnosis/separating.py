@@ -12,16 +12,12 @@ from cogging.logs.log import Log
 
 def separating(names: Sequence[str], vocabulary: Mapping[str, Effect], logs: Sequence[Log]) -> str:
     """Return advice on a motion that distinguishes effects, at most three clauses."""
-    hooks = {name: set(vocabulary[name].HOOKS) for name in names if name in vocabulary}
-    quantities = {
-        name: {role["quantity"] for role in vocabulary[name].ROLES.values() if role["role"] != "setting"}
-        for name in hooks
-    }
+    laws = [vocabulary[name] for name in names if name in vocabulary]
+    kinds = {hook for law in laws for hook in law.HOOKS}
+    wanted = {role["quantity"] for law in laws for role in law.ROLES.values() if role["role"] != "setting"}
     travel = max(float(np.ptp(log.position)) for log in logs)
     speed = max(float(np.quantile(np.abs(np.gradient(log.position[::10], log.time[::10])), 0.99)) for log in logs)
     advice = []
-    kinds = set().union(*hooks.values()) if hooks else set()
-    wanted = set().union(*quantities.values()) if quantities else set()
     if {"command_delay", "lag"} <= kinds:
         advice.append("a reference with content above 100 to 200 Hz (a chirp or steps of small amplitude)")
     if "reading" in kinds and kinds - {"reading"}:

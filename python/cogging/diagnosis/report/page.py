@@ -55,7 +55,7 @@ def html(result: Diagnosis, *, title: str = "", step: NextStep | None = None) ->
 
 
 def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, Any]:
-    units = result.model.units
+    units, unlisted = result.model.units, result.unlisted or {}
     return {
         "title": title,
         "version": importlib.metadata.version("cogging"),
@@ -73,7 +73,7 @@ def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, 
         "effects": [_effect(result, effect) for effect in result.effects],
         "mismatch": result.mismatch,
         "unlisted": result.unlisted,
-        "term": term_text(result.unlisted["added"], result.gap.unit) if "added" in (result.unlisted or {}) else "",
+        "term": term_text(unlisted["added"], result.gap.unit) if "added" in unlisted else "",
         "unlisted_text": "" if result.unlisted is None else f"{capital(str(result.unlisted['shape']))}.",
         "where": result.location.lines() if result.location is not None else list(result.where_text),
         "further": _further(result),
