@@ -8,7 +8,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.design import controller_choice, error_prediction
+from cogging.design import error_prediction
 from cogging.design.error_prediction import covariance_root, draw, drawn_machines, predict_error
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.parameters import with_values
@@ -137,7 +137,7 @@ def test_few_rows_at_a_time_change_nothing(monkeypatch):
 
 def test_all_controllers_of_the_library_are_predicted():
     found = predict_error(machine(), REFERENCE, samples=5, bandwidth=200.0)
-    assert [entry.name for entry in found.controllers] == ["own", *controller_choice.DESIGNED]
+    assert [entry.name for entry in found.controllers] == ["own", *error_prediction.DESIGNED]
     errors = {entry.name: entry.rms.median for entry in found.controllers}
     assert max(errors.values()) < 1e-3
     assert errors["dcarc"] < errors["own"], "with a cogging model and the right mass"
@@ -149,10 +149,10 @@ def test_without_the_design_extra_the_observer_is_left_out(monkeypatch):
     def missing(problem):
         raise ImportError("cvxpy is not installed: pip install 'cogging[design]'")
 
-    monkeypatch.setattr(controller_choice, "design_observer", missing)
+    monkeypatch.setattr(error_prediction, "design_observer", missing)
     found = predict_error(machine(), REFERENCE, samples=2)
     assert "observer_based left out: cvxpy is not installed: pip install 'cogging[design]'" in found.notes
-    assert [entry.name for entry in found.controllers] == ["own", *controller_choice.DESIGNED[:-1]]
+    assert [entry.name for entry in found.controllers] == ["own", *error_prediction.DESIGNED[:-1]]
     with pytest.raises(ValueError, match=r"^observer_based: cvxpy is not installed"):
         predict_error(machine(), REFERENCE, ["observer_based"], samples=2)
 

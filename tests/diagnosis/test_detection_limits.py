@@ -46,7 +46,7 @@ def test_the_limit_of_what_was_found_is_less_than_what_was_found(found):
 
 def test_text_and_page_say_them(found):
     text, page = found.text(verbose=True), found.html()
-    assert "would have been shown with 95 % chance" in text
+    assert "detection limits (probability 95 %)" in text
     told = found.limits["cable_spring"]
     assert f"cable_spring                 stiffness {told.value:.4g} V/m" in text
     row = f'cable spring</td><td>stiffness</td><td class="n">{told.value:.4g}</td><td>V/m</td>'

@@ -111,7 +111,7 @@ def test_at_rest_there_is_nothing_to_see():
     assert result.effects == ()
     assert "friction hides every force" in result.text()
     page = result.html()
-    assert "move too little" in page
+    assert "moves too little" in page
     with pytest.raises(ValueError, match="plot: needs a gap that was measured, got the verdict insufficient"):
         result.plot()
 

@@ -23,10 +23,10 @@ def test_the_report_says_what_why_and_what_next(found):
     assert "log &lt;1&gt;" in page
     for words in (
         "viscous asymmetry",
-        "standard deviations out of the noise",
+        "standard deviations above the noise",
         "How sure",
         "Before and after",
-        "Everything that was tried in earnest",
+        "Tested effects",
         "effects.viscous_asymmetry.difference",
         "How to read this page",
     ):
@@ -40,10 +40,10 @@ def test_a_shape_of_its_own_stands_on_page_and_screen(found):
     curve = {"coordinate": "position", "places": [0.0, 0.01, 0.5], "force": [0.2, 0.1, -0.3]}
     told = replace(found, effects=(replace(found.effects[0], shape="other", curve=curve),))
     page, text = told.html(), told.text(verbose=True)
-    words = "of another shape than its plainest law: -0.3 V at most, about position 0.5 m"
+    words = "the force deviates from the standard law, with a peak of -0.3 V near position 0.5 m"
     assert words in page
     assert words in text
-    assert "viscous asymmetry of a shape of its own" in page
+    assert "viscous asymmetry with a non-standard law" in page
     assert words not in found.text(verbose=True)
     assert page.count("data:image/png") == found.html().count("data:image/png") + 1
     assert told.to_dict()["effects"][0]["shape"] == "other"

@@ -41,26 +41,27 @@ def test_a_headline_says_what_was_found_before_what_was_not(results):
     for result in results:
         said = headline(result)
         assert ("no known effect explains" in said) is (result.verdict == "unlisted" and not result.effects)
-        assert ("has no name" in said) is (result.verdict == "unlisted" and bool(result.effects))
+        assert ("is unexplained" in said) is (result.verdict == "unlisted" and bool(result.effects))
         assert said.startswith("The model lacks ") is bool(result.effects)
         assert ("Nothing is missing" in said) is (result.verdict == "no_gap")
 
 
 def test_a_headline_is_as_sure_as_its_names(results):
-    """In the order of their shares; sure names stand by themselves, the others after `something that is`."""
+    """In the order of their shares; an uncertain name comes with `either`, `probably` or `perhaps`."""
     told = 0
     for result in (one for one in results if one.effects):
         said = headline(result)
         first = result.effects[0]
-        assert said.startswith("The model lacks something that is ") is not is_sure(first)
+        doubted = said.removeprefix("The model lacks ").startswith(("either ", "probably ", "perhaps "))
+        assert doubted is not is_sure(first)
         assert f"{percent(first.share)} of the gap)" in said
         doubts = sum(not is_sure(effect) for effect in result.effects[:2])
-        assert said.count("something that is ") == doubts
-        assert ("not all of them sure" in said) is not all(map(is_sure, result.effects[2:]))
+        assert sum(said.count(word) for word in ("either ", "probably ", "perhaps ")) == doubts
+        assert ("some of them uncertain" in said) is not all(map(is_sure, result.effects[2:]))
         for effect in result.effects[:2]:
             if not is_sure(effect) and not effect.alternatives:
                 word = "probably" if effect.confidence >= 0.5 else "perhaps"
-                assert f"{word} {name_text(effect)} ({percent(effect.confidence)})" in said
+                assert f"{word} {name_text(effect)} (confidence {percent(effect.confidence)}" in said
                 told += 1
     assert told > 10
 
@@ -82,7 +83,7 @@ def test_the_printed_answer_is_short_and_all_of_it_is_asked_for(results):
 def test_what_cannot_be_told_apart_is_said(found):
     effect = replace(found.effects[0], alternatives=("quadratic_drag",))
     assert apart_text(found.effects[0]) == ""
-    assert apart_text(effect) == "viscous_asymmetry or quadratic_drag: not told apart by these logs"
+    assert apart_text(effect) == "viscous_asymmetry or quadratic_drag: these logs cannot distinguish them"
 
 
 def test_the_share_of_a_headline_is_that_of_the_gap(results):
@@ -93,7 +94,7 @@ def test_the_share_of_a_headline_is_that_of_the_gap(results):
         elif share is None:
             assert HARDLY in said
             assert result.gap.closed < 0.05
-            assert "most of it has no name" in said
+            assert "most of it is unexplained" in said
         else:
             assert abs(int(share[1]) - 100.0 * result.gap.closed) <= 1.0
             assert "most of it" not in said
@@ -173,7 +174,7 @@ def test_screen_and_page_say_the_same(found):
     told = replace(found, verdict="ambiguous", effects=(doubted,))
     for said in (found.text(), told.text()):
         assert said.splitlines()[1].startswith("The model lacks ")
-    assert headline(told).startswith("The model lacks something that is viscous asymmetry or quadratic drag (")
+    assert headline(told).startswith("The model lacks either viscous asymmetry or quadratic drag (")
     assert "viscous_asymmetry or quadratic_drag: confidence 0.36" in told.text(verbose=True)
-    assert "36 % that it is viscous_asymmetry; both act along the velocity" in told.text(verbose=True)
+    assert "confidence that it is viscous_asymmetry: 36 %; both depend on velocity" in told.text(verbose=True)
     assert explained_text(found.gap).endswith("of the gap")

@@ -1,7 +1,7 @@
-"""Detection limits: the smallest size of each effect that these logs would have shown with a chance of 95 %.
+"""Detection limits: the smallest size of each effect that the logs would have shown with a probability of 95 %.
 
-What an effect of size 1 puts into the force balance, freed of all that re-tuning explains, has a noncentrality lambda
-that grows with the square of the size. The limit is the size at which the search accepts it 95 times in 100.
+The column of an effect of size 1, orthogonal to the nuisance parameters, has a noncentrality lambda that grows with the
+square of the size. The limit is the size at which the search accepts the effect in 95 of 100 cases.
 """
 
 from __future__ import annotations
@@ -19,21 +19,30 @@ from cogging.diagnosis.balance.cells import dahl, load_response
 from cogging.diagnosis.balance.decision import THRESHOLD, Outcome, block_edges, score_of
 from cogging.diagnosis.balance.evidence import Evidence, orthonormal
 from cogging.diagnosis.entries import Limit
+from cogging.diagnosis.physical import fields_with_role
 from cogging.effects.effect import Effect, Knots, SplineKnots, Wave, kind_of
 
-CHANCE = 0.95  # with which an effect of the size of its limit would have been shown
-PARTS = (0.25, 0.5, 0.75)  # of the range of its shape: where an effect is looked at
-SIZES = 12  # of an effect that its shape makes, as a delay, between the least and the most that its range has
-LEFT = 0.02  # of a column: with less left beside what is re-tuned, the search does not look at it
-TRIALS = {"wave": 1000, "shape": 16, "": 1}  # shapes among which an effect must stand out
+CHANCE = 0.95  # detection probability of an effect at its limit
+PARTS = (0.25, 0.5, 0.75)  # of the range of a shape parameter: values at which an effect is evaluated
+SIZES = 12  # grid of the size of an effect without amplitude, such as a delay
+LEFT = 0.02  # of a column's norm: a smaller part orthogonal to the nuisance parameters is ignored, as in the search
+TRIALS = {"wave": 1000, "shape": 16, "": 1}  # number of shapes that the search tries
 CHANGES = ("mass", "viscous", "coulomb")
-MOST_CHANGED = 2.0  # relative change beyond which a machine is another
-UNSEEN = "it does nothing in this motion that would be told from what is re-tuned"
+MOST_CHANGED = 2.0  # largest relative change of the axis that is reported
+UNSEEN = "in this motion its force is zero or indistinguishable from re-tuning"
 
 
 @dataclass(frozen=True)
 class Size:
-    """What is called the size of an effect: its field, unit, what several fields make, and whether more does more."""
+    """Measure of the size of an effect.
+
+    Attributes:
+        field: field that measures it, or the first of several.
+        unit: its unit.
+        meaning: formula of the size if it has several fields; else empty.
+        of_shape: whether the field is a shape parameter, because the effect has no amplitude.
+        grows: whether a larger value has a larger effect.
+    """
 
     field: str
     unit: str
@@ -43,16 +52,14 @@ class Size:
 
 
 def is_sought(law: Effect) -> bool:
-    """Whether a search looks for an effect: not for one whose amplitudes stand at places of the user's own choice."""
-    return any(
-        role["role"] == "shape" or (role["role"] == "amplitude" and not isinstance(getattr(law, field), list))
-        for field, role in law.ROLES.items()
-    )
+    """Return whether the search tries an effect: not if all its amplitudes are lists at places that the user chose."""
+    scalar = any(not isinstance(getattr(law, field), list) for field in fields_with_role(law, "amplitude"))
+    return scalar or bool(fields_with_role(law, "shape"))
 
 
 def size_of(law: Effect) -> Size | None:
-    """What the size of an effect is; None where no field of it starts from doing nothing."""
-    amplitudes = [field for field, role in law.ROLES.items() if role["role"] == "amplitude"]
+    """Return the measure of the size of an effect, or None if no field of it is neutral at 0 or infinity."""
+    amplitudes = fields_with_role(law, "amplitude")
     if amplitudes:
         wave, first = kind_of(law, Wave), amplitudes[0]
         meaning = f"sqrt({wave.sine}^2 + {wave.cosine}^2)" if wave else ""
@@ -60,59 +67,57 @@ def size_of(law: Effect) -> Size | None:
             meaning = f"largest {meaning or first} along the travel"
         return Size(first, law.FIELDS[first][0], meaning)
     for neutral in (0.0, np.inf):
-        for field, role in law.ROLES.items():
-            if role["role"] == "shape" and role["neutral"] == neutral:
+        for field in fields_with_role(law, "shape"):
+            if law.ROLES[field]["neutral"] == neutral:
                 return Size(field, law.FIELDS[field][0], of_shape=True, grows=neutral == 0.0)
     return None
 
 
-def unmeasured(vocabulary: Mapping[str, Effect]) -> dict[str, Limit]:
-    """No limit of any effect, where nothing was measured."""
-    why, none = "nothing was measured", {}
-    for law in vocabulary.values():
-        size = size_of(law)
-        if is_sought(law) and size is not None:
-            none[law.NAME] = Limit(size.field, size.unit, None, why, size.meaning, not size.grows)
+def unmeasured(vocabulary: Mapping[str, Effect], why: str = "nothing was measured") -> dict[str, Limit]:
+    """Return the limits of all effects and changes of the axis without a value, for a reason."""
+    sizes = [(law.NAME, size) for law in vocabulary.values() if is_sought(law) and (size := size_of(law)) is not None]
+    none = {name: Limit(one.field, one.unit, None, why, one.meaning, not one.grows) for name, one in sizes}
     return none | {f"{name}_change": Limit("change", "1", why=why) for name in CHANGES}
 
 
 def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]:
-    """The detection limit of each effect that was looked for, and of mass, viscous and Coulomb friction."""
+    """Return the detection limit of each effect that the search tries, and of mass, viscous and Coulomb friction."""
     evidence = found.both
-    told, columns, of = {}, [], []
-    for law in vocabulary.values():
+    result, columns, of = unmeasured(vocabulary, UNSEEN), [], []
+    sought = [name for name in result if name in vocabulary]
+    for name in sought:
+        law = vocabulary[name]
         size = size_of(law)
-        if not is_sought(law) or size is None:
-            continue
-        told[law.NAME] = Limit(size.field, size.unit, None, UNSEEN, size.meaning, not size.grows)
+        assert size is not None
         try:
-            for amount, shape, rows in _looked_at(evidence, law, size):
+            for amount, shape, rows in _evaluations(evidence, law, size):
                 columns.append([b.rows(row)[0] for b, row in zip(evidence.balances, rows, strict=True)])
-                of.append((law.NAME, amount, shape))
+                of.append((name, amount, shape))
         except NotImplementedError as why:
-            told[law.NAME] = replace(told[law.NAME], why=str(why))
+            result[name] = replace(result[name], why=str(why))
         except ValueError:
-            told[law.NAME] = replace(told[law.NAME], why="it cannot be evaluated along these logs")
+            result[name] = replace(result[name], why="it cannot be evaluated along these logs")
     tables = [np.array(rows) for rows in zip(*columns, strict=True)]
     names = [name for name, _, _ in of]
     lambdas = noncentralities(evidence, tables)
-    for name in {one.found.name for one in found.accepted} & set(names):  # beside all else that was found
+    for name in {one.found.name for one in found.accepted} & set(names):  # beside the other accepted effects
         mine = [i for i, one in enumerate(names) if one == name]
         lambdas[mine] = noncentralities(evidence, [table[mine] for table in tables], name)
     blocks = len(block_edges(evidence))
-    for name, none in told.items():
+    for name in sought:
         law = vocabulary[name]
-        mine = [i for i, (one, _, _) in enumerate(of) if one == name]
-        kind = (
-            "wave" if kind_of(law, Wave) else "shape" if any(r["role"] == "shape" for r in law.ROLES.values()) else ""
-        )
-        least = needed(2 if kind == "wave" else 1, TRIALS[kind], blocks)
-        told[name] = _solved(none, law, [(of[i][1], of[i][2], float(lambdas[i])) for i in mine], least)
-    return told | _change_limits(evidence, blocks)
+        seen = [(amount, shape, float(lambdas[i])) for i, (one, amount, shape) in enumerate(of) if one == name]
+        kind = "wave" if kind_of(law, Wave) else "shape" if fields_with_role(law, "shape") else ""
+        freedom = 2 if kind == "wave" else 1
+        least = accepted_ratio(freedom, TRIALS[kind], blocks)
+        # noncentrality at which the effect is accepted with a probability of CHANCE
+        needed = float(brentq(lambda c, t=least, k=freedom: ncx2.sf(t, k, c) - CHANCE, 1e-6, 10.0 * least + 100.0))
+        result[name] = _solve(result[name], law, seen, needed)
+    return result | _change_limits(evidence, blocks)
 
 
 def noncentralities(evidence: Evidence, tables: Sequence[FloatArray], name: str = "") -> FloatArray:
-    """Lambda of each column, freed of what re-tuning explains, but for the parameters of an effect of this name."""
+    """Return lambda of each column orthogonal to the nuisance parameters, except those of the effect `name`."""
     null = evidence.screen
     own = (f"effects.{name}.", f"effects.{name}[")
     kept = [k for k in range(len(null.x)) if not (k < len(evidence.paths) and evidence.paths[k].startswith(own))]
@@ -127,39 +132,35 @@ def noncentralities(evidence: Evidence, tables: Sequence[FloatArray], name: str 
     return np.asarray(np.where(after > LEFT * before, after**2, 0.0))
 
 
-def needed(freedom: int, trials: int, blocks: int) -> float:
-    """The noncentrality with which an effect of so many amplitudes is accepted with a chance of 95 %."""
-    least = accepted(freedom, trials, blocks)
-    return float(brentq(lambda one: ncx2.sf(least, freedom, one) - CHANCE, 1e-6, 10.0 * least + 100.0))
-
-
-def accepted(freedom: int, trials: int, blocks: int) -> float:
-    """The likelihood ratio from which an effect of so many amplitudes, the best of so many trials, is accepted."""
+def accepted_ratio(freedom: int, trials: int, blocks: int) -> float:
+    """Return the likelihood ratio (2 ln) at which the search accepts the best of `trials` candidates."""
     return float(brentq(lambda t: score_of(t, freedom, trials, blocks) - THRESHOLD, 1e-6, 1e6))
 
 
-def _solved(none: Limit, law: Effect, seen: list[tuple[float, dict[str, Any], float]], least: float) -> Limit:
+def _solve(none: Limit, law: Effect, seen: list[tuple[float, dict[str, Any], float]], needed: float) -> Limit:
+    """Return the limit from size, shape and lambda of each evaluation; `none` if this motion cannot show the effect."""
     size = size_of(law)
     if size is None or not any(one > 0.0 for _, _, one in seen):
         return none
     held = {k: [one[k] for _, one, _ in seen] for k in seen[0][1] if k != size.field}
     shape = {k: v[0] if min(v) == max(v) else [min(v), max(v)] for k, v in held.items()}
     if not size.of_shape:
-        sizes = sorted(np.sqrt(least / one) * amount if one > 0.0 else np.inf for amount, _, one in seen)
+        sizes = sorted(np.sqrt(needed / one) * amount if one > 0.0 else np.inf for amount, _, one in seen)
         value = float(sizes[len(sizes) // 2])
         return replace(none, value=value, why="", shape=shape) if np.isfinite(value) else replace(none, shape=shape)
-    enough = [amount for amount, _, one in seen if one >= least]
+    enough = [amount for amount, _, one in seen if one >= needed]
     if not enough:
         most = max(seen, key=lambda one: one[2])[0]
         unit = "" if none.unit == "1" else f" {none.unit}"
-        return replace(
-            none, why=f"it would have to be {'beyond' if size.grows else 'below'} {most:.3g}{unit}", shape=shape
-        )
+        why = f"only a value {'above' if size.grows else 'below'} {most:.3g}{unit} would show"
+        return replace(none, why=why, shape=shape)
     return replace(none, value=float(min(enough) if size.grows else max(enough)), why="", shape=shape)
 
 
-def _looked_at(evidence: Evidence, law: Effect, size: Size) -> Iterator[tuple[float, dict[str, Any], list[FloatArray]]]:
-    """Size, shape, and force along each log (V) of an effect where it is looked at."""
+def _evaluations(
+    evidence: Evidence, law: Effect, size: Size
+) -> Iterator[tuple[float, dict[str, Any], list[FloatArray]]]:
+    """Yield size, shape and force along each log (V) of an effect at several shapes."""
     balances, model = evidence.balances, evidence.model
     low = min(float(b.position.min()) for b in balances)
     length = max(float(b.position.max()) for b in balances) - low
@@ -173,10 +174,11 @@ def _looked_at(evidence: Evidence, law: Effect, size: Size) -> Iterator[tuple[fl
         "frequency": evidence.rate,
         "angle": 2.0 * np.pi,
     }
-    ranges = {field: role for field, role in law.ROLES.items() if role["role"] == "shape" and field != size.field}
-    lists = [field for field in ranges if isinstance(getattr(law, field), list)]
+    fields = [field for field in fields_with_role(law, "shape") if field != size.field]
+    scalars = [field for field in fields if not isinstance(getattr(law, field), list)]
 
-    def between(role: Mapping[str, Any], part: float) -> float:
+    def between(field: str, part: float) -> float:
+        role = law.ROLES[field]
         first, last = float(role["low"]), float(role["high"])
         value = first + part * (last - first)
         if role["logarithmic"] and first > 0.0:
@@ -184,59 +186,59 @@ def _looked_at(evidence: Evidence, law: Effect, size: Size) -> Iterator[tuple[fl
         offset = low if role["quantity"] == "position" else 0.0
         return float(offset + value * scales.get(role["quantity"], 1.0))
 
-    for part in PARTS if not size.of_shape else PARTS[1:2]:
-        shape = {field: between(role, part) for field, role in ranges.items() if field not in lists}
-        spread = dict(shape)
-        if size.of_shape:
-            role = law.ROLES[size.field]
-            amounts = np.geomspace(max(role["low"], 1e-3 * role["high"]), role["high"], SIZES)
-            if (
-                role["quantity"] == "stiffness"
-            ):  # the rise of friction takes from a few readings to a part of the travel
-                noise = min(b.encoder_noise for b in balances)
-                amounts = model.axis.coulomb / np.geomspace(12.0 * noise, 0.03 * length, SIZES) / length
-                scales["stiffness"] = length
-            for amount in amounts * scales.get(role["quantity"], 1.0):
-                yield float(amount), spread, _rows(evidence, law, {**shape, size.field: float(amount)}, size)
-            continue
-        window = [field for field, role in ranges.items() if role["quantity"] == "time" and len(ranges) == 2]
+    if size.of_shape:
+        shape = {field: between(field, PARTS[1]) for field in scalars}
+        role = law.ROLES[size.field]
+        amounts = np.geomspace(max(role["low"], 1e-3 * role["high"]), role["high"], SIZES)
+        if role["quantity"] == "stiffness":  # friction rises over 12 encoder steps up to a part of the travel
+            noise = min(b.encoder_noise for b in balances)
+            amounts = model.axis.coulomb / np.geomspace(12.0 * noise, 0.03 * length, SIZES) / length
+            scales["stiffness"] = length
+        for amount in amounts * scales.get(role["quantity"], 1.0):
+            yield float(amount), dict(shape), _rows(evidence, law, {**shape, size.field: float(amount)}, size)
+        return
+    window = [field for field in fields if law.ROLES[field]["quantity"] == "time" and len(fields) == 2]
+    for part in PARTS:
+        shape = {field: between(field, part) for field in scalars}
         if len(window) == 2:
             shape = {window[0]: 0.4 * scales["time"], window[1]: (0.4 + 0.4 * part) * scales["time"]}
         yield 1.0, shape, _rows(evidence, law, shape, size)
 
 
 def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) -> list[FloatArray]:
-    """Force (V) of an effect along each log: of size 1, or as its shape makes it."""
-    model, wave = evidence.model, kind_of(law, Wave)
+    """Return the force (V) of an effect of size 1, or of the size that its shape sets, along each log."""
+    balances, model, wave = evidence.balances, evidence.model, kind_of(law, Wave)
     if "state" in law.HOOKS:
-        return _with_state(evidence, law, shape, size)
-    if kind_of(law, SplineKnots) is not None and wave is not None:  # a wave whose amplitude goes from -1 to 1
-        places = [(b.position - b.position.min()) / max(float(np.ptp(b.position)), 1e-300) for b in evidence.balances]
-        period = shape[wave.shape]
-        return [
-            (2.0 * x - 1.0) * np.sin(2.0 * np.pi * b.position / period)
-            for b, x in zip(evidence.balances, places, strict=True)
-        ]
+        return _rows_with_state(evidence, law, shape)
+    if kind_of(law, SplineKnots) is not None and wave is not None:  # its amplitude grows from -1 to 1
+        period, rows = shape[wave.shape], []
+        for b in balances:
+            place = (b.position - b.position.min()) / max(float(np.ptp(b.position)), 1e-300)
+            rows.append((2.0 * place - 1.0) * np.sin(2.0 * np.pi * b.position / period))
+        return rows
     fields: dict[str, Any] = dict(shape)
     knots = kind_of(law, Knots)
     if knots is not None:
-        low = min(float(b.position.min()) for b in evidence.balances)
-        high = max(float(b.position.max()) for b in evidence.balances)
+        low, high = min(float(b.position.min()) for b in balances), max(float(b.position.max()) for b in balances)
         fields |= {knots.nodes: np.linspace(low, high, 5).tolist(), knots.levels: [1.0, 0.5, -1.0, 0.5, 1.0]}
     elif not size.of_shape:
         fields[size.field] = 1.0
     effect = law.replace(**fields)
     if {"force", "friction_level", "command_gain"} & set(law.HOOKS):
-        return [b.added(model, [effect], u)[0] for b, u in zip(evidence.balances, evidence.drives, strict=True)]
-    small = 1.0 if size.of_shape else 1e-6 * max(float(np.ptp(b.position)) for b in evidence.balances)
+        return [b.added(model, [effect], u)[0] for b, u in zip(balances, evidence.drives, strict=True)]
+    small = 1.0 if size.of_shape else 1e-6 * max(float(np.ptp(b.position)) for b in balances)
     if not size.of_shape:
         effect = effect.replace(**{size.field: small})
     beside = model.replace(effects=(*model.effects, effect))
-    return [(b.residual(model) - b.residual(beside)) / small for b in evidence.balances]
+    return [(b.residual(model) - b.residual(beside)) / small for b in balances]
 
 
-def _with_state(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) -> list[FloatArray]:
-    """Of a load behind a spring, and of a contact that bends before it slides."""
+def _rows_with_state(evidence: Evidence, law: Effect, shape: dict[str, Any]) -> list[FloatArray]:
+    """Return the force (V) along each log of a load behind a spring, or of an elastic contact.
+
+    Raises:
+        NotImplementedError: the force balance cannot represent the effect.
+    """
     fields = {role["quantity"]: shape[field] for field, role in law.ROLES.items() if field in shape}
     axis = evidence.model.axis
     if "frequency" in fields:
@@ -255,22 +257,22 @@ def _with_state(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Si
 
 
 def _change_limits(evidence: Evidence, blocks: int) -> dict[str, Limit]:
-    """The smallest changes of mass, viscous and Coulomb friction, beyond what is stated of them."""
-    told, null, given = {}, evidence.null, evidence.given
+    """Return the smallest detectable changes of mass, viscous and Coulomb friction beyond their stated uncertainty."""
+    result, null, given = {}, evidence.null, evidence.given
     sigma, _ = null.prior
     free = null.gram - np.diag(1.0 / np.maximum(sigma**2 / null.variance, 1e-12))
     deviations = np.sqrt(np.maximum(null.variance * np.diag(np.linalg.pinv(free, hermitian=True)), 0.0)) / null.size
     for name in CHANGES:
-        none, stated, value = Limit("change", "1"), given.uncertainty.get(name), float(getattr(given.axis, name))
+        limit, stated, value = Limit("change", "1"), given.uncertainty.get(name), float(getattr(given.axis, name))
         if stated is None:
-            told[f"{name}_change"] = replace(none, why="the model does not state how well it knows it")
+            limit = replace(limit, why="the model states no uncertainty of it")
         elif f"axis.{name}" not in evidence.paths or value <= 0.0:
-            told[f"{name}_change"] = replace(none, why="it is not fitted to these logs")
+            limit = replace(limit, why="it is not fitted to these logs")
         else:
             own = float(deviations[evidence.paths.index(f"axis.{name}")] / value)
-            least = np.sqrt(accepted(1, 1, blocks)) * np.hypot(own, stated) + norm.ppf(CHANCE) * own
-            enough = replace(none, value=float(least))
-            told[f"{name}_change"] = (
-                enough if least < MOST_CHANGED else replace(none, why=f"it would have to be beyond {MOST_CHANGED:g}")
-            )
-    return told
+            least = np.sqrt(accepted_ratio(1, 1, blocks)) * np.hypot(own, stated) + norm.ppf(CHANCE) * own
+            limit = replace(limit, value=float(least))
+            if least >= MOST_CHANGED:
+                limit = replace(limit, value=None, why=f"only a change above {MOST_CHANGED:g} would show")
+        result[f"{name}_change"] = limit
+    return result

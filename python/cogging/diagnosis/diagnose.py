@@ -1,4 +1,4 @@
-"""`diagnose`: from logs and a model to a verdict, a better model, and what it is worth on other motion."""
+"""`diagnose`: compare logs with a model, name the missing effects, and patch the model."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread, require_rows
 from cogging.simulation.arguments import LOGS, MODEL
 
-MOTION_MIN = 1.0  # s in motion, in all given logs together: in less, friction hides every force
-NOISE = 0.01  # of a gap's power: where a generic force predicts less, a replayed loop shows nothing but noise
-CONTRADICTED = 1.25  # of a gap's power: with all that was found, and in the replayed loop with one effect, no more
-FOLLOWED = 3.0  # floors of noise: a replay farther off the logs measures something else
+MOTION_MIN = 1.0  # s: minimum time in motion, over all given logs
+NOISE = 0.01  # of a gap's power: where a generic force predicts less, the replayed loop leaves only noise
+CONTRADICTED = 1.25  # largest growth of a gap's power with all effects, or with one effect by replay
+FOLLOWED = 3.0  # noise floors: a replay with a larger gap does not follow the logs
 
 
 @check_arguments(logs=LOGS, model=MODEL, confirm=LOGS)
-@np.errstate(all="ignore")  # what wild numbers lead to is refused, not warned of
+@np.errstate(all="ignore")  # invalid values are rejected, not warned about
 @on_one_blas_thread(scipy=True)
 def diagnose(
     logs: Logs,
@@ -55,38 +55,37 @@ def diagnose(
     also: Sequence[Custom] = (),
     progress: Progress = False,
 ) -> Diagnosis:
-    """Find where logs and model disagree, name the missing effect, add it, and say what that is worth.
+    """Find where logs and model disagree, name the missing effects, and add them to the model.
 
-    Along the measured motion the model's forces are held against mass times acceleration. What is left is made white
-    and freed of all that re-tuning could explain; every effect of the vocabulary is tried at all its shapes. What
-    stands in the logs, or in them and other motion (`confirm`) together, is added; what other motion refutes is not.
-    How much that is worth is measured by replaying the loop, where its controller is known.
+    The residual of the force balance along the measured motion is whitened and made orthogonal to everything that
+    re-tuning the model could explain. Each effect of the vocabulary is then tried at all its shapes. An effect is
+    added if the given and confirm logs together support it and neither contradicts it. The gap before and after is
+    measured by replaying the closed loop if its controller is known, otherwise by the force balance.
 
     Args:
         logs: one log or several, or their files.
-        model: model that is held against them, or its file.
-        confirm: logs of other motion: what they refute is not added. Rows that stand in several logs of one kind count
-            once.
+        model: model to compare with the logs, or its file.
+        confirm: logs of other motion; an effect that they contradict is not added. Rows that occur in several logs
+            count once.
         names, confirm_names: names of the logs in messages; their files by default.
-        empirical: whether to add what no effect explains to the model as a force of any shape, where it does not make
-            the gap on the confirm logs larger. It is no effect of the vocabulary; the result's gap is that without it.
-        also: effects of your own (cogging.effects.Custom) that are tried beside the vocabulary: what stands of them
-            bears their names.
-        progress: True shows a line of what is being done, a function is told each step in words.
+        empirical: whether to add an unexplained force to the model as an empirical term, if it makes the gap smaller
+            on given and confirm logs. The gap of the result excludes this term.
+        also: user-defined effects (cogging.effects.Custom) to try beside the vocabulary.
+        progress: True shows a progress line; a function receives the name of each step.
 
     Returns:
         Verdict, missing effects with confidence and parameters, and the patched model; print it to read them.
 
     Raises:
-        ValueError: a log or model that cannot be used, `also` with two effects of one name, or a confirm log with rows
-            of a given one.
-        InputError: a file that cannot be read.
+        ValueError: a log or the model is invalid, `also` has two effects of one name, or a confirm log shares rows
+            with a given log.
+        InputError: a file cannot be read.
 
     Example:
         >>> short = cogging.Log(log.time[:600], log.position[:600], log.command[:600])
         >>> result = cogging.diagnose(short, model)
         >>> print(result.verdict, result.notes[-1])
-        insufficient_excitation the axis moves for ... s only: at rest, friction hides every force
+        insufficient_excitation the axis moves for only ... s: at rest, friction hides every force
     """
     own = by_name(also)
     if not isinstance(model, Model):
@@ -101,19 +100,19 @@ def diagnose(
     running = running_controller(ready.given, model)
     model, notes = running.model, (*ready.notes, *running.notes)
     if running.contradiction is not None:
-        notes = (*notes, f"{running.contradiction}: no model of the plant can help before that is settled")
+        notes = (*notes, f"{running.contradiction}: resolve this before diagnosing the plant")
         return _unmeasured("controller_mismatch", model, notes, vocabulary)
     ready = whole_logs(replace(ready, notes=notes), model)
     moving = sum(seconds_of_motion(log) for log in ready.given)
     if moving < MOTION_MIN:
-        rest = f"the axis moves for {moving:.2g} s only: at rest, friction hides every force"
+        rest = f"the axis moves for only {moving:.2g} s: at rest, friction hides every force"
         return _unmeasured("insufficient_excitation", model, (*ready.notes, rest), vocabulary)
     for name, log in zip(ready.names, ready.given, strict=True):
         if not np.any(log.command):
             unit = model.units.command
             raise ValueError(f"{name}: command: must act on an axis that moves, got 0 {unit} in every row")
     with steps(progress, "diagnose") as begin:
-        begin("searching for what is missing")
+        begin("searching for missing effects")
         try:
             found = search(ready.given, ready.confirm, model, own)
         except TooLittleMotion as error:
@@ -130,7 +129,7 @@ def _unmeasured(
     vocabulary: Mapping[str, Effect],
     mismatch: Mapping[str, Any] | None = None,
 ) -> Diagnosis:
-    """A verdict that comes before anything can be measured."""
+    """Return a result with a verdict that was reached before the search."""
     gap = Gap(model.units.command, 0.0, 0.0, 0.0, None, None, "not measured")
     unseen = _labelled(unmeasured(vocabulary), model.units)
     return Diagnosis(
@@ -149,6 +148,7 @@ def _unmeasured(
 
 
 def _labelled(known: Mapping[str, Limit], units: Units) -> dict[str, Limit]:
+    """Return the limits with the unit labels of the model."""
     return {name: replace(limit, unit=units.of(limit.unit)) for name, limit in known.items()}
 
 
@@ -161,13 +161,13 @@ def _result(
     replay: bool,
     wanted: bool,
 ) -> Diagnosis:
-    """The result of a search: what of it enters the model, what that is worth, and what it is called."""
+    """Decide which effects enter the model, measure the gaps, and assemble the result of a search."""
     units, notes = stated.units, list(logs.notes)
     yardstick = Yardstick(found, logs.given, logs.confirm, stated, replay)
     whole, terms = terms_of(found, stated)
     nominal = found.nominal.settled(found.nominal.model)
 
-    # 1. what of it does not enter the model, and the gaps of the re-tuned model, of the patched one, of each one less
+    # 1. exclude terms; measure the gaps of the re-tuned model, the patched model and the latter less each family
     held_out, refused = _objections(terms, logs, stated)
     families = [[k for k, term in enumerate(terms) if term.accepted is one] for one in found.accepted]
     families = [family for family in families if terms[family[0]].path and not set(family) <= {*held_out, *refused}]
@@ -188,24 +188,24 @@ def _result(
         yardstick = yardstick.by_balance()
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
     given, confirm = balanced if replayed is None or not yardstick.replay else replayed
-    contradicted = held_out if noise else {}  # the loop runs as the model says, and not with it
+    contradicted = held_out if noise else {}  # the replayed loop agrees with the model without these terms
     out = {**held_out, **refused}
     enters = any(term.path and place not in out for place, term in enumerate(terms))
     before, before_there = given[0], confirm[0]
     read = _as_read(yardstick, stated, before)
-    if read is not None and read.rms < before.rms:  # re-tuning that makes the gap larger is none
+    if read is not None and read.rms < before.rms:  # discard re-tuning that makes the gap larger
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
     final = with_intervals(models[1], found.evidence) if enters else nominal
     after, after_there = (given[1], confirm[1]) if enters else (before, before_there)
     ends = [(one, two) for one, two in ((before, after), (before_there, after_there)) if one and two]
     if any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
-        notes.append("all that was found, together, makes the gap larger: the model is left without it")
+        notes.append("all effects together make the gap larger: the model is left without them")
         final, after, after_there = nominal, before, before_there
-        out |= {k: "all that was found makes the gap larger" for k in range(len(terms)) if k not in out}
+        out |= {k: "all effects together make the gap larger" for k in range(len(terms)) if k not in out}
 
-    # 2. what is left, what is called what, and what has no name
+    # 2. the remaining gap, the named effects and the unlisted force
     rest = predicted(after, after_there)
-    command = np.concatenate([rows["command"][mask] for rows, mask in zip(after.rows, after.masks, strict=True)])
+    command = after.in_motion("command")
     rms = float(np.sqrt(np.mean(command**2))) if len(command) else 0.0
     gap = Gap(
         units.command,
@@ -235,9 +235,11 @@ def _result(
     if wanted and without_name is not None:
         final, without_name = _with_empirical(final, without_name, yardstick, after, after_there)
     if found.shift:
-        notes.append(f"the zero of the other motion lies {found.shift:.4g} {units.position} elsewhere, as a wave tells")
+        notes.append(
+            f"the phase of a wave shows that the zero of the confirm logs is {found.shift:.4g} {units.position} off"
+        )
     if found.late:
-        notes.append(f"the command is logged {found.late:.2g} s after it acts: it is taken to act so much earlier")
+        notes.append(f"the command is logged {found.late:.2g} s after it acts, which is corrected here")
     notes += [f"{terms[k].accepted.found.name}: {why}; it is not in the model" for k, why in sorted(out.items())]
     final, of_stated = merged(final, stated)
     notes += of_stated
@@ -262,27 +264,27 @@ def _result(
     )
 
 
-Gaps = tuple[list[Discrepancy], list[Discrepancy | None]]  # on given and confirm logs, one a model
+Gaps = tuple[list[Discrepancy], list[Discrepancy | None]]  # of given and confirm logs, one per model
 
 
 def _gaps(yardstick: Yardstick, models: Sequence[Model]) -> Gaps:
-    """What each model leaves of given and confirm logs."""
+    """Return the gaps of each model on given and confirm logs."""
     return [yardstick.on_given(model) for model in models], [yardstick.on_confirm(model) for model in models]
 
 
 def _replayed(yardstick: Yardstick, models: Sequence[Model]) -> tuple[Gaps | None, str]:
-    """The same by replay of the loop; None where that does not follow the logs, and a clause that says why."""
+    """Return the gaps by replay of the loop, or None if the replay fails, and a clause with the reason."""
     try:
         gaps = _gaps(yardstick, models)
     except (DivergedError, ValueError) as error:
         return None, str(error)
     followed = min(one.rms for one in gaps[0]) <= FOLLOWED * max(predicted(gaps[0][1]).noise, 1e-300)
-    does = "show what was found" if followed else "follow the logs closely enough to measure with"
+    does = "show these effects" if followed else "follow the logs closely enough"
     return gaps if followed else None, f"the replayed loop does not {does}"
 
 
 def _objections(terms: Sequence[Term], logs: Prepared, stated: Model) -> tuple[dict[int, str], dict[int, str]]:
-    """By place, why a term does not enter the model, and why another is none that a machine can have."""
+    """Return by index why a term is uncertain, and why another is unphysical."""
     named = {place: term for place, term in enumerate(terms) if not term.accepted.found.name.startswith("~")}
     refused = {
         place: why
@@ -294,11 +296,11 @@ def _objections(terms: Sequence[Term], logs: Prepared, stated: Model) -> tuple[d
 
 
 def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
-    """By how much more power is left with each family than without it, all else re-tuned, and a clause; 0 by chance.
+    """Return the relative growth of the gap's power with each family (0 within chance), and a clause on it.
 
     Args:
-        gaps: of the nominal model, of the patched one, and of that without each family; by the balance, and by the
-            replayed loop, in which the friction about every reversal counts: CONTRADICTED times the power is by chance.
+        gaps: gaps of the nominal model, the patched one and the latter without each family; by the force balance and
+            by replay, where growth up to CONTRADICTED is chance because friction about every reversal counts.
         units: labels.
     """
     count = len(gaps[0][0]) - 2
@@ -311,16 +313,16 @@ def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
             if one is None or full is None:
                 continue
             more = (full.rms**2 - one.rms**2) / max(one.rms**2, 1e-300)
-            # what is chosen by the given logs grows there by chance, with what the law of friction leaves of them
+            # on the given logs, an inexact friction law lets the gap grow by chance
             harmful = growth(one, full) if which and full.signal != REPLAYED else more > CONTRADICTED - 1.0
             if harmful and more > harm[place]:
-                told = f"({full.signal}) goes from {one.rms:.4g} to {full.rms:.4g} {units.command}"
-                harm[place], why[place] = more, f"with it the gap{which} {told}"
+                change = f"({full.signal}) grows from {one.rms:.4g} to {full.rms:.4g} {units.command}"
+                harm[place], why[place] = more, f"with it the gap{which} {change}"
     return harm, why
 
 
 def _as_read(yardstick: Yardstick, stated: Model, before: Discrepancy) -> Discrepancy | None:
-    """What the stated model leaves of the given logs; None where its replay fails."""
+    """Return the gap of the stated model on the given logs, or None if its replay fails."""
     try:
         return yardstick.on_given(stated)
     except (DivergedError, ValueError):
@@ -328,10 +330,11 @@ def _as_read(yardstick: Yardstick, stated: Model, before: Discrepancy) -> Discre
 
 
 def _refused_entry(term: Term, why: str) -> dict[str, Any]:
+    """Return the `unlisted` entry of an unphysical effect."""
     found = term.accepted.found
     return {
         "coordinate": "position" if term.curve is None else str(term.curve["coordinate"]),
-        "shape": f"something acts that is most like {found.name.replace('_', ' ')}, but {why}",
+        "shape": f"the force is most like {found.name.replace('_', ' ')}, but {why}",
         "share": None,
         "statistic": float(term.accepted.score),
         "confirmed": None,
@@ -345,23 +348,23 @@ def _with_empirical(
     after: Discrepancy,
     there: Discrepancy | None,
 ) -> tuple[Model, dict[str, Any]]:
-    """The model with an empirical force where it makes the gap smaller, and what that is worth."""
+    """Return the model with an empirical force if that makes the gap smaller, and the entry with its gaps."""
     term = empirical_term(entry)
     if term is None:
-        note = f"no empirical term is a function of {entry['coordinate']} alone: it is described, not added"
+        note = f"no empirical term depends on {entry['coordinate']} alone: it is described, not added"
         return final, dict(entry) | {"not_added": note}
     larger = final.replace(effects=(*final.effects, term))
     try:
         with_it, with_it_there = yardstick.on_given(larger), yardstick.on_confirm(larger)
     except (DivergedError, ValueError) as error:
-        return final, dict(entry) | {"not_added": f"the model with an empirical term cannot be measured: {error}"}
+        return final, dict(entry) | {"not_added": f"the gap with an empirical term cannot be measured: {error}"}
     worse = with_it.rms >= after.rms or bool(there and with_it_there and with_it_there.rms >= there.rms)
     if worse:
         return final, dict(entry) | {"not_added": "an empirical term does not make the gap smaller: it is not added"}
-    told = {"name": term.NAME, "signal": after.signal, "gap_before": after.rms, "gap_after": with_it.rms}
-    told |= {"confirm_before": None if there is None else there.rms}
-    told |= {"confirm_after": None if with_it_there is None else with_it_there.rms}
-    return larger, dict(entry) | {"added": told}
+    added = {"name": term.NAME, "signal": after.signal, "gap_before": after.rms, "gap_after": with_it.rms}
+    added |= {"confirm_before": None if there is None else there.rms}
+    added |= {"confirm_after": None if with_it_there is None else with_it_there.rms}
+    return larger, dict(entry) | {"added": added}
 
 
 def _ledger(
@@ -372,32 +375,32 @@ def _ledger(
     confirm: Sequence[Discrepancy | None],
     found: Outcome,
 ) -> list[Step]:
-    """What was accepted, with the gaps of the patched model without and with it; what was refused, and why."""
-    told = []
+    """Return the accepted effects with the gaps without and with each, and the refused ones with the reason."""
+    steps_taken = []
     family_of = {k: place for place, family in enumerate(families) for k in family}
     for k, term in enumerate(terms):
         one, score = term.accepted, float(term.accepted.score)
         name = one.found.name.lstrip("~")
         if k in out or not term.path:
-            why = out.get(k, "it is there, but has no law that the model could have")
-            told.append(Step(name, False, why, score, None, None, None, None))
+            why = out.get(k, "it is significant, but has no law that the model can represent")
+            steps_taken.append(Step(name, False, why, score, None, None, None, None))
             continue
         less = 2 + family_of[k]
         there = [None if d is None else d.rms for d in (confirm[less], confirm[1])]
-        reason = f"the likeliest in {100.0 * one.share:.0f} of 100 resampled motions"
-        told.append(Step(name, True, reason, score, given[less].rms, given[1].rms, *there))
+        reason = f"probability {100.0 * one.share:.0f} % over resampled motion"
+        steps_taken.append(Step(name, True, reason, score, given[less].rms, given[1].rms, *there))
     for name, gains, expected in found.refused:
         logs = ("given", "other")
         against = [
             f"{g:.0f} on the {which} motion, {e:.0f} expected"
             for g, e, which in zip(gains, expected, logs, strict=True)
         ]
-        reason = f"logs that can show it show the contrary: gains of 2 ln likelihood are {'; '.join(against)}"
-        told.append(Step(name.lstrip("~"), False, reason, float(sum(gains)), None, None, None, None))
-    return told
+        reason = f"the logs contradict it: the gain in 2 ln likelihood is {'; '.join(against)}"
+        steps_taken.append(Step(name.lstrip("~"), False, reason, float(sum(gains)), None, None, None, None))
+    return steps_taken
 
 
 def _series(before: Discrepancy, after: Discrepancy) -> dict[str, Any]:
-    """Rows of the logs by name, for the figures."""
-    told: dict[str, Any] = {name: [rows[name] for rows in before.rows] for name in before.rows[0]}
-    return told | {"gap_before": before.series, "gap_after": after.series, "mask": before.masks}
+    """Return the rows of the logs for the figures, by name."""
+    series: dict[str, Any] = {name: [rows[name] for rows in before.rows] for name in before.rows[0]}
+    return series | {"gap_before": before.series, "gap_after": after.series, "mask": before.masks}

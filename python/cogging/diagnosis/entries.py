@@ -1,4 +1,4 @@
-"""Entries of a result: parameters, named effects, the gap, and what was tried."""
+"""Entries of a result: parameters, named effects, the gap, the ledger and detection limits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-CLOSED_MIN = 1e-3  # of the squared gap: less above the floor is no share to close
+SURE = 0.9  # minimum confidence of a named effect (contract)
+CLOSED_MIN = 1e-3  # of the squared gap: minimum power above the floor
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Value:
     ci95: tuple[Any, Any]
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers for JSON."""
+        """Return the entry of the JSON result."""
         return {"value": self.value, "unit": self.unit, "ci95": list(self.ci95)}
 
 
@@ -28,16 +29,16 @@ class NamedEffect:
 
     Attributes:
         name: name in the vocabulary.
-        alternatives: other names that these logs cannot tell from it.
+        alternatives: other names that these logs cannot distinguish from it.
         confidence: stated probability that the name is right.
-        parameters: values by field; of a change: `change` = new / old - 1.
-        where: coordinate and range in which it sits.
-        statistic: twice the log-likelihood ratio of it against none, less what its amplitudes and its scan cost.
+        parameters: values by field; for a change of the axis, `change` = new / old - 1.
+        where: coordinate and range in which it acts.
+        statistic: 2 ln likelihood ratio against the null hypothesis, less the penalty for amplitudes and trials.
         further: parameters of further terms of the same name (harmonics).
-        share: of the power of the gap before, what it takes.
-        shape: "other" where its law is not the plainest; else "".
-        curve: the force that it then is over one coordinate (`coordinate`, `places`, `force` in V); None where no
-            function of one coordinate gives it.
+        share: share of the power of the gap before that it explains.
+        shape: "other" if its force deviates from the basic law; else "".
+        curve: that force over one coordinate (`coordinate`, `places`, `force` in V); None if it is no function of one
+            coordinate.
         in_model: whether the patched model has it.
     """
 
@@ -54,8 +55,8 @@ class NamedEffect:
     in_model: bool = True
 
     def to_dict(self) -> dict[str, Any]:
-        """The effect as an entry of the JSON result."""
-        told = {
+        """Return the entry of the JSON result."""
+        entry = {
             "name": self.name,
             "alternatives": list(self.alternatives),
             "confidence": self.confidence,
@@ -66,8 +67,8 @@ class NamedEffect:
             "further": [{name: value.to_dict() for name, value in term.items()} for term in self.further],
             "in_model": self.in_model,
         }
-        other = {"shape": self.shape} if self.shape else {}
-        return told | other | ({} if self.curve is None else {"curve": dict(self.curve)})
+        shape = {"shape": self.shape} if self.shape else {}
+        return entry | shape | ({} if self.curve is None else {"curve": dict(self.curve)})
 
 
 @dataclass(frozen=True)
@@ -77,9 +78,9 @@ class Step:
     Attributes:
         name: name of the effect.
         accepted: whether it was added.
-        reason: sentence on why it was added or refused.
-        statistic: twice its log-likelihood ratio, less what its amplitudes and its scan cost.
-        gap_before, gap_after: gaps of the models without and with it, V; None where it is not in the model.
+        reason: why it was added or refused.
+        statistic: 2 ln likelihood ratio, less the penalty for amplitudes and trials.
+        gap_before, gap_after: gaps of the models without and with it, V; None if it is not in the model.
         confirm_before, confirm_after: the same on the confirm logs.
     """
 
@@ -95,19 +96,19 @@ class Step:
 
 @dataclass(frozen=True)
 class Gap:
-    """The gap: rms over rows in motion of what the model leaves unexplained, in the unit of the command.
+    """The gap: rms of the unexplained force over rows in motion, in the unit of the command.
 
     Attributes:
         unit: unit of the command.
-        floor: gap that noise and quantiser alone would leave.
-        given: gap of the model as it was read, before any re-tuning; None where it cannot be measured.
-        before, after: gaps of the re-tuned model, and of that with what was found.
-        confirm_before, confirm_after: the same on the confirm logs; None without.
-        signal: name of what was compared.
-        position_before, position_after: rms of measured less replayed position, m; None where no loop is replayed.
-        share: `after` over the rms command in motion; None where nothing was measured.
-        predictable: of the power that is left after, the share that a generic force of place, speed, direction,
-            acceleration and command, fitted to the given logs, predicts on the confirm logs; None without any.
+        floor: gap that noise and quantisation alone would leave.
+        given: gap of the model as read, before re-tuning; None if it cannot be measured.
+        before, after: gaps of the re-tuned model and of the patched model.
+        confirm_before, confirm_after: the same on the confirm logs; None without any.
+        signal: compared signal.
+        position_before, position_after: rms of measured less replayed position, m; None without replay.
+        share: `after` over the rms command in motion; None if nothing was measured.
+        predictable: share of the power of `after` that a generic force of position, speed, direction, acceleration
+            and command, fitted to the given logs, predicts on the confirm logs; None without any.
     """
 
     unit: str
@@ -125,23 +126,21 @@ class Gap:
 
     @property
     def closed(self) -> float | None:
-        """Share of the gap's power above the floor that the found effects take away; None where there is none."""
+        """Share of the gap's power above the floor that the found effects explain; None without such power."""
         above = self.before**2 - self.floor**2
-        return (
-            (self.before**2 - self.after**2) / above
-            if above > CLOSED_MIN * self.before**2 and self.before > 0.0
-            else None
-        )
+        if self.before <= 0.0 or above <= CLOSED_MIN * self.before**2:
+            return None
+        return (self.before**2 - self.after**2) / above
 
     @property
     def confirmed(self) -> float | None:
         """Gap after over gap before on the confirm logs; None without any."""
-        return (
-            self.confirm_after / self.confirm_before if self.confirm_before and self.confirm_after is not None else None
-        )
+        if not self.confirm_before or self.confirm_after is None:
+            return None
+        return self.confirm_after / self.confirm_before
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers for JSON."""
+        """Return the entry of the JSON result."""
         return {
             "unit": self.unit,
             "floor": self.floor,
@@ -160,16 +159,16 @@ class Gap:
 
 @dataclass(frozen=True)
 class Limit:
-    """The smallest size of an effect that the logs would have shown with a chance of 95 %.
+    """Detection limit: the smallest size of an effect that the logs would have shown with a probability of 95 %.
 
     Attributes:
-        parameter: field that is the size, or the first of several; `change` of a parameter, new / old - 1.
-        unit: of the size.
-        value: the size; None where this motion cannot show it.
-        why: why there is no value; empty where there is one.
-        meaning: how several fields make one size; empty where it is the field alone.
-        smaller_shows: whether a smaller value does more: of a stiffness, or of a limit.
-        shape: numbers of the shape for which it holds, or the range of those that were looked at.
+        parameter: field that measures the size, or the first of several; `change` (new / old - 1) of the axis.
+        unit: unit of the size.
+        value: detection limit; None if this motion cannot show the effect.
+        why: why there is no value; empty if there is one.
+        meaning: formula of the size if it has several fields; else empty.
+        smaller_shows: whether a smaller value has a larger effect, as for a stiffness or a command limit.
+        shape: shape parameters for which the limit holds, or their ranges.
     """
 
     parameter: str
@@ -181,8 +180,8 @@ class Limit:
     shape: Mapping[str, Any] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any] | None:
-        """The limit as an entry of the JSON result; None where there is none."""
+        """Return the entry of the JSON result, or None without a limit."""
         if self.value is None:
             return None
-        told = {"parameter": self.parameter, "value": self.value, "unit": self.unit, "shape": dict(self.shape)}
-        return told | ({"meaning": self.meaning} if self.meaning else {}) | {"smaller_shows": self.smaller_shows}
+        entry = {"parameter": self.parameter, "value": self.value, "unit": self.unit, "shape": dict(self.shape)}
+        return entry | ({"meaning": self.meaning} if self.meaning else {}) | {"smaller_shows": self.smaller_shows}

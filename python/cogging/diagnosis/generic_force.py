@@ -1,4 +1,4 @@
-"""Whether what is left is noise: how much of it a generic force, fitted on some motion, predicts on other motion."""
+"""Test whether an unexplained force is noise: how much of it a generic force, fitted to some motion, predicts."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats
 from cogging.diagnosis.yardstick import Discrepancy
 
-#: Places at which a force along each coordinate may bend: enough for what slow forces do, few against the rows.
+#: Nodes of the piecewise linear force along each coordinate.
 BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13, "time": 13}
-LAGS = tuple(2**k for k in range(9))  # rows by which the drive is moved: what a memory of the actuator would do
-FOLDS, BLOCKS = 5, 20  # parts of the given logs, each predicted by the others; blocks of a log dealt to them in turn
-RIDGES = 10.0 ** (0.5 * np.arange(-8, 5))  # of a column's power, of which the parts choose one
-LASTING = 0.05  # of the power: where another coordinate predicts more, time is not told before it
-APART = 0.01  # of the range: places of a force are farther from each other
-LEAST = 1e-9  # of the largest column's power: what an empty one counts as
+LAGS = tuple(2**k for k in range(9))  # rows by which the acceleration is delayed, for actuator dynamics
+FOLDS, BLOCKS = 5, 20  # folds of the cross-validation; blocks of a log that are dealt to them in turn
+RIDGES = 10.0 ** (0.5 * np.arange(-8, 5))  # ridge parameters, relative to a column's power
+LASTING = 0.05  # of the power: where another coordinate predicts more, time is listed after it
+APART = 0.01  # of the range: minimum distance of nodes
+LEAST = 1e-9  # of the largest column's power: minimum power of a column
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A force (V) at places of one coordinate, and what it predicts of the power that is left, 0 to 1."""
+    """A force (V) at places of one coordinate, and the share of the gap's power that it predicts, 0 to 1."""
 
     coordinate: str
     share: float
@@ -34,13 +34,13 @@ class Curve:
 
 @dataclass(frozen=True)
 class Predicted:
-    """What a generic force predicts of the power of what is left.
+    """Share of the gap's power that a generic force predicts.
 
     Attributes:
-        within: of the power on the given logs, what the force predicts of blocks from the others; 0 to 1.
-        elsewhere: of that on the confirm logs, what it predicts fitted to the given logs; None without confirm logs.
-        curves: the force in each coordinate alone, the one that predicts most first.
-        noise: rms that is left of the given logs beside the whole force, V, less the freedom that it takes.
+        within: share on the given logs by cross-validation, 0 to 1.
+        elsewhere: share on the confirm logs after a fit to the given logs; None without confirm logs.
+        curves: force along each coordinate alone, the largest share first.
+        noise: rms residual of the complete force on the given logs, V, corrected for its degrees of freedom.
     """
 
     within: float
@@ -50,18 +50,18 @@ class Predicted:
 
     @property
     def share(self) -> float:
-        """What it predicts at best: what repeats itself on the given logs alone is no noise either."""
+        """The larger share of given and confirm logs."""
         return max(self.within, self.elsewhere or 0.0)
 
 
 def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predicted:
-    """Fit a force of place and direction, speed, acceleration, command and time to what is left; predict elsewhere.
+    """Fit a force of position, direction, speed, acceleration, command and time, and return what it predicts.
 
-    The force is a sum of piecewise linear functions and of the drive at other moments, fitted by ridge regression.
+    The force is a sum of piecewise linear functions and of delayed accelerations, fitted by ridge regression.
 
     Args:
-        given: what is left of the given logs.
-        confirm: the same of the confirm logs, where the force of time takes no part.
+        given: unexplained force of the given logs.
+        confirm: unexplained force of the confirm logs, to which the force of time does not apply.
     """
     places = {name: _places(name, given) for name in BENDS}
     groups, table, left = _rows(given, places)
@@ -72,7 +72,7 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     for name in BENDS:
         share, force, deviation = _fit(sums, None if name == "time" else elsewhere, groups == name)
         curves.append(Curve(name, share, places[name], given.push * force, deviation))
-    # whatever lasts is a function of time as well: that is told where no other coordinate says it
+    # every persistent force is a function of time too: list time after the other coordinates
     lasts = max(curve.share for curve in curves if curve.coordinate != "time") > LASTING
     curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))
     lasting = groups != "time"
@@ -84,9 +84,8 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
 
 
 def _places(name: str, given: Discrepancy) -> FloatArray:
-    """Where a force may bend: evenly along travel and time, else where as many rows are between."""
-    seen = np.concatenate([rows[name][mask] for rows, mask in zip(given.rows, given.masks, strict=True)])
-    share = np.linspace(0.0, 1.0, BENDS[name])
+    """Return the nodes of a coordinate: equally spaced along position and time, else at quantiles."""
+    seen, share = given.in_motion(name), np.linspace(0.0, 1.0, BENDS[name])
     if name in ("position", "time"):
         return np.unique(seen.min() + np.ptp(seen) * share)
     kept: list[float] = []
@@ -97,7 +96,7 @@ def _places(name: str, given: Discrepancy) -> FloatArray:
 
 
 def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Coordinate of each column, columns, and what is left, over rows in motion."""
+    """Return the coordinate of each column, the columns and the unexplained force over rows in motion."""
     tables = []
     for rows, mask in zip(gap.rows, gap.masks, strict=True):
         parts = {
@@ -111,11 +110,10 @@ def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArra
         parts["drive"] = drive[np.array(later)][:, mask]
         tables.append(np.vstack(list(parts.values())))
     names = np.repeat(list(parts), [len(part) for part in parts.values()])
-    left = np.concatenate([row[mask] for row, mask in zip(gap.series, gap.masks, strict=True)])
-    return names, np.concatenate(tables, axis=1), left
+    return names, np.concatenate(tables, axis=1), gap.in_motion()
 
 
-Sums = tuple[FloatArray, FloatArray, float]  # columns by columns and by what is left, and its power
+Sums = tuple[FloatArray, FloatArray, float]  # Gram matrix of columns, their products with the force, its power
 
 
 def _sums(table: FloatArray, left: FloatArray) -> Sums:
@@ -123,13 +121,14 @@ def _sums(table: FloatArray, left: FloatArray) -> Sums:
 
 
 def _weights(parts: Sequence[Sums], used: Mask, ridge: float) -> FloatArray:
+    """Return the amplitudes of a ridge regression."""
     gram = np.sum([part[0][np.ix_(used, used)] for part in parts], axis=0)
     size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
     return np.asarray(np.linalg.solve(gram + ridge * np.diag(size), np.sum([part[1][used] for part in parts], axis=0)))
 
 
 def _fit(parts: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[float, FloatArray, FloatArray]:
-    """Share of the power that some columns predict, and their amplitudes with deviations."""
+    """Return the share of the power that some columns predict, their amplitudes and standard deviations."""
     own = [(gram[np.ix_(used, used)], right[used], power) for gram, right, power in parts]
     every = np.ones(int(used.sum()), dtype=bool)
 
@@ -154,6 +153,6 @@ def _fit(parts: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[flo
 
 
 def _lost(force: FloatArray, sums: Sums) -> float:
-    """Power that is left with a force."""
+    """Return the residual power of a force."""
     gram, right, power = sums
     return float(power - 2.0 * force @ right + force @ gram @ force)

@@ -1,4 +1,4 @@
-"""Locating a gap before anything is named: which coordinate, which place in it, which period or frequency."""
+"""Localisation of a gap without naming an effect: coordinates, places, spatial periods and frequencies."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cogging.diagnosis.balance.decision import Outcome
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.diagnosis.generic_force import Predicted, predicted
-from cogging.diagnosis.location import TOLD, Location, Wave
+from cogging.diagnosis.location import SIGNIFICANT, Location, Wave
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape
 from cogging.diagnosis.preparation import Logs, read_logs
 from cogging.diagnosis.yardstick import Discrepancy, Yardstick
@@ -23,11 +23,11 @@ from cogging.model.model import Model
 from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOGS, MODEL
 
-PLACES = 12  # at which a force of any shape in one coordinate is tested
-WAVES = 4  # periods, and as many frequencies, that are looked at
-TURNS = 4.0  # in the travel or the log: coordinates tell slower waves
-SHADOW = 0.1  # of the strongest wave's share: weaker ones are its shadows
-SMALL = 1e-3  # of the rms command: what is left of less is that of integration and rounding
+PLACES = 12  # nodes of the generic force that is tested along each coordinate
+WAVES = 4  # maximum number of frequencies that are tested
+TURNS = 4.0  # minimum periods in the travel or the log; slower waves show in the coordinates
+SHADOW = 0.1  # of the largest share: smaller waves are side lobes
+SMALL = 1e-3  # of the rms command: a smaller gap is integration and rounding error
 ROUNDS = 3  # of re-tuning
 
 
@@ -37,21 +37,21 @@ def locate_gap(
     logs: Logs,
     model: Model | str | os.PathLike[str],
 ) -> Location:
-    """Say where logs and a model disagree: in which coordinate, where in it, at which period or frequency.
+    """Locate the gap between logs and a model by coordinate, place, spatial period and frequency.
 
-    The model is re-tuned first, as far as its statement allows; what is left is tested against a force of any shape in
-    each coordinate and against waves in place and in time. No effect is named.
+    The model is first re-tuned within its stated uncertainty. The unexplained force is then tested against a generic
+    force along each coordinate and against waves in position and time. No effect is named.
 
     Args:
-        logs: one or several, or their files.
-        model: what is believed, or its file.
+        logs: one log or several, or their files.
+        model: model to compare with the logs, or its file.
 
     Returns:
-        Shares of the gap by coordinate, and what repeats itself in place or time; print it to read them.
+        Shares of the gap by coordinate, spatial period and frequency; print it to read them.
 
     Raises:
-        ValueError: a log or model that cannot be used.
-        InputError: a file that cannot be read.
+        ValueError: a log or the model is invalid.
+        InputError: a file cannot be read.
 
     Example:
         >>> where = cogging.locate_gap(log, model)
@@ -73,21 +73,19 @@ def locate_gap(
 
 
 def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Location:
-    """The location of what a re-tuned model leaves.
+    """Return the location of the unexplained force of a re-tuned model.
 
     Args:
-        evidence: of the given logs under that model.
-        gap: what it leaves.
-        rest: what a generic force predicts of that.
+        evidence: evidence of the given logs under that model.
+        gap: unexplained force.
+        rest: prediction of it by a generic force.
     """
     shapes = []
-    command = np.concatenate([rows["command"][mask] for rows, mask in zip(gap.rows, gap.masks, strict=True)])
-    nothing = gap.rms < SMALL * float(np.sqrt(np.mean(command**2)))
+    nothing = gap.rms < SMALL * float(np.sqrt(np.mean(gap.in_motion("command") ** 2)))
     for curve in rest.curves:
         name, tables = curve.coordinate, []
         for b, u in zip(evidence.balances, evidence.drives, strict=True):
-            values = {"command": u}.get(name)
-            table = hats(getattr(b, name) if values is None else values, _places(evidence, name))
+            table = hats(u if name == "command" else getattr(b, name), _places(evidence, name))
             if name == "position":
                 table = np.vstack([table * (b.velocity > 0.0), table * (b.velocity <= 0.0)])
             tables.append(b.rows(table))
@@ -112,6 +110,7 @@ def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Locati
 
 
 def _places(evidence: Evidence, name: str) -> np.ndarray:
+    """Return the nodes of a coordinate: equally spaced along position and time, else at quantiles."""
     drives = zip(evidence.balances, evidence.drives, strict=True)
     values = np.concatenate([(u if name == "command" else getattr(b, name))[b.keep > 0] for b, u in drives])
     if name in ("position", "time"):
@@ -121,47 +120,39 @@ def _places(evidence: Evidence, name: str) -> np.ndarray:
 
 
 def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
-    """Waves of force in place and in time, the strongest first."""
+    """Return the significant waves of force in position and in time, the strongest first."""
     search, balances = Search(evidence), evidence.balances
-    weighed = search.weights
-    low = min(float(b.position.min()) for b in balances)
-    travel = max(float(b.position.max()) for b in balances) - low
-    duration = max(float(b.time[-1]) for b in balances)
-    found = []
-    every = [np.ones(len(b.time)) for b in balances]
-    peaks, trials = wave_scan(search, every)
-    places, pulls = np.concatenate([b.position for b in balances]), np.concatenate(weighed)
-    for number, _ in peaks:
-        if number * travel < TURNS:
-            continue
-        number = sharpen(lambda k: float(abs(pulls @ np.exp(2j * np.pi * k * places))), number, 0.25 / travel)
-        found.append(("spatial period", number, 1.0 / number, "m", [b.position for b in balances], trials))
-    times = np.concatenate([b.time for b in balances])
-    size = int(2 ** np.ceil(np.log2(2 * max(len(g) for g in weighed))))
-    loud = np.sum([np.abs(np.fft.rfft(g, size)) ** 2 for g in weighed], axis=0)
-    rate = np.fft.rfftfreq(size, balances[0].step)
-    loud[(rate < TURNS / duration) | (rate > 0.4 * evidence.rate)] = 0.0
+    weights, travel, duration = search.weights, float(search.length), float(search.duration)
+    pulls = np.concatenate(weights)
+
+    def refine(name: str, number: float, extent: float) -> float:
+        place = np.concatenate([getattr(b, name) for b in balances])
+        return sharpen(lambda k: float(abs(pulls @ np.exp(2j * np.pi * k * place))), number, 0.25 / extent)
+
+    found: list[tuple[str, float, int]] = []  # coordinate, cycles per unit of it, trials
+    peaks, trials = wave_scan(search, [np.ones(len(b.time)) for b in balances])
+    found += [("position", refine("position", k, travel), trials) for k, _ in peaks if k * travel >= TURNS]
+    size = int(2 ** np.ceil(np.log2(2 * max(len(g) for g in weights))))
+    power = np.sum([np.abs(np.fft.rfft(g, size)) ** 2 for g in weights], axis=0)
+    frequency = np.fft.rfftfreq(size, balances[0].step)
+    power[(frequency < TURNS / duration) | (frequency > 0.4 * evidence.rate)] = 0.0
     for _ in range(WAVES):
-        number = float(rate[int(np.argmax(loud))])
-        if number > 0.0 and loud.max() > 0.0:
-            trials = int(duration * 0.4 * evidence.rate)
-            loudest = number
-            number = sharpen(lambda f: float(abs(pulls @ np.exp(2j * np.pi * f * times))), number, 0.25 / duration)
-            found.append(("frequency", number, number, "Hz", [b.time for b in balances], trials))
-            loud[np.abs(rate - loudest) < 1.0 / duration] = 0.0
-    told: list[Wave] = []
-    for coordinate, number, value, unit, along, trials in found:
-        turns = [2.0 * np.pi * number * one for one in along]
+        peak = float(frequency[int(np.argmax(power))])
+        if peak > 0.0 and power.max() > 0.0:
+            found.append(("time", refine("time", peak, duration), int(duration * 0.4 * evidence.rate)))
+            power[np.abs(frequency - peak) < 1.0 / duration] = 0.0
+    waves: list[Wave] = []
+    for name, number, trials in found:
+        turns = [2.0 * np.pi * number * getattr(b, name) for b in balances]
         tables = [b.rows(np.vstack([np.sin(t), np.cos(t)])) for b, t in zip(balances, turns, strict=True)]
         statistic, _, freedom = evidence.score(tables)
         chance = float(chi2.logsf(statistic, max(freedom, 1)) + np.log(trials))
-        if chance < TOLD:
-            name = "position" if coordinate == "spatial period" else "time"
-            place = np.concatenate([rows[name][mask] for rows, mask in zip(gap.rows, gap.masks, strict=True)])
-            left = np.concatenate([row[mask] for row, mask in zip(gap.series, gap.masks, strict=True)])
+        if chance < SIGNIFICANT:
+            place = gap.in_motion(name)
             turn = np.array([np.ones(len(place)), *(f(2.0 * np.pi * number * place) for f in (np.sin, np.cos))])
-            amplitude = float(np.hypot(*np.linalg.lstsq(turn.T, left, rcond=None)[0][1:]))
+            amplitude = float(np.hypot(*np.linalg.lstsq(turn.T, gap.in_motion(), rcond=None)[0][1:]))
             share = min(1.0, 0.5 * amplitude**2 / gap.rms**2)
-            told.append(Wave(coordinate, float(value), unit, amplitude, chance, share))
-    told.sort(key=lambda wave: -wave.share)
-    return [wave for wave in told if wave.share >= SHADOW * told[0].share]
+            kind = ("spatial period", 1.0 / number, "m") if name == "position" else ("frequency", number, "Hz")
+            waves.append(Wave(*kind, amplitude, chance, share))
+    waves.sort(key=lambda wave: -wave.share)
+    return [wave for wave in waves if wave.share >= SHADOW * waves[0].share]

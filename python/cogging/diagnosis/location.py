@@ -1,7 +1,4 @@
-"""Where a gap sits, on its own: by coordinate, by spatial period and by frequency, before anything is named.
-
-A location is held and shown; `cogging.diagnosis.locate` computes it.
-"""
+"""Location of a gap by coordinate, spatial period and frequency, as `cogging.diagnosis.locate` computes it."""
 
 from __future__ import annotations
 
@@ -19,20 +16,20 @@ from cogging.values import ByValue
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TOLD = -9.5  # ln p: a coordinate or wave of less is told
+SIGNIFICANT = -9.5  # largest ln p of a coordinate or wave that is reported
 
 
 @dataclass(frozen=True)
 class Wave:
-    """A force that repeats itself, in place or in time.
+    """A periodic force in position or time.
 
     Attributes:
         coordinate: "spatial period" or "frequency".
         value: period (m) or frequency (Hz).
         unit: m or Hz.
         amplitude: amplitude of the force, V.
-        log_p_value: ln of the probability that noise alone shows as much at any period or frequency.
-        share: of the gap's power.
+        log_p_value: ln of the probability that noise alone shows such a wave at any period or frequency.
+        share: share of the gap's power.
     """
 
     coordinate: str
@@ -43,12 +40,11 @@ class Wave:
     share: float
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers for JSON."""
-        told = vars(self)
-        return {"log_chance" if name == "log_p_value" else name: told[name] for name in told}
+        """Return the entry of the JSON result."""
+        return {"log_chance" if name == "log_p_value" else name: value for name, value in vars(self).items()}
 
     def text(self, units: Units) -> str:
-        """In words."""
+        """Return the wave in words."""
         size = f"{self.amplitude:.3g} {units.command}, {share_text(self.share)} of the gap"
         if self.coordinate == "frequency":
             return f"at {self.value:.4g} Hz: {size}"
@@ -57,12 +53,12 @@ class Wave:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Location(ByValue):
-    """Where logs and a model disagree after the model was re-tuned.
+    """Location of the gap between logs and a re-tuned model.
 
     Attributes:
-        shapes: residual shapes, one a coordinate, the likeliest first.
-        waves: forces that repeat themselves, the strongest first.
-        residual: rms of what the re-tuned model leaves in rows in motion, V.
+        shapes: unexplained force along each coordinate, the most significant first.
+        waves: periodic forces, the strongest first.
+        residual: rms of the unexplained force over rows in motion, V.
         model: re-tuned model.
         series: rows of the logs by name, for the figures: time, position, velocity, acceleration, command, gap, mask.
     """
@@ -75,32 +71,32 @@ class Location(ByValue):
 
     def _brief(self) -> str:
         first = max(self.significant, key=lambda shape: shape.share, default=None)
-        told = "no coordinate stands out" if first is None else f"{100 * first.share:.0f} % by {first.coordinate}"
-        return f"gap {self.residual:.4g} {self.model.units.command} rms, {told}"
+        where = "no coordinate is significant" if first is None else f"{100 * first.share:.0f} % by {first.coordinate}"
+        return f"gap {self.residual:.4g} {self.model.units.command} rms, {where}"
 
     @property
     def significant(self) -> tuple[Shape, ...]:
-        """The coordinates in which noise alone would not show as much."""
-        return tuple(shape for shape in self.shapes if shape.log_p_value < TOLD)
+        """Coordinates along which the unexplained force exceeds noise."""
+        return tuple(shape for shape in self.shapes if shape.log_p_value < SIGNIFICANT)
 
     def lines(self) -> list[str]:
-        """Coordinates, periods and frequencies in words, by the share of the gap that each explains."""
+        """Return coordinates, periods and frequencies in words, in the order of their share of the gap."""
         units = self.model.units
-        told = [(shape.share, shape_text(shape, units)) for shape in self.significant]
-        told += [(wave.share, wave.text(units)) for wave in self.waves]
-        return [line for _, line in sorted(told, key=lambda one: -one[0])]
+        lines = [(shape.share, shape_text(shape, units)) for shape in self.significant]
+        lines += [(wave.share, wave.text(units)) for wave in self.waves]
+        return [line for _, line in sorted(lines, key=lambda one: -one[0])]
 
     def text(self) -> str:
-        """For the screen."""
+        """Return the location for the screen."""
         lines, gap = self.lines(), f"gap {self.residual:.4g} {self.model.units.command} rms"
         if not lines:
             return f"{gap}: no coordinate explains more of it than noise would"
-        return "\n".join([f"{gap}; shares overlap, since coordinates go together", *lines])
+        return "\n".join([f"{gap}; shares overlap, because coordinates are correlated", *lines])
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers for JSON; what is not finite is None."""
+        """Return numbers for JSON; None stands for values that are not finite."""
         units = self.model.units
-        told = {
+        entries = {
             "residual": self.residual,
             "coordinates": [
                 {
@@ -117,14 +113,14 @@ class Location(ByValue):
             ],
             "waves": [wave.to_dict() | {"unit": units.of(wave.unit)} for wave in self.waves],
         }
-        return {name: finite(value) for name, value in told.items()}
+        return {name: finite(value) for name, value in entries.items()}
 
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
         """Draw the gap against position, speed, time and command, with 95 % bands (cogging.plot.residual).
 
         Args:
-            units: labels of command and position (cogging.Units); None: those of the model.
-            ax: four axes; None: a new figure.
+            units: labels of command and position (cogging.Units); by default those of the model.
+            ax: four axes; by default a new figure.
 
         Returns:
             The figure.

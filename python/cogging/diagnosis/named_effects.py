@@ -1,4 +1,4 @@
-"""What was accepted as entries of a result: names with their parameters, where they act, and what has no name."""
+"""Entries of a result: named effects with parameters, confidence and place, and the unlisted force."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.decision import MINOR
 from cogging.diagnosis.balance.evidence import LARGELY, Evidence
-from cogging.diagnosis.entries import Gap, NamedEffect, Value
+from cogging.diagnosis.entries import SURE, Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
 from cogging.diagnosis.patched_model import Term
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
@@ -20,30 +20,29 @@ from cogging.model.model import Model
 from cogging.model.parameters import effect_paths
 from cogging.model.units import Units
 
-SURE = 0.9  # confidence from which a name is stated (contract)
-NOT_SURE = 0.89  # confidence at most of an effect beside a force without a name
-HELD_OUT = 0.5  # the same of one that the model is better without: something is there, and may be another
-RELIABLE = 0.92  # of names with a probability of 0.98 and more in drawn logs, so many were right: docs/evidence.md
-SEEN = 0.02  # of the power that is left: a force along one coordinate that predicts more is told
-SYSTEMATIC = 0.1  # of the rms command: less of what a generic force predicts is small
-TAILS = (0.05, 0.95)  # quantiles of an effect's force: the range that holds most of it
-TIGHTER = 0.02  # of the rows: by which the range of another coordinate must be tighter to be told instead
-DYNAMIC = 10.0  # Hz from which a delay, a lag or a mode shows
-#: Coordinate of what bears no name, by a word of what it is called.
+NOT_SURE = 0.89  # highest confidence of an effect beside a force without a name
+HELD_OUT = 0.5  # highest confidence of an effect that is not in the model
+RELIABLE = 0.92  # share of right names among those with a probability of at least 0.98, drawn logs: docs/evidence.md
+SEEN = 0.02  # of the remaining power: minimum share of a curve that is reported
+SYSTEMATIC = 0.1  # of the rms command: smaller predictable forces are negligible
+TAILS = (0.05, 0.95)  # quantiles of an effect's force that limit its range
+TIGHTER = 0.02  # of the rows: minimum improvement of the range by another coordinate
+DYNAMIC = 10.0  # Hz: lowest frequency at which a delay, a lag or a mode shows
+#: Coordinate of a generic force, by a word of its name.
 ALONG = {"speed": "velocity", "travel": "position", "wave": "position", "time": "time", "command": "command"}
 
 
 def named(
     terms: Sequence[Term], final: Model, evidence: Evidence, shares: Sequence[float | None], held_out: Mapping[int, str]
 ) -> list[NamedEffect]:
-    """The effects by name, those that take most of the gap first; terms of one name are one, the largest first.
+    """Return the named effects in the order of their share of the gap; terms of one name are one effect.
 
     Args:
-        terms: what was accepted.
+        terms: accepted terms.
         final: patched model.
-        evidence: of the given logs, with all that was accepted.
-        shares: of the gap's power that each term takes.
-        held_out: by place, why a term did not enter the model.
+        evidence: evidence of the given logs with the accepted terms.
+        shares: share of the gap's power that each term explains.
+        held_out: reason why a term is not in the model, by index.
     """
     unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
     effects: dict[str, NamedEffect] = {}
@@ -72,7 +71,7 @@ def named(
             curve=term.curve,
             in_model=place not in held_out and (not other or term.path != ""),
         )
-        if name in effects:  # a name is as sure as the largest of its terms
+        if name in effects:  # keep the confidence of the largest term
             first = effects[name]
             largest = max(first, entry, key=lambda one: one.statistic)
             both = (first.share or 0.0) + share if share is not None else first.share
@@ -85,13 +84,13 @@ def named(
 
 
 def weighty(terms: Sequence[Term]) -> list[Term]:
-    """Terms without what bears no name and is minor beside a name: what a law that is nearly right leaves."""
+    """Return the terms without minor generic forces, which a slightly wrong law of a named effect leaves."""
     most = max((t.accepted.score for t in terms if not t.accepted.found.name.startswith("~")), default=0.0)
     return [t for t in terms if not t.accepted.found.name.startswith("~") or t.accepted.score > MINOR * most]
 
 
 def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) -> dict[str, Value]:
-    """Values by field with their intervals; of a change of the axis, new over old less 1."""
+    """Return values and intervals by field; for a change of the axis, new / old - 1."""
     units = final.units
     if term.accepted.found.columns is None:
         name = term.path.removeprefix("axis.")
@@ -106,7 +105,7 @@ def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) ->
     effect, known = term.effect, dict(effect_paths(final.effects))
     if not held_out:
         effect = known.get(term.path, effect)
-    told = {}
+    values = {}
     for field, role in effect.ROLES.items():
         if role["role"] == "setting":
             continue
@@ -115,13 +114,14 @@ def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) ->
         if isinstance(value, list):
             ends = [final.intervals.get(f"{term.path}.{field}[{k}]", none) for k in range(len(value))]
             pairs = [_ends(*one) for one in ends]
-            told[field] = Value([float(v) for v in value], unit, ([p[0] for p in pairs], [p[1] for p in pairs]))
+            values[field] = Value([float(v) for v in value], unit, ([p[0] for p in pairs], [p[1] for p in pairs]))
         else:
-            told[field] = Value(float(value), unit, _ends(*final.intervals.get(f"{term.path}.{field}", none)))
-    return told
+            values[field] = Value(float(value), unit, _ends(*final.intervals.get(f"{term.path}.{field}", none)))
+    return values
 
 
 def _ends(low: float, high: float) -> tuple[float | None, float | None]:
+    """Return the ends of an interval, or None for both if it is not finite."""
     return (float(low), float(high)) if np.isfinite(high - low) else (None, None)
 
 
@@ -129,6 +129,7 @@ def _ends(low: float, high: float) -> tuple[float | None, float | None]:
 
 
 def _where(term: Term, evidence: Evidence) -> dict[str, Any]:
+    """Return coordinate and range of a term."""
     if term.effect is not None:
         return where_of(term.effect, evidence)
     rows = _motion(evidence)
@@ -139,14 +140,14 @@ def _where(term: Term, evidence: Evidence) -> dict[str, Any]:
 
 
 def _motion(evidence: Evidence) -> dict[str, FloatArray]:
-    """Coordinates of the rows in motion of the longest log."""
+    """Return the coordinates of the rows in motion of the longest log."""
     b = max(evidence.balances, key=lambda one: len(one.time))
     names = ("position", "velocity", "acceleration", "time", "command")
     return {name: getattr(b, name)[b.keep > 0] for name in names}
 
 
 def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
-    """Coordinate and range of an effect: where it makes 90 % of its force, or the coordinate of what it acts on."""
+    """Return coordinate and range of 90 % of the force of an effect, or of the quantity that it acts on."""
     hooks, motion = effect.HOOKS, _motion(evidence)
     resolved = laws_of(effect.resolved(evidence.model.axis, evidence.model.cogging))
     rows = {name: motion[name] for name in ("position", "velocity", "time")}
@@ -167,7 +168,7 @@ def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
 
 
 def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> dict[str, Any]:
-    """The coordinate that a law is a function of whose range holds its force most tightly."""
+    """Return the coordinate of a law, and its range, in which its force is most concentrated."""
     whole = np.asarray(law(**rows)) * np.ones(len(rows["position"]))
     depends = []
     for name, values in rows.items():
@@ -187,20 +188,20 @@ def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> dict[st
     return best
 
 
-# What has no name -----------------------------------------------------------------------------------------------------
+# Unlisted force -------------------------------------------------------------------------------------------------------
 
 
 def unlisted(
     terms: Sequence[Term], rest: Predicted, gap: Gap, units: Units, *, confirmed: bool
 ) -> dict[str, Any] | None:
-    """What no effect explains: an accepted cell without a name, or a rest that is neither small nor noise; None else.
+    """Return the force that no effect explains: an accepted generic force or a large predictable gap; None if neither.
 
     Args:
-        terms: what was accepted.
-        rest: what a generic force predicts of what is left.
-        gap: before and after.
+        terms: accepted terms.
+        rest: prediction of the remaining gap by a generic force.
+        gap: gap before and after.
         units: labels.
-        confirmed: whether there were logs of other motion, by which what was accepted was judged too.
+        confirmed: whether confirm logs took part in the acceptance of the terms.
     """
     for term in weighty(terms):
         cell = term.accepted.found
@@ -209,7 +210,7 @@ def unlisted(
             coordinate = next((along for word, along in ALONG.items() if word in words), "position")
             entry: dict[str, Any] = {
                 "coordinate": coordinate,
-                "shape": f"{words}: of a law that no known effect has",
+                "shape": f"{words}, which no known effect describes",
                 "share": None,
             }
             if term.curve is not None:
@@ -244,7 +245,7 @@ def unlisted(
 
 
 def final_verdict(effects: Sequence[NamedEffect], rest: Mapping[str, Any] | None) -> str:
-    """The contract's verdicts that need a search."""
+    """Return the verdict of a search: unlisted, no_gap, named or ambiguous."""
     if rest is not None:
         return "unlisted"
     if not effects:

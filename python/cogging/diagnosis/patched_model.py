@@ -1,4 +1,4 @@
-"""The patched model: what was accepted and has a law, refitted, with 95 % intervals; of what has none, its curve."""
+"""Patched model: the re-fitted laws of accepted candidates with 95 % intervals, and curves of those without a law."""
 
 from __future__ import annotations
 
@@ -14,25 +14,26 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import hats
 from cogging.diagnosis.balance.decision import Accepted, Outcome
 from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.physical import fields_with_role
 from cogging.diagnosis.places import empirical_term
 from cogging.effects.effect import Effect
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
 
-NODES = (21, 81, 321)  # of an empirical force: the fewest that follow the curve
-FOLLOWED = 0.95  # of a curve's power, that a force of one coordinate must give back to stand for it
+NODES = (21, 81, 321)  # numbers of nodes of an empirical force, of which the smallest sufficient one is used
+FOLLOWED = 0.95  # minimum share of a force's power that a function of one coordinate reproduces
 
 
 @dataclass(frozen=True)
 class Term:
-    """One accepted candidate as the patched model has it.
+    """An accepted candidate in the patched model.
 
     Attributes:
         accepted: candidate.
-        effect: its law as refitted; None of a change of the axis, and where it has none.
-        path: of its effect in the patched model, or of the parameter of the axis that changed; "" without either.
-        curve: the force by coordinate, places and force (V) where it has no law of its own; None else.
+        effect: its re-fitted law; None for a change of the axis or without a law.
+        path: path of its effect in the patched model, or of the changed axis parameter; "" without either.
+        curve: coordinate, places and force (V) of a candidate without a law; else None.
         certain: whether its interval excludes zero.
     """
 
@@ -44,13 +45,13 @@ class Term:
 
 
 def covariance(evidence: Evidence) -> FloatArray:
-    """Of the steps theta of all that is fitted: parameters by `evidence.paths`, then columns without a law."""
+    """Return the covariance of the fitted amplitudes theta: parameters by `evidence.paths`, then columns of `extra`."""
     null = evidence.null
     return np.asarray(evidence.alike * null.variance * np.linalg.inv(null.gram) / np.outer(null.size, null.size))
 
 
 def with_intervals(model: Model, evidence: Evidence) -> Model:
-    """The model with 95 % intervals of what was fitted: its `[bounds]`."""
+    """Return the model with 95 % intervals of the fitted parameters, its `[bounds]`."""
     known, deviations = parameters_of(model), np.sqrt(np.maximum(np.diag(covariance(evidence)), 0.0))
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
     for path, deviation in zip(evidence.paths_in(model), deviations, strict=False):
@@ -61,18 +62,18 @@ def with_intervals(model: Model, evidence: Evidence) -> Model:
 
 
 def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
-    """The model with what was found of a law that the stated one has already as one effect, and notes that say so."""
+    """Return the model with each effect of the stated model and its correction merged into one, and notes on these."""
     effects, notes = dict(enumerate(model.effects)), []
     intervals, paths = dict(model.intervals), [path for path, _ in effect_paths(model.effects)]
     for k, effect in enumerate(stated.effects):
-        fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
+        fields = fields_with_role(effect, "amplitude")
         for j, more in list(effects.items())[len(stated.effects) :]:
             alike = type(more) is type(effect) and all(isinstance(getattr(more, name), float) for name in fields)
             if not alike or more.replace(**{name: getattr(effect, name) for name in fields}) != effect:
                 continue
             sums = {name: getattr(effects[k], name) + getattr(more, name) for name in fields}
-            changes = ", ".join(f"{name} {getattr(effect, name):.4g} to {sums[name]:.4g}" for name in fields)
-            notes.append(f"{effect.NAME} of the model as it was stated hid what was missing: {changes}")
+            changes = ", ".join(f"{name} {getattr(effect, name):.4g} -> {sums[name]:.4g}" for name in fields)
+            notes.append(f"{effect.NAME} of the stated model is corrected: {changes}")
             for name in fields:
                 ends = intervals.pop(f"{paths[j]}.{name}", None)
                 if ends is not None:
@@ -88,21 +89,14 @@ def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
 
 
 def without(model: Model, terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> Model:
-    """The model without some of its terms, all else as it is likeliest then."""
-    return found.evidence.settled(model, [t.path for t in gone if t.path], _kept(terms, gone, found))
-
-
-def _kept(terms: Sequence[Term], gone: Sequence[Term], found: Outcome) -> list[int]:
-    """Places of the columns without a law of which the model keeps an effect."""
-    stand = {(t.accepted.found.name, t.accepted.found.label) for t in terms if t.path and t not in gone}
-    return [k for k, column in enumerate(found.evidence.extra) if (column.name, column.label) in stand]
+    """Return the model without some of its terms, re-fitted."""
+    remain = {(t.accepted.found.name, t.accepted.found.label) for t in terms if t.path and t not in gone}
+    kept = [k for k, column in enumerate(found.evidence.extra) if (column.name, column.label) in remain]
+    return found.evidence.settled(model, [t.path for t in gone if t.path], kept)
 
 
 def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
-    """The re-tuned model with all that was accepted, and each accepted candidate as it stands in it.
-
-    What bears no name stays out.
-    """
+    """Return the re-tuned model with the accepted candidates that have a name, and a term for each candidate."""
     evidence = found.evidence
     names = [path for path, _ in effect_paths(evidence.model.effects)]
     model, of_laws = evidence.model, list(effect_paths(evidence.model.effects))[len(stated.effects) :]
@@ -114,7 +108,7 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
         candidate = one.found
         if candidate.columns is None:
             path = candidate.effect if isinstance(candidate.effect, str) else ""
-            terms.append(Term(one, None, path, certain=_certain([path], [], evidence, deviations)))
+            terms.append(Term(one, None, path, certain=_is_certain([path], [], evidence, deviations)))
         elif any(candidate.name == e.name and candidate.label == e.label for e in evidence.extra):
             column = next(extra)
             amplitudes = steps[at : at + len(column.amplitudes)]
@@ -130,22 +124,21 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             terms.append(Term(one, effect, path, curve, _excludes_zero(amplitudes, block)))
             continue
         for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):
-            fields = [name for name, role in effect.ROLES.items() if role["role"] == "amplitude"]
+            fields = fields_with_role(effect, "amplitude")
             paths = [p for p in evidence.paths if p.startswith(prefix + ".")]
             paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
             values = [parameters_of(evidence.model)[p].value for p in paths]
-            terms.append(
-                Term(one, effect, str(names.index(prefix)), certain=_certain(paths, values, evidence, deviations))
-            )
-    names = [path for path, _ in effect_paths(model.effects)]  # two of a name have numbers
+            certain = _is_certain(paths, values, evidence, deviations)
+            terms.append(Term(one, effect, str(names.index(prefix)), certain=certain))
+    names = [path for path, _ in effect_paths(model.effects)]  # effects of one name are numbered
     return model, [replace(t, path=names[int(t.path)]) if t.path.isdigit() else t for t in terms]
 
 
-def _certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence, deviations: FloatArray) -> bool:
-    """Whether parameters differ from zero, or one of the axis from what is stated of it, together at 95 %."""
+def _is_certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence, deviations: FloatArray) -> bool:
+    """Return whether parameters differ jointly from zero, or an axis parameter from its stated value, at 95 %."""
     rows = [evidence.paths.index(p) for p in paths if p in evidence.paths]
     if not rows or len(rows) != len(paths):
-        return True  # made by its shape alone, as a delay: the score speaks for it
+        return True  # an effect without amplitude, such as a delay
     if not values:
         name = paths[0].removeprefix("axis.")
         values = [getattr(evidence.model.axis, name) - getattr(evidence.given.axis, name)]
@@ -157,7 +150,7 @@ def _excludes_zero(values: FloatArray, block: FloatArray) -> bool:
 
 
 def curve_of(evidence: Evidence, column: Any, amplitudes: FloatArray) -> dict[str, Any] | None:
-    """Force (V) over one coordinate of a sum of columns, where a function of it gives that back; else None."""
+    """Return the force (V) of a sum of columns as a function of one coordinate, or None if no such function fits."""
     forces = [amplitudes @ rows for rows in column.columns(evidence)]
     kept = [b.keep > 0 for b in evidence.balances]
     force = np.concatenate([row[mask] for row, mask in zip(forces, kept, strict=True)])

@@ -1,4 +1,4 @@
-"""What no machine that made these logs can be, however well it explains them: for every candidate, search and refit."""
+"""Bounds that the logs set on effects, and the check of a fitted effect against them."""
 
 from __future__ import annotations
 
@@ -12,24 +12,29 @@ from cogging.effects.effect import Effect, laws_of
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
-PERIODS = 3.0  # of a tone or a resonance, that the time of motion holds: fewer are a drift
-LEVELS = 20  # of the command, at which is seen whether what is beyond them acts
+PERIODS = 3.0  # minimum periods of a tone or a resonance in the time of motion; fewer are a drift
+LEVELS = 20  # levels at which the command beyond is tested for an effect
 AVERAGED = (1, 2, 4, 8, 16, 32)  # rows over which commands and readings are averaged
-FEWEST = 40  # times the rows averaged, that a log has at least
-OBEYED = 0.5  # of what a V up to a level does, that a V beyond it does if there is no limit
-CERTAIN = 8.0  # deviations by which what is beyond a level acts
-AT_END = 1e-3  # relative: so near to an end a parameter stands at it
-PLACES = 60  # of the travel, at which the level of friction is looked at
-PUSHES = 0.02  # of the largest command: so far below nothing friction may come out
-STEPS, MOVES = 2000, 0.01  # into which a log is cut; share of the largest mean speed from which the axis moves in one
+FEWEST = 40  # minimum number of averaged rows in a log
+OBEYED = 0.5  # minimum gain of the command beyond a level, relative to the gain below it
+CERTAIN = 8.0  # minimum standard deviations of that gain
+AT_END = 1e-3  # relative distance at which a parameter is at a bound
+PLACES = 60  # positions at which the level of friction is checked
+PUSHES = 0.02  # of the largest command: tolerance of a negative friction level
+STEPS, MOVES = 2000, 0.01  # intervals of a log; minimum share of the largest mean speed in an interval of motion
+
+
+def fields_with_role(effect: Effect, kind: str) -> list[str]:
+    """Return the fields of an effect with a role: "amplitude", "shape" or "setting"."""
+    return [field for field, role in effect.ROLES.items() if role["role"] == kind]
 
 
 def ends(logs: Sequence[Log], role: Mapping[str, Any]) -> tuple[float, float]:
-    """Lowest and highest value that logs allow a parameter of an effect (see cogging.effects, ROLES).
+    """Return the lowest and highest value that logs allow a parameter with a role (see cogging.effects, ROLES).
 
-    No resonance or tone of fewer than PERIODS in the time of motion is told from a drift, and none that is
-    damped more than its effect says rings; a command that was obeyed is below the limit of commands; and no friction is
-    above the largest command that moved the axis.
+    A resonance or tone has at least PERIODS periods in the time of motion, and a resonance is damped less than its
+    effect allows; a command limit exceeds every command that was obeyed; friction is below the largest command that
+    moved the axis.
     """
     if role["quantity"] == "frequency":
         return PERIODS / max(max(map(seconds_of_motion, logs)), 1e-300), np.inf
@@ -44,7 +49,7 @@ def ends(logs: Sequence[Log], role: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def at_end(effect: Effect, logs: Sequence[Log]) -> str:
-    """Which parameter of a fitted effect stands at an end of what logs allow, a clause; empty where none does."""
+    """Return a clause that names a parameter of a fitted effect at a bound set by the logs; empty without one."""
     for name, role in effect.ROLES.items():
         if role["role"] == "setting":
             continue
@@ -52,16 +57,22 @@ def at_end(effect: Effect, logs: Sequence[Log]) -> str:
         values = np.ravel(np.asarray(getattr(effect, name), dtype=float))
         for value, end, room in ((values.min(initial=np.inf), least, 1.0), (values.max(initial=-np.inf), most, -1.0)):
             if np.isfinite(end) and room * (value - end) <= AT_END * abs(end):
-                return f"its {name} runs to {value:.4g}, the end of what these logs allow"
+                return f"its {name} is {value:.4g}, at the bound that these logs set"
     return ""
 
 
 def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
-    """What of a fitted model, `given` with so many effects, no machine that made the logs has; empty: nothing."""
-    said = next((said for effect in model.effects[given:] if (said := at_end(effect, logs))), "")
+    """Return a clause on what is unphysical in a fitted model; empty if nothing is.
+
+    Args:
+        model: fitted model.
+        given: number of its effects that were given.
+        logs: logs that it was fitted to.
+    """
+    reason = next((reason for effect in model.effects[given:] if (reason := at_end(effect, logs))), "")
     laws = [laws_of(effect) for effect in model.effects if "friction_level" in effect.HOOKS]
-    if said or not laws:
-        return said
+    if reason or not laws:
+        return reason
     place = np.concatenate([np.quantile(log.position, np.linspace(0.0, 1.0, PLACES)) for log in logs])
     top = max(float(np.ptp(log.position)) / seconds_of_motion(log) for log in logs)
     x, v = np.tile(place, 2), np.repeat([-top, top], len(place))
@@ -73,39 +84,39 @@ def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
 
 
 def seconds_of_motion(log: Log) -> float:
-    """Time in which the mean speed over some rows is above a hundredth of the largest."""
+    """Return the time (s) in which the mean speed of an interval exceeds a hundredth of the largest."""
     step = max(1, len(log) // STEPS)
     steps, moved = np.diff(log.time[::step]), np.abs(np.diff(log.position[::step]))
     return float(steps[moved / steps > MOVES * float((moved / steps).max())].sum())
 
 
 def moving_command(logs: Sequence[Log]) -> float:
-    """The largest command under which the axis moved, V."""
+    """Return the largest command under which the axis moved, V."""
     return max(float(np.abs(log.command[:-1] * (np.diff(log.position) != 0.0)).max()) for log in logs)
 
 
 def obeyed_command(logs: Sequence[Log]) -> float:
-    """The highest level beyond which commands still moved the axis, V; 0 where none is.
+    """Return the highest level beyond which the command still accelerates the axis, V; 0 without one.
 
-    At each level the acceleration is explained by the command up to it and by what is beyond, beside place, speed and
-    direction: what is beyond a limit would do nothing. All is averaged over as many rows as show most of the command.
+    At each level the acceleration is regressed on the command up to the level, the command beyond it, position, speed
+    and direction; beyond a saturation the gain would be zero. The averaging is the one that shows the command best.
     """
     largest = max(float(np.abs(log.command).max()) for log in logs)
-    rows = max(AVERAGED, key=lambda one: _weights(logs, one, np.inf)[2])
+    rows = max(AVERAGED, key=lambda one: _fit_gains(logs, one, np.inf)[2])
     for level in largest * np.linspace(1.0, 0.0, LEVELS, endpoint=False)[1:]:
-        below, beyond, certain = _weights(logs, rows, float(level))
+        below, beyond, certain = _fit_gains(logs, rows, float(level))
         if beyond > OBEYED * below > 0.0 and certain > CERTAIN:
             return float(level)
     return 0.0
 
 
-def _weights(logs: Sequence[Log], rows: int, level: float) -> tuple[float, float, float]:
-    """Acceleration per V of commands up to a level, and beyond it; and the latter's size over its deviation.
+def _fit_gains(logs: Sequence[Log], rows: int, level: float) -> tuple[float, float, float]:
+    """Return acceleration per V of the command up to a level and beyond it, and the latter over its deviation.
 
-    For an infinite level the same of the whole command. The acceleration is the second difference of positions `rows`
-    apart, which is that of the same triangular mean of whatever acts.
+    An infinite level gives the gain of the whole command. The acceleration is the second difference of positions
+    `rows` apart, which equals the triangular mean of the acceleration.
     """
-    parts = [_balance(log, rows, level) for log in logs if len(log) > FEWEST * rows]
+    parts = [_regression_rows(log, rows, level) for log in logs if len(log) > FEWEST * rows]
     if not parts:
         return 0.0, 0.0, 0.0
     table = np.concatenate(parts, axis=1)
@@ -124,8 +135,8 @@ def _weights(logs: Sequence[Log], rows: int, level: float) -> tuple[float, float
     return float(below), float(weights[0] / size[0]), float(weights[0] / max(deviation, 1e-300))
 
 
-def _balance(log: Log, rows: int, level: float) -> FloatArray:
-    """Command beyond a level (of an infinite one the whole) and up to it, what is beside, and the acceleration."""
+def _regression_rows(log: Log, rows: int, level: float) -> FloatArray:
+    """Return the command beyond a level and up to it, the other regressors and the acceleration, averaged."""
     from scipy.ndimage import uniform_filter1d
 
     up_to = np.clip(log.command, -level, level) if np.isfinite(level) else np.zeros(len(log))

@@ -1,4 +1,4 @@
-"""A force that the model lacks, over one coordinate: where, how much of the gap; in words, and as an effect."""
+"""A missing force along one coordinate: its ranges and share of the gap in words, and as an empirical effect."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.model.units import Units
 
@@ -20,25 +20,25 @@ COORDINATE_UNITS = {
     "command": "V",
     "frequency": "Hz",
 }
-STRONG = 3.0  # deviations from which a force at a place is told
-WEAKER = 0.1  # of the strongest place: weaker runs of one sign are not told
-RUNS = 2  # runs that are told
-MILLI, MICRO = 0.1, 1e-4  # m or m/s below which lengths and speeds are told in milli, and lengths in micro
+STRONG = 3.0  # standard deviations of a significant force
+WEAKER = 0.1  # of the strongest force: weaker ranges are omitted
+RUNS = 2  # maximum number of ranges
+MILLI, MICRO = 0.1, 1e-4  # m or m/s: upper ends of milli- and micro-units
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A force of any shape in one coordinate, as far as what is left asks for one.
+    """An unexplained force along one coordinate.
 
     Attributes:
-        coordinate: name of what the force depends on.
-        unit: unit of the coordinate, of V and m.
-        places: values of the coordinate at which the force is told, (m,).
-        force: force that the model lacks there, V, (m,) or (2 m,): of a position first forward, then backward.
-        deviation: 1-sigma of each force.
-        statistic: T of the score test of a force of any shape in this coordinate.
-        log_p_value: ln of the probability that noise alone shows as much.
-        share: of the gap's power, what this force explains of rows that it was not fitted to.
+        coordinate: coordinate that the force depends on.
+        unit: its unit in terms of V and m.
+        places: nodes, (m,).
+        force: missing force at the nodes, V, (m,), or (2 m,) for a position: first forward, then backward.
+        deviation: standard deviation of each force.
+        statistic: score statistic T of a generic force along this coordinate.
+        log_p_value: ln of the probability of such a statistic under the null hypothesis.
+        share: share of the gap's power that the force explains, cross-validated.
     """
 
     coordinate: str
@@ -52,7 +52,7 @@ class Shape:
 
     @property
     def sides(self) -> list[tuple[str, FloatArray, FloatArray]]:
-        """Direction of motion ("" for both), force and deviation of each."""
+        """Direction of motion ("" for both), force and standard deviation of each."""
         m = len(self.places)
         if len(self.force) != 2 * m:
             return [("", self.force, self.deviation)]
@@ -60,31 +60,25 @@ class Shape:
 
 
 def shape_text(shape: Shape, units: Units) -> str:
-    """One line: coordinate, share of the gap, and the ranges in which the force differs from zero."""
+    """Return coordinate, share of the gap and the ranges with a significant force in one line."""
     return f"{shape.coordinate} explains {share_text(shape.share)} of the gap: {ranges(shape, units)}"
 
 
 def ranges(shape: Shape, units: Units) -> str:
-    """In which ranges of a coordinate its force differs from zero, in words."""
-    told = []
+    """Return the ranges of a coordinate with a significant force in words."""
+    sides = []
     for side, force, deviation in shape.sides:
-        runs = _runs(force, np.abs(force) > STRONG * np.where(deviation > 0.0, deviation, np.inf))
+        strong = np.abs(force) > STRONG * np.where(deviation > 0.0, deviation, np.inf)
+        signs = np.sign(force) * strong
+        parts = np.split(np.arange(len(force)), np.flatnonzero(np.diff(signs)) + 1)
+        runs = [(int(part[0]), int(part[-1])) for part in parts if len(part) and signs[part[0]]]
+        size = {run: float(np.abs(force[run[0] : run[1] + 1]).max()) for run in runs}
+        runs.sort(key=lambda run: -size[run])
+        runs = [run for run in runs[:RUNS] if size[run] >= WEAKER * size[runs[0]]]
         words = ", ".join(_run_text(shape, force, run, units) for run in runs)
         if words:
-            told.append(f"{side} {words}".strip())
-    return "; ".join(told) or "spread over its whole range, strong nowhere"
-
-
-def _runs(force: FloatArray, strong: Mask) -> list[tuple[int, int]]:
-    """First and last place of the strongest runs of one sign, the strongest first."""
-    signs = np.sign(force) * strong
-    edges = np.flatnonzero(np.diff(signs)) + 1
-    runs = [
-        (int(part[0]), int(part[-1])) for part in np.split(np.arange(len(force)), edges) if len(part) and signs[part[0]]
-    ]
-    size = {run: float(np.abs(force[run[0] : run[1] + 1]).max()) for run in runs}
-    runs.sort(key=lambda run: -size[run])
-    return [run for run in runs[:RUNS] if size[run] >= WEAKER * size[runs[0]]]
+            sides.append(f"{side} {words}".strip())
+    return "; ".join(sides) or "small over the whole range"
 
 
 def _run_text(shape: Shape, force: FloatArray, run: tuple[int, int], units: Units) -> str:
@@ -92,34 +86,34 @@ def _run_text(shape: Shape, force: FloatArray, run: tuple[int, int], units: Unit
     peak = first + int(np.argmax(np.abs(force[first : last + 1])))
     size = f"{force[peak]:+.2g} {units.command}"
     if (first, last) == (0, len(force) - 1):
-        return f"{size} at most, of one sign over the whole range"
+        return f"up to {size}, of one sign over the whole range"
     if first == last:
-        return f"{size} about {quantity_text(shape.places[peak], shape.unit, units)}"
+        return f"{size} near {quantity_text(shape.places[peak], shape.unit, units)}"
     low, high = (quantity_text(shape.places[at], shape.unit, units) for at in (first, last))
     return f"{size} from {low} to {high}"
 
 
 def quantity_text(value: float, unit: str, units: Units) -> str:
-    """A number with its unit, in milli where that reads better."""
+    """Return a number with its unit, in milli-units if small."""
     if unit in ("m", "m/s") and 0.0 < abs(value) < MILLI:
         return f"{1e3 * value:.3g} {units.of('m' + unit)}"
     return f"{value:.3g} {units.of(unit)}"
 
 
 def length_text(value: float, units: Units) -> str:
-    """A length in m, mm or um, four digits, since periods are known well."""
+    """Return a length in m, mm or um with four digits."""
     if value < MICRO:
         return f"{1e6 * value:.4g} {units.of('um')}"
     return f"{1e3 * value:.4g} {units.of('mm')}" if value < MILLI else f"{value:.4g} {units.of('m')}"
 
 
 def share_text(share: float) -> str:
-    """A share in whole percent."""
+    """Return a share in whole percent."""
     return f"{100.0 * share:.0f} %" if share >= 0.01 else "under 1 %"
 
 
 def empirical_term(curve: Mapping[str, Any] | None) -> Effect | None:
-    """The effect that is a force at nodes along the coordinate of a curve; None where there is none."""
+    """Return the effect that interpolates the force of a curve along its coordinate, or None without such an effect."""
     if curve is None or not {"places", "force"} <= set(curve):
         return None
     for law in VOCABULARY.values():

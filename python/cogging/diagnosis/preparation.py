@@ -1,4 +1,4 @@
-"""Logs made ready to be searched: read, checked, each row counted once, without pauses and single bad values."""
+"""Preparation of the logs: read, check, drop repeated rows and pauses, and repair single bad values."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from cogging.logs.repeated_rows import counted_once, repeated, repeated_text
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
 
-ROWS_MIN = 500  # rows of a log: noise and friction are not told apart in fewer
+ROWS_MIN = 500  # minimum number of rows of a log
 Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """The logs of one diagnosis.
+    """Logs of one diagnosis.
 
     Attributes:
-        given, names: logs that are searched, and what each is called in messages.
-        confirm, confirm_names: logs of other motion, and what each is called.
-        notes: sentences on what was done to them.
+        given: logs to diagnose.
+        names: their names in messages.
+        confirm: logs of other motion.
+        confirm_names: their names.
+        notes: notes on the preparation.
     """
 
     given: list[Log]
@@ -40,11 +42,11 @@ class Prepared:
 def prepared(
     logs: Logs, model: Model, confirm: Logs, names: Sequence[str] | None, confirm_names: Sequence[str] | None
 ) -> Prepared:
-    """The logs as they are searched: read and checked, rows that stand in several once, pauses cut out.
+    """Return the logs, read and checked, without repeated rows and pauses.
 
     Raises:
-        ValueError: a log that cannot be used with the model, or a confirm log with rows of a given one.
-        InputError: a file that cannot be read.
+        ValueError: a log does not fit the model, or a confirm log shares rows with a given log.
+        InputError: a file cannot be read.
     """
     given, called = read_logs(logs, names)
     others, others_called = read_logs(confirm, confirm_names, "confirm log")
@@ -64,10 +66,10 @@ def prepared(
 
 
 def _counted_once(given: list[Log], called: list[str], others: list[Log], others_called: list[str]) -> Prepared:
-    """Given and confirm logs, with rows that stand in several logs of a kind only once.
+    """Return given and confirm logs without rows that another log of the same kind has.
 
     Raises:
-        ValueError: a confirm log has rows of a given one: it would confirm what was found in it.
+        ValueError: a confirm log shares rows with a given log.
     """
     for name, log in zip(others_called, others, strict=True):
         for first, one in zip(called, given, strict=True):
@@ -84,7 +86,7 @@ def _counted_once(given: list[Log], called: list[str], others: list[Log], others
 
 
 def _without_pauses(log: Log, name: str, notes: list[str]) -> Log:
-    """The log as it is searched: what a pause of a day would need is not laid out row by row."""
+    """Return a log without its pauses, and append a note on these."""
     try:
         running, said = without_pauses(log)
     except ValueError as error:
@@ -95,15 +97,15 @@ def _without_pauses(log: Log, name: str, notes: list[str]) -> Log:
 
 
 def whole_logs(logs: Prepared, model: Model) -> Prepared:
-    """The logs without single values that nobody saw, and with the rows that they lack."""
+    """Return the logs with outliers repaired and missing rows interpolated."""
     notes = list(logs.notes)
-    given = [_whole(log, model, name, notes) for log, name in zip(logs.given, logs.names, strict=True)]
-    others = [_whole(log, model, name, notes) for log, name in zip(logs.confirm, logs.confirm_names, strict=True)]
+    given = [_repair(log, model, name, notes) for log, name in zip(logs.given, logs.names, strict=True)]
+    others = [_repair(log, model, name, notes) for log, name in zip(logs.confirm, logs.confirm_names, strict=True)]
     return replace(logs, given=given, confirm=others, notes=tuple(notes))
 
 
-def _whole(log: Log, model: Model, name: str, notes: list[str]) -> Log:
-    """One log repaired: after a bad value or a missing row, an observer rings."""
+def _repair(log: Log, model: Model, name: str, notes: list[str]) -> Log:
+    """Return a log with outliers repaired and missing rows interpolated, and append notes on these."""
     check = check_controller(log, model)
     commands = np.zeros(len(log), dtype=bool)
     if check is not None and check.reproduces:
@@ -115,11 +117,11 @@ def _whole(log: Log, model: Model, name: str, notes: list[str]) -> Log:
 
 
 def read_logs(logs: Logs, names: Sequence[str] | None = None, kind: str = "log") -> tuple[list[Log], list[str]]:
-    """Read what is a file, and name each: as given, else after its file, else by its number.
+    """Read logs that are files, and return all logs with their names: as given, else the file, else a number.
 
     Raises:
-        InputError: a file that cannot be read.
-        ValueError: another number of names than of logs.
+        InputError: a file cannot be read.
+        ValueError: the numbers of names and logs differ.
     """
     if isinstance(logs, Log | str | os.PathLike):
         logs = [logs]

@@ -1,4 +1,4 @@
-"""What `diagnose` found."""
+"""Result of `diagnose`."""
 
 from __future__ import annotations
 
@@ -28,28 +28,26 @@ EFFECT_COLUMNS = ("name", "confidence", "alternatives", "parameter", "value", "l
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(ByValue):
-    """What `diagnose` found. Printed, it is its `text`; `to_dict` is what `--json` writes.
+    """Result of `diagnose`. `print` shows its `text`; `--json` writes its `to_dict`.
 
     Attributes:
         verdict: no_gap, named, ambiguous, unlisted, data_mismatch, controller_mismatch or insufficient_excitation.
         effects: effects that the model lacks.
-        unlisted: gap that no effect explains: coordinate, shape, share, and as `added` what an empirical term makes
-            of it where one was asked for; or None.
-        gap: size of the gap before and after, and its floor.
-        separating_experiment: motion that would tell the alternatives apart, or None.
-        model: refitted model with the effects that were found.
-        nominal: refitted model without them.
-        location: place of the gap before anything was named; None where nothing was measured.
-        where_text: lines on that place, one a coordinate, the likeliest first.
-        ledger: effects that were tried.
-        notes: sentences on what else was seen.
-        series: rows for the figures by name: the `given` model, and of each log time, position, velocity,
-            acceleration, command (V, without the gap where that is part of it), gap_before, gap_after (V) and mask
-            (rows in motion).
-        vocabulary: effects that were tried, as they are when they do nothing, by name.
-        limits: smallest size of each effect that these logs would have shown with a chance of 95 %; empty where
-            nothing was measured.
-        mismatch: column of a log that was read as something it is not, and what to do: of a data_mismatch, else None.
+        unlisted: force that no effect explains (coordinate, shape, share, and `added` with the gaps of an empirical
+            term if one was requested), or None.
+        gap: gap before and after, and noise floor.
+        separating_experiment: motion that would distinguish the alternatives, or None.
+        model: patched model: re-tuned, with the missing effects.
+        nominal: re-tuned model without them.
+        location: location of the gap of the nominal model; None if nothing was measured.
+        where_text: its lines, one per coordinate or wave, the largest share first.
+        ledger: tested effects.
+        notes: further observations.
+        series: rows for the figures: the `given` model, and of each log time, position, velocity, acceleration,
+            command (V; the replayed one with replay), gap_before, gap_after (V) and mask (rows in motion).
+        vocabulary: tested effects at their neutral parameters, by name.
+        limits: detection limit of each effect (probability 95 %); empty if nothing was measured.
+        mismatch: misread column and its correction for a data_mismatch, else None.
     """
 
     verdict: str
@@ -74,8 +72,8 @@ class Diagnosis(ByValue):
         return f"{self.verdict}{': ' * bool(names)}{names}; {gap}"
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as the contract of `diagnose --json` has it, and more beside; what is not finite is None."""
-        told = {
+        """Return the JSON result; None stands for values that are not finite."""
+        entries = {
             "verdict": self.verdict,
             "nominal": self._axis_parameters(self.nominal),
             "effects": [effect.to_dict() for effect in self.effects],
@@ -89,10 +87,10 @@ class Diagnosis(ByValue):
             "ledger": [vars(step) for step in self.ledger],
             "notes": list(self.notes),
         }
-        return {name: finite(value) for name, value in told.items()}
+        return {name: finite(value) for name, value in entries.items()}
 
     def _axis_parameters(self, model: Model) -> dict[str, dict[str, Any]]:
-        """Mass and friction of a model beside what was stated of them, by path."""
+        """Return mass and friction of a model with their stated values and uncertainties, by path."""
         stated = self.series.get("given")
         if not isinstance(stated, Model):
             return {}
@@ -107,16 +105,16 @@ class Diagnosis(ByValue):
         }
 
     def axis_lines(self) -> list[str]:
-        """What became of mass and friction, a line each: old, new, 95 % interval; none where nothing was measured."""
-        told = self._axis_parameters(self.model)
-        return [axis_line(path, one, self.model.intervals.get(path)) for path, one in told.items()]
+        """Return old value, new value and 95 % interval of mass and friction, one line each."""
+        entries = self._axis_parameters(self.model)
+        return [axis_line(path, entry, self.model.intervals.get(path)) for path, entry in entries.items()]
 
     def html(self, *, title: str = "", step: NextStep | None = None) -> str:
-        """The report as a text: one HTML page with its figures inside.
+        """Return the report as an HTML page with embedded figures.
 
         Args:
-            title: name of what was diagnosed, such as those of the logs.
-            step: what to do next, in the user's own files (next_step); by default with placeholders.
+            title: title of the report, such as the names of the logs.
+            step: next step with the user's own files (next_step); by default with placeholders.
 
         Raises:
             ValueError: Jinja2, of the extra `report`, is not installed.
@@ -124,11 +122,11 @@ class Diagnosis(ByValue):
         return html(self, title=title, step=step)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "") -> None:
-        """Write one HTML file that opens offline: what disagrees, where, why, what else it could be, what to do next.
+        """Write the report as one HTML file that opens offline.
 
         Args:
             path: path of the file.
-            title: name of what was diagnosed, such as those of the logs.
+            title: title of the report, such as the names of the logs.
 
         Raises:
             ValueError: Jinja2, of the extra `report`, is not installed.
@@ -137,14 +135,14 @@ class Diagnosis(ByValue):
         write_text(path, self.html(title=title))
 
     def to_frame(self, what: str = "effects") -> Any:
-        """Effects, limits or the ledger as a pandas DataFrame, a row each; units stand in their rows.
+        """Return effects, limits or the ledger as a pandas DataFrame.
 
         Args:
-            what: `effects` (a row a parameter), `limits` or `ledger`.
+            what: `effects` (one row per parameter), `limits` or `ledger`.
 
         Raises:
-            ValueError: `what` is none of them.
-            ImportError: pandas is not there; names the extra that brings it.
+            ValueError: `what` is none of these.
+            ImportError: pandas is not installed.
         """
         if what == "ledger":
             gaps = ("gap_before", "gap_after", "confirm_before", "confirm_after")
@@ -158,20 +156,11 @@ class Diagnosis(ByValue):
         return frame_of([dict(zip(EFFECT_COLUMNS, row, strict=True)) for row in self._effect_rows()], {})
 
     def _effect_rows(self) -> list[list[Any]]:
-        """A row a parameter of each effect, in the order of EFFECT_COLUMNS."""
+        """Return one row per parameter of each effect, in the order of EFFECT_COLUMNS."""
         return [
-            [
-                effect.name,
-                effect.confidence,
-                ", ".join(effect.alternatives),
-                name,
-                p.value,
-                p.ci95[0],
-                p.ci95[1],
-                p.unit,
-            ]
-            for effect in self.effects
-            for name, p in effect.parameters.items()
+            [one.name, one.confidence, ", ".join(one.alternatives), name, p.value, *p.ci95, p.unit]
+            for one in self.effects
+            for name, p in one.parameters.items()
         ]
 
     def _repr_html_(self) -> str:
@@ -179,18 +168,18 @@ class Diagnosis(ByValue):
         return html_table(title, EFFECT_COLUMNS, self._effect_rows(), self.where_text)
 
     def plot(self, what: str = "residual", *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the gap before and after against position, speed, time and command, or where it goes.
+        """Draw the gap before and after against position, speed, time and command, or the ledger.
 
         Args:
             what: `residual` (cogging.plot.residual) or `ledger` (cogging.plot.ledger).
-            units: labels of command and position (cogging.Units); None: those of the model.
-            ax: axes, four of a residual; None: a new figure.
+            units: labels of command and position (cogging.Units); by default those of the model.
+            ax: axes, four for `residual`; by default a new figure.
 
         Returns:
             The figure.
 
         Raises:
-            ValueError: the verdict came before anything was measured; `what` is neither.
+            ValueError: nothing was measured, or `what` is neither.
         """
         if what == "ledger":
             return plot.ledger(self, ax=ax).figure.figure
@@ -199,5 +188,5 @@ class Diagnosis(ByValue):
         return plot.residual(self, units=units, ax=ax).figure
 
     def text(self, *, verbose: bool = False) -> str:
-        """The result for the screen: what to act on, in 15 lines at most; `verbose`: all that it holds."""
+        """Return the result for the screen in at most 15 lines, or completely with `verbose`."""
         return full_text(self) if verbose else short_text(self)

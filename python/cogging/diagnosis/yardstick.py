@@ -1,4 +1,4 @@
-"""How large a gap is: by replaying the loop where the controller is known, else by the force balance."""
+"""Size of the gap of any model: by replaying the loop if the controller is known, else by the force balance."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 
 REPLAYED, BALANCED = "command of the replayed loop", "force balance"
-JITTER = 0.01  # of the sample time: what more does to a derivative would be the gap of a replay
-ACCELERATION_TIME = 0.02  # s over which the acceleration of the figures is averaged
-GROWTH = 0.02  # of the gap's power: less is what re-tuning leaves to chance
-POSITION_GROWTH = 1.1  # times the error of the replayed position, which may not become more
-ROUNDS = 2  # of re-tuning on confirm logs: the second sees the friction's width of the first
+JITTER = 0.01  # of the sample time: largest jitter of a replay, whose derivatives it distorts
+ACCELERATION_TIME = 0.02  # s: averaging time of the acceleration in the figures
+GROWTH = 0.02  # of the gap's power: smaller growth is chance
+POSITION_GROWTH = 1.1  # largest growth of the error of the replayed position
+ROUNDS = 2  # of re-tuning on confirm logs: the second uses the friction width of the first
 
 
 @dataclass(frozen=True)
 class Discrepancy:
-    """What one model leaves unexplained of logs.
+    """Unexplained force of logs under one model.
 
     Attributes:
-        signal: name of what was compared.
-        series: what is left of each log, V.
-        rows: time, position, velocity, acceleration and command of the same rows, one mapping a log.
-        masks: rows in motion, one a log.
-        position: rms of measured less replayed position, m; None where no loop is replayed.
+        signal: REPLAYED or BALANCED.
+        series: unexplained force of each log, V.
+        rows: time, position, velocity, acceleration and command of the same rows, one mapping per log.
+        masks: rows in motion, one per log.
+        position: rms of measured less replayed position, m; None without replay.
     """
 
     signal: str
@@ -43,28 +43,34 @@ class Discrepancy:
     masks: tuple[Mask, ...]
     position: float | None = None
 
+    def in_motion(self, name: str = "") -> FloatArray:
+        """Return a column of `rows`, by default the unexplained force, over the rows in motion of all logs, (n,)."""
+        columns = [rows[name] for rows in self.rows] if name else self.series
+        return np.concatenate([row[mask] for row, mask in zip(columns, self.masks, strict=True)])
+
     @property
     def rms(self) -> float:
-        """V, over rows in motion."""
-        moving = np.concatenate([row[mask] for row, mask in zip(self.series, self.masks, strict=True)])
+        """Rms over rows in motion, V."""
+        moving = self.in_motion()
         return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 
     @property
     def push(self) -> float:
-        """Which way a missing force pushes where this is positive: a command more than replayed works against it."""
+        """Sign of the missing force where the series is positive: an excess of command opposes the force."""
         return -1.0 if self.signal == REPLAYED else 1.0
 
 
 @dataclass(frozen=True)
 class Yardstick:
-    """The same measure for whatever model: nuisances refitted under their priors, effects fixed.
+    """Measure of the gap of any model: nuisance parameters re-fitted under their priors, effects fixed.
 
     Attributes:
-        found: the search, whose balances are measured along.
-        given, confirm: given and confirm logs.
-        stated: model as it was read, with the controller that was running.
-        replay: whether the loop is replayed.
-        tuned: models as they were re-tuned to the confirm logs, by the model: whatever is measured.
+        found: outcome of the search, which holds the force balances.
+        given: given logs.
+        confirm: confirm logs.
+        stated: model as read, with the running controller.
+        replay: whether to replay the loop.
+        tuned: cache of models and their versions re-tuned to the confirm logs, by id.
     """
 
     found: Outcome
@@ -75,15 +81,15 @@ class Yardstick:
     tuned: dict[int, tuple[Model, Model]] = field(default_factory=dict)
 
     def on_given(self, model: Model) -> Discrepancy:
-        """What a model leaves of the given logs.
+        """Return the unexplained force of the given logs under a model.
 
         Raises:
-            DivergedError: its replay diverged.
+            DivergedError: the replay diverged.
         """
         return self._of(self.given, self.found.evidence.balances, model, 0.0)
 
     def on_confirm(self, model: Model) -> Discrepancy | None:
-        """What a model leaves of the confirm logs, its mass, friction and known cogging re-tuned there."""
+        """Return the unexplained force of the confirm logs under a model re-tuned to them; None without any."""
         if not self.confirm:
             return None
         balances = self.found.both.balances[len(self.given) :]
@@ -92,7 +98,7 @@ class Yardstick:
         return self._of(self.confirm, balances, self.tuned[id(model)][1], self.found.shift)
 
     def there(self, model: Model) -> Model:
-        """The model re-tuned to the confirm logs as far as its statement allows; what was found of it stays."""
+        """Return the model re-tuned to the confirm logs within its stated uncertainty; changes of the axis stay."""
         held = {path.removeprefix("axis."): 0.0 for path in self.found.evidence.free}
         known = self.stated.replace(
             axis=self.stated.axis.replace(**{name: getattr(model.axis, name) for name in held}),
@@ -104,7 +110,7 @@ class Yardstick:
         return evidence.settled(evidence.model)
 
     def by_balance(self) -> Yardstick:
-        """The same without a replay."""
+        """Return the yardstick without replay."""
         return replace(self, replay=False)
 
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
@@ -127,7 +133,7 @@ class Yardstick:
 
 
 def replayable(logs: Sequence[Log], confirm: Sequence[Log], model: Model) -> bool:
-    """Whether all loops can be replayed: sampled evenly, and by the stated controller."""
+    """Return whether all loops can be replayed: uniform sampling and the stated controller."""
     if model.controller is None:
         return False
     for log in (*logs, *confirm):
@@ -148,22 +154,22 @@ def _moved(log: Log, distance: float) -> Log:
 
 
 def _motion(b: Any, time: FloatArray, rows: slice | None = None) -> dict[str, FloatArray]:
-    """Coordinates of a balance at its own rows, or at these times."""
+    """Return the coordinates of a balance at its own rows, or interpolated at times (s)."""
     slow = b._low_pass(b.velocity, 0.5 / ACCELERATION_TIME)
     asked = b.acceleration if b.reference is None else b.reference[2]
-    told = {
+    motion = {
         "position": b.position,
         "velocity": b.velocity,
         "acceleration": np.gradient(slow, b.step) if b.reference is None else asked,
         "command": b._low_pass(b.command, b.corner),
     }
     if rows is not None:
-        return {"time": time, **{name: row[rows] for name, row in told.items()}}
-    return {"time": time, **{name: np.interp(time, b.time, row) for name, row in told.items()}}
+        return {"time": time, **{name: row[rows] for name, row in motion.items()}}
+    return {"time": time, **{name: np.interp(time, b.time, row) for name, row in motion.items()}}
 
 
 def growth(before: Discrepancy, after: Discrepancy) -> bool:
-    """Whether a gap grows by more than GROWTH, or the error of the replayed position does."""
+    """Return whether a gap or the error of the replayed position grows beyond chance."""
     return after.rms**2 > (1.0 + GROWTH) * before.rms**2 or bool(
         before.position and (after.position or 0.0) > POSITION_GROWTH * before.position
     )

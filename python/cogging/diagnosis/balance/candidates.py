@@ -1,7 +1,7 @@
-"""Candidates: every effect of the list, and forces of any shape, as columns along the measured motion, by their scores.
+"""Candidates: effects of the vocabulary and generic forces as columns along the measured motion, ranked by their score.
 
-A candidate is a group of columns at one shape (a period, a width, a time constant). `search_once` goes through them by
-coordinate, keeps the best shape of each name and refines what may be the best.
+A candidate is a group of columns at one shape (a period, a width, a time constant). `search_once` scans the shapes of
+each coordinate, keeps the best shape of each name and refines the best candidates.
 """
 
 from __future__ import annotations
@@ -24,45 +24,45 @@ from cogging.estimation.residuals import quiet_plant
 
 E = VOCABULARY
 Columns = Callable[[Evidence], list[FloatArray]]  # columns (k, n) of each log along its motion
-Law = Callable[[FloatArray], Effect | tuple[Effect, ...] | None]  # the effect of amplitudes (k,), or several
+Law = Callable[[FloatArray], Effect | tuple[Effect, ...] | None]  # effect, or effects, with amplitudes (k,)
 
 # Sizes and limits of laws
-SMALL = 1e-2  # of the largest command: force for which the column of a law is made, on which it depends linearly
-UNIT = 1e-3  # the same of gains, errors of the reading and amplitudes of an own effect
-LEAST_DELAY = 0.02  # samples: time stamps themselves are off by as much
-WHOLE = (0.4, 2.5)  # amplitude of a column that is all of what a limit of the command does, not a share of it
-BRISTLE = (0.5, 2.0)  # the same of presliding, which replaces all of Coulomb friction
-LOAD = (0.0, 0.95)  # share of the mass that may be a load
-DAMPINGS = (0.02, 0.1)  # of a resonance: one that hardly rings is a lag by another name
-GAINS = (  # what takes a part of the command away
+SMALL = 1e-2  # of the largest command: amplitude at which the column of a force law is evaluated
+UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effects are evaluated
+LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
+WHOLE = (0.4, 2.5)  # allowed amplitude of a command limit, whose column is the complete effect
+BRISTLE = (0.5, 2.0)  # allowed amplitude of presliding, which replaces all of Coulomb friction
+LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
+DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
+GAINS = (  # candidates that reduce the command
     *("force_constant_ripple", "force_constant_drift", "command_saturation", "command_dead_zone"),
     *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
 )
-LARGEST_GAIN = 0.5  # of the command's deviation: what opposes more of it is a force, which the command holds against
-LARGEST_SCALE = 0.1  # of the reading: more is no error of an encoder, but another encoder
-OWN_SHAPES = 6  # values of each number of the shape of an own effect
-BUMPS = (0.004, 0.06)  # of the travel: widths of a force at one place
-PLACES = 1001  # along the travel, at which one is looked for
+LARGEST_GAIN = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
+LARGEST_SCALE = 0.1  # largest scale error of an encoder
+OWN_SHAPES = 6  # grid values of each shape parameter of an own effect
+BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
+PLACES = 1001  # grid of the centre of a local force
 # Scans
-PEAKS = 4  # of a spectrum along the travel that are tried for each kind of wave; tones: 3
-LEAST_PEAK = 12.0  # score from which on a peak is looked at: noise reaches it in a hundred of thousands of lines
-LEAST_TURNS = 0.7  # periods in the travel: a longer wave is a spring or an offset
-FAMILY_TURNS = 1.5  # the same of a wave with harmonics
-WAVE_GRID = 1e-4  # m, of the grid of a spectrum along the travel: a quarter of the shortest wave
+PEAKS = 4  # peaks of a position spectrum that are tried for each kind of wave; 3 for tones
+LEAST_PEAK = 12.0  # minimum score of a peak: noise exceeds it in a few hundred of 100,000 lines
+LEAST_TURNS = 0.7  # minimum periods in the travel: a longer wave is a spring or an offset
+FAMILY_TURNS = 1.5  # minimum periods of a wave with harmonics
+WAVE_GRID = 1e-4  # m: grid of the position spectrum, a quarter of the shortest wave
 MODULATIONS = (4, 6)  # splines of the amplitude of a modulated wave along the travel
-MOST_WAVES = 3  # that are looked for together
-SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter periods are those of no motor and no scale's marks
-ROWS_PER_WAVE = 2.2  # rows at the highest speed in the shortest wave: fewer are those of a longer one as well
-BAND_SHARE = 1e-3  # of the largest gain: a wave that is less in the band is not seen
-TONE_SHARE = 0.38  # of the rate of the rows: highest frequency of a tone, below the edge of the decimation
-WINDOW_SPACING = 48  # moments in the longest log of which pairs are tried for a step, before they are made finer
-STEP = 0.2  # first step of refining, of the logarithm of a number
-REFINED = 40.0  # scores below the best to which shapes are refined: refining gains less
-CERTAIN_ZERO = 5.0  # score below which nothing is refined
+MOST_WAVES = 3  # waves that are fitted together
+SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter than the pitch of any motor or scale
+ROWS_PER_WAVE = 2.2  # minimum rows in the shortest wave at the highest speed; fewer alias
+BAND_SHARE = 1e-3  # of the largest gain: waves with less power in the band are skipped
+TONE_SHARE = 0.38  # of the sample rate: highest frequency of a tone, below the stop band of the decimation
+WINDOW_SPACING = 48  # grid of start and stop of a step in the longest log, before refinement
+STEP = 0.2  # first step of the refinement, in the logarithm of the shape
+REFINED = 40.0  # difference from the best score up to which shapes are refined
+CERTAIN_ZERO = 5.0  # minimum score of a shape that is refined
 
 
 class Shape(NamedTuple):
-    """A candidate at one shape: its name in the log, its columns, and its law, None where it has none."""
+    """A candidate at one shape: label, columns, and law (None for a generic force)."""
 
     label: str
     columns: Columns
@@ -74,19 +74,21 @@ Refine = tuple[float, Callable[[float], Shape], float]
 
 @dataclass
 class Found:
-    """The best shape of one name.
+    """Best shape of one name.
 
     Attributes:
-        name: of the effect, or of a force of any shape that bears none, beginning with ~.
-        label: of the shape.
-        T: score statistic of k degrees of freedom, and N the number of shapes that were tried.
-        amplitudes: of the columns, (k,).
-        columns: function(evidence) to columns of each log; None for a parameter of the axis.
-        effect: function(amplitudes) to the law or several, None without one; for a parameter of the axis its path.
-        others: names that a shape of no law may bear as well.
-        likeness: share of what a shape of no law explains that the law of its name explains too.
-        period: m, of a wave along the travel, of two columns.
-        refine: a number of the shape, function(number) to `Shape`, and a first relative step of the number.
+        name: name of the effect, or of a generic force, which starts with ~.
+        label: label of the shape.
+        T: score statistic.
+        k: degrees of freedom of T.
+        N: number of shapes that were tried.
+        amplitudes: amplitudes of the columns, (k,).
+        columns: function(evidence) that returns the columns of each log; None for a parameter of the axis.
+        effect: function(amplitudes) that returns one law or several; None without a law; the path of an axis parameter.
+        others: further names of a shape without a law.
+        likeness: share of the T of a shape without a law that the law of its name explains.
+        period: period of a wave along the travel, m.
+        refine: a number of the shape, function(number) that returns a `Shape`, and the first relative step.
     """
 
     name: str
@@ -103,38 +105,38 @@ class Found:
     refine: Refine | None = None
 
     def laws(self, amplitudes: FloatArray) -> tuple[Effect, ...]:
-        """The effects of amplitudes, none where it has no law."""
+        """Return the effects with these amplitudes; empty without a law."""
         made = None if self.effect is None or self.columns is None else self.effect(amplitudes)
         return () if made is None else made if isinstance(made, tuple) else (made,)
 
     @property
     def score(self) -> float:
-        """T less what k amplitudes and N trials raise it by without any cause."""
+        """T less the expected gain of k amplitudes and N trials under the null hypothesis."""
         return float(self.T - self.k * np.log1p(self.T / max(self.k, 1)) - 2 * np.log(max(self.N, 1)))
 
 
 def along(make: Callable[[ForceBalance], Any]) -> Columns:
-    """Columns from a function of one balance."""
+    """Return columns made from each balance."""
     return lambda c: [np.atleast_2d(make(b)) for b in c.balances]
 
 
 def driven(make: Callable[[ForceBalance, FloatArray], Any]) -> Columns:
-    """Columns from a function of one balance and its drive."""
+    """Return columns made from each balance and its drive."""
     return lambda c: [np.atleast_2d(make(b, d)) for b, d in zip(c.balances, c.drives, strict=True)]
 
 
 def accelerated(make: Callable[[Evidence, ForceBalance, FloatArray], Any]) -> Columns:
-    """Columns from a function of the evidence, one balance and its acceleration."""
+    """Return columns made from the evidence, each balance and its acceleration."""
     return lambda c: [np.atleast_2d(make(c, b, a)) for b, a in zip(c.balances, c.accelerations, strict=True)]
 
 
 def within(limits: tuple[float, float]) -> Callable[[FloatArray], bool]:
-    """Whether the first amplitude is between limits."""
+    """Return a test of whether the first amplitude is between limits."""
     return lambda a: bool(limits[0] < a[0] < limits[1])
 
 
 class Search:
-    """Candidates of one look at the evidence, with the sizes of the motion."""
+    """Candidates of one round of the search, with the ranges of the motion."""
 
     def __init__(self, ctx: Evidence) -> None:
         bs = ctx.balances
@@ -147,8 +149,8 @@ class Search:
         self.force = max(np.abs(b.command).max() for b in bs)  # V
         self.weights = adjoint(ctx, ctx.basis[2])
         self.found: dict[str, Found] = {}
-        self.least: dict[str, float] = {}  # smallest value of a shape: below half of it there is no effect
-        self.most: dict[str, float] = {}  # largest value of a shape: beyond it the law is another's
+        self.least: dict[str, float] = {}  # smallest value of a shape; below half of it the effect vanishes
+        self.most: dict[str, float] = {}  # largest value of a shape; beyond it the law is that of another effect
 
     def put(
         self,
@@ -160,7 +162,7 @@ class Search:
         period: float | None = None,
         family: str = "",
     ) -> float:
-        """Keep a shape if it is the best of its name and family; its T, 0 where its amplitudes are not acceptable."""
+        """Keep a shape if it is the best of its name and family; return its T, or 0 if its amplitudes are rejected."""
         T, amplitudes, k = self.scored(shape)
         if accept is not None and not accept(amplitudes):
             return 0.0
@@ -175,7 +177,7 @@ class Search:
         return T
 
     def scored(self, shape: Shape) -> tuple[float, FloatArray, int]:
-        """T of a shape, its amplitudes and its degrees of freedom."""
+        """Return T, amplitudes and degrees of freedom of a shape."""
         columns = shape.columns(self.ctx)
         return self.ctx.score([b.rows(x) for b, x in zip(self.balances, columns, strict=True)])
 
@@ -187,7 +189,7 @@ class Search:
         trials: int,
         accept: Callable[[FloatArray], bool] | None = None,
     ) -> None:
-        """Try the shape of a number, which is refined if it may be the best."""
+        """Try the shape with one number, to be refined if it is among the best."""
         self.put(name, make(value), trials, accept, (value, make, STEP))
 
     def law(
@@ -200,7 +202,7 @@ class Search:
         vary: str | None = None,
         accept: Callable[[FloatArray], bool] | None = None,
     ) -> float:
-        """Try a law of the list at one shape; amplitudes: fields with sizes for which their columns are made."""
+        """Try an effect of the vocabulary at one shape; `amplitudes`: fields, and sizes to evaluate columns at."""
 
         def make(**changed: float) -> Shape:
             return law_shape(name, {**fields, **changed}, amplitudes)
@@ -210,7 +212,7 @@ class Search:
 
 
 def law_shape(name: str, fields: Mapping[str, Any], amplitudes: Mapping[str, float]) -> Shape:
-    """A law of the list at one shape: a column for each amplitude, what it adds for a size of it over the size."""
+    """Return an effect of the vocabulary at one shape, with a column per amplitude: its force over its size."""
     base = E[name].replace(**fields)
     effects = [base.replace(**{field: size}) for field, size in amplitudes.items()]
     label = ", ".join(f"{field} {value:.4g}" for field, value in fields.items() if isinstance(value, float))
@@ -219,14 +221,14 @@ def law_shape(name: str, fields: Mapping[str, Any], amplitudes: Mapping[str, flo
 
 
 def added(effects: Sequence[Effect], sizes: Sequence[float]) -> Columns:
-    """What each effect adds to the force over its size."""
+    """Return columns of the force of each effect over its size."""
     return lambda c: [
         b.added(c.model, effects, d) / np.asarray(sizes)[:, None] for b, d in zip(c.balances, c.drives, strict=True)
     ]
 
 
 def adjoint(ctx: Evidence, e: FloatArray) -> list[FloatArray]:
-    """Weight of each row of the motion in the score of a column made of it, (n,) of each log, by what is left, e."""
+    """Return the weight of each row of the motion in the score of a column for the residual e, (n,) of each log."""
     root, out, at = ctx.basis[0], [], 0
     weighed = root * e[: len(root)]
     for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps, strict=True):
@@ -238,7 +240,7 @@ def adjoint(ctx: Evidence, e: FloatArray) -> list[FloatArray]:
 
 
 def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
-    """Power gain of low-pass filter, decimation and whitening at frequencies (Hz), (k,)."""
+    """Return the power gain of low-pass filter, decimation and whitening at frequencies (Hz), (k,)."""
     b = ctx.balances[0]
     folded = np.abs((frequency + 0.5 * b.rate) % b.rate - 0.5 * b.rate)
     _, h = freqz(ctx.screen.taps[0], 1.0, folded / b.rate * 2 * np.pi)
@@ -246,17 +248,17 @@ def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
 
 
 def direction(b: ForceBalance) -> FloatArray:
-    """Sign of the speed, without a jump where its noise is as large, (n,)."""
+    """Return the sign of the speed, linear within its noise, (n,)."""
     return np.asarray(np.sign(b.velocity) * np.minimum(np.abs(b.velocity) / max(b.speed_noise, 1e-12) / 3, 1.0))
 
 
 def speed_hats(b: ForceBalance, speeds: FloatArray) -> FloatArray:
-    """Hat functions of the logarithm of the speed, (k, n)."""
+    """Return hat functions of the logarithm of the speed, (k, n)."""
     return hats(np.log(np.maximum(np.abs(b.velocity), speeds[0])), np.log(speeds))
 
 
 def sharpen(f: Callable[[float], float], x: float, step: float, rounds: int = 7) -> float:
-    """Where f is largest near x, by steps either way that are halved where neither is better."""
+    """Return a local maximiser of f near x, by steps in both directions that are halved without progress."""
     best = f(x)
     for _ in range(rounds):
         moved = False
@@ -271,7 +273,7 @@ def sharpen(f: Callable[[float], float], x: float, step: float, rounds: int = 7)
 
 
 def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
-    """The best shape of each name, and of each cell without one, the highest score first; `also`: own effects."""
+    """Return the best shape of each name and generic force, the highest score first; `also`: own effects."""
     s = Search(ctx)
     forces_of_place(s)
     friction(s)
@@ -292,7 +294,7 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
 
 
 def refined(s: Search, f: Found) -> Found | None:
-    """The candidate at the best value of its number near its own; None where that is so small that there is none."""
+    """Return a candidate at the best value of its number; None if the effect vanishes there."""
     assert f.refine is not None
     value, make, step = f.refine
     tried = {}
@@ -312,7 +314,7 @@ def refined(s: Search, f: Found) -> Found | None:
 
 
 def forces_of_place(s: Search) -> None:
-    """Offset, spring, forces at the ends and at one place, gravity."""
+    """Try offset, spring, end effects, local forces and gravity."""
     low, high, length, middle = s.low, s.high, s.length, 0.5 * (s.low + s.high)
     small = SMALL * s.force
     s.law("constant_force", {}, {"force": small})
@@ -327,7 +329,7 @@ def forces_of_place(s: Search) -> None:
     cubic = along(lambda b: np.vstack([(2 * (b.position - low) / length - 1) ** p for p in range(4)]))
     s.put("cable_spring", Shape("curved", cubic))
     travel = list(s.model.axis.travel) if np.isfinite(s.model.axis.travel).all() else [low, high]
-    s.most["end_effect"] = 0.25 * length  # a force that decays over more of the travel is a spring's
+    s.most["end_effect"] = 0.25 * length  # a force that decays more slowly is a spring
     for L in np.geomspace(0.01, 0.25, 8) * length:
         fields = {"decay_length": float(L), "travel": travel}
         s.law("end_effect", fields, {"force": small}, 8, f"{L:.3g}", vary="decay_length")
@@ -351,7 +353,7 @@ def forces_of_place(s: Search) -> None:
 
 
 def best_places(s: Search, width: float) -> list[float]:
-    """Places (m) of the highest scores of a force at one place of a width (m), without what nuisances take of it."""
+    """Return the two best centres (m) of a local force of a width (m), ignoring the nuisance parameters."""
     edges = np.linspace(s.low, s.high, PLACES + 1)
     push, rows = np.zeros(PLACES), np.zeros(PLACES)
     for b, w in zip(s.balances, s.weights, strict=True):
@@ -367,12 +369,12 @@ def best_places(s: Search, width: float) -> list[float]:
 
 
 def two_ends(s: Search, length: float) -> Columns:
-    """Forces that decay from either end of the motion over a length (m), each of its own size."""
+    """Return columns of forces that decay over a length (m) from either end of the motion."""
     return along(lambda b: np.exp(np.minimum(np.vstack([s.low - b.position, b.position - s.high]), 0.0) / length))
 
 
 def friction(s: Search) -> None:
-    """Friction that depends on direction, speed and place, and before breakaway."""
+    """Try friction that depends on direction, speed and position, and presliding."""
     top, small = s.top, UNIT * max(s.model.axis.coulomb, 1e-3 * s.force)
     s.law("coulomb_asymmetry", {}, {"difference": small})
     s.law("viscous_asymmetry", {}, {"difference": small / top})
@@ -411,7 +413,7 @@ def friction(s: Search) -> None:
 
 
 def friction_profile(s: Search, count: int, size: float) -> Shape:
-    """Friction linear between nodes along the travel, without its mean, which is Coulomb friction."""
+    """Return friction that is linear between nodes along the travel, less its mean, which is Coulomb friction."""
     nodes = [float(x) for x in np.linspace(s.low, s.high, count)]
     base = E["position_dependent_friction"]
     contrast = np.eye(count)[:-1] - 1.0 / count
@@ -423,11 +425,11 @@ def friction_profile(s: Search, count: int, size: float) -> Shape:
 
 
 def command(s: Search) -> None:
-    """What happens to the command before it acts: delay, lag, limits and drift of the gain."""
+    """Try delay, lag, saturation, dead zone and gain drift of the command."""
     least = LEAST_DELAY * float(np.median(np.diff(s.balances[0].log.time)))
 
     def proportional(name: str, field: str, size: float, label: str, columns: Columns, trials: int) -> float:
-        """Try columns of a time `size` (s): the amplitude is a factor of it."""
+        """Try columns for a time `size` (s), which the amplitude multiplies."""
         shape = Shape(label, columns, lambda a: E[name].replace(**{field: float(size * a[0])}))
         return s.put(name, shape, trials, lambda a: bool(a[0] * size > least))
 
@@ -458,17 +460,17 @@ def command(s: Search) -> None:
 
 
 def delayed(time: float) -> Columns:
-    """What a delay of the command changes, s."""
+    """Return the change of the command by a delay (s)."""
     return driven(lambda b, d: np.interp(b.time - time, b.time, d) - d)
 
 
 def lagged(time: float) -> Columns:
-    """What a lag of first order of the command changes, s."""
+    """Return the change of the command by a first-order lag (s)."""
     return driven(lambda b, d: lag(d, b.step, time))
 
 
 def lag(d: FloatArray, step: float, tau: float) -> FloatArray:
-    """What a lag of first order does to a held command, mean over each step (n,): no row knows a later command."""
+    """Return the mean change of a held command by a first-order lag over each step, (n,); it is causal."""
     p = np.exp(-step / tau)
     before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
     return np.asarray((before - d) * (1 - p) * tau / step)
@@ -480,9 +482,9 @@ Function = Callable[[FloatArray], Any]
 def reading_error(
     c: Evidence, b: ForceBalance, a: FloatArray, error: Function, slope: Function, bend: Function
 ) -> FloatArray:
-    """Force (V, (n,)) that an error e(x) of the reading feigns: M (e' a + e'' v^2), and the laws at the wrong place.
+    """Return the apparent force of a reading error e(x), V, (n,): M (e' a + e'' v^2) plus the change of the forces.
 
-    The acceleration is the model's: the measured one holds the noise of its own row.
+    The acceleration `a` comes from the model, because the measured one contains the noise of its row.
     """
     inertia = c.model.axis.mass * (slope(b.position) * a + bend(b.position) * b.velocity**2)
     plant = quiet_plant(c.model.replace(effects=()))
@@ -490,7 +492,7 @@ def reading_error(
 
 
 def reading(s: Search) -> None:
-    """A scale error of the reading; its periodic error is among the waves."""
+    """Try a scale error of the reading; `waves` tries its periodic error."""
     columns = accelerated(
         lambda c, b, a: reading_error(c, b, a, lambda x: UNIT * x, lambda x: UNIT, lambda x: 0.0) / UNIT
     )
@@ -499,7 +501,7 @@ def reading(s: Search) -> None:
 
 
 def motor_and_load(s: Search) -> None:
-    """A load behind a spring, and behind a gap."""
+    """Try a load behind a spring (resonance) and behind a gap (backlash)."""
     ctx, b0 = s.ctx, s.balances[0]
     lowest, highest = max(3.0 / s.duration, 2.0), min(0.25 * b0.rate, b0.corner)  # Hz
     coarse = np.geomspace(lowest, highest, 18)
@@ -509,7 +511,7 @@ def motor_and_load(s: Search) -> None:
         columns = accelerated(lambda c, b, a: seen * c.model.axis.mass * (a - load_response(a, b.step, f, damping)))
 
         def law(a: FloatArray) -> Effect:
-            # driven by the command: mass_ratio / (1 - mass_ratio) of what answers at the free-free frequency
+            # the command drives mass_ratio / (1 - mass_ratio) of the response at the free-free frequency
             return E["flexible_mode"].replace(
                 frequency=float(f), damping_ratio=damping, mass_ratio=float(a[0] / (1.0 + a[0]))
             )
@@ -539,12 +541,12 @@ def motor_and_load(s: Search) -> None:
 
 
 def product_with(weights: Sequence[FloatArray], columns: Sequence[FloatArray]) -> float:
-    """Score of one column in all logs, not normalised."""
+    """Return the score of one column over all logs, not normalised."""
     return float(sum(w @ x[0] for w, x in zip(weights, columns, strict=True)))
 
 
 def time(s: Search) -> None:
-    """A force between two moments, and one with a frequency."""
+    """Try a force between two times, and tones."""
     begin, end = best_window(s)
     step = Shape(
         f"{begin:.3g} to {end:.3g}",
@@ -567,13 +569,13 @@ def time(s: Search) -> None:
 
 
 def tone_columns(frequency: float, orders: Sequence[int]) -> Columns:
-    """Sine and cosine in time of orders of a frequency (Hz)."""
+    """Return sine and cosine in time of multiples of a frequency (Hz)."""
     w = 2 * np.pi * frequency
     return along(lambda b: np.vstack([f(w * o * b.time) for o in orders for f in (np.sin, np.cos)]))
 
 
 def best_window(s: Search) -> tuple[float, float]:
-    """Start and stop (s) of the force between two moments of the highest score: of all pairs, which are made finer."""
+    """Return start and stop (s) of the best force between two times, from all pairs of a grid that is refined."""
     ctx, last = s.ctx, s.duration
     spacing = last / WINDOW_SPACING
     starts = stops = np.arange(0.0, last, spacing)
@@ -593,7 +595,7 @@ def best_window(s: Search) -> tuple[float, float]:
 
 
 def best_tones(s: Search) -> tuple[list[float], int]:
-    """Frequencies (Hz) of the highest peaks of a force in time, and how many there are to choose from."""
+    """Return the frequencies (Hz) of the highest peaks of the residual in time, and the number of trials."""
     ctx, b = s.ctx, s.balances[0]
     n = max(len(x.time) for x in s.balances)
     size = int(2 ** np.ceil(np.log2(4 * n)))
@@ -618,7 +620,7 @@ def best_tones(s: Search) -> tuple[list[float], int]:
     return best, int(duration * TONE_SHARE * b.rate)
 
 
-#: What is periodic along the travel, by what multiplies the wave: a function of balance, drive, largest command.
+#: Kinds of waves along the travel, with the factor of the wave: a function of balance, drive and largest command.
 WAVES: dict[str, Callable[[ForceBalance, FloatArray, float], FloatArray]] = {
     "cogging_harmonic": lambda b, d, peak: np.ones(len(b.time)),
     "force_constant_ripple": lambda b, d, peak: d,
@@ -630,7 +632,7 @@ WAVES: dict[str, Callable[[ForceBalance, FloatArray, float], FloatArray]] = {
 
 
 def waves(s: Search) -> None:
-    """What is periodic along the travel: peaks of each kind, then known and found periods of a varying amplitude."""
+    """Try waves along the travel of each kind, then modulated waves of the known and the found periods."""
     ctx, length, cogging = s.ctx, s.length, s.model.cogging
     known = [] if cogging is None else [float(w) / (2 * np.pi) for w in cogging.basis.wavenumbers]  # 1/m
     turn = [1.0 / (2 * np.pi)] if s.model.units.position == "rad" else []  # one turn: gravity
@@ -651,7 +653,7 @@ def waves(s: Search) -> None:
             peaks.append((score, kappa))
             if name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turn):
                 continue
-            # a long wave with harmonics is a force of any shape
+            # a long wave with harmonics is a generic force
             long = name.startswith("~") or kappa * length < FAMILY_TURNS
             orders = {"": (1,)} if long else {"": (1,), "s": (1, 2, 3)}
             s.most[name] = length / LEAST_TURNS
@@ -679,7 +681,7 @@ def waves(s: Search) -> None:
 
 
 def several_waves(s: Search) -> None:
-    """The best wave of place, then with it the highest of what is left: slots and poles of a motor both cog."""
+    """Try several waves together: each further one is the highest peak of the residual of the others."""
     first, e = None if "cogging_harmonic" not in s.found else s.found["cogging_harmonic"].period, s.ctx.basis[2]
     if first is None or first > s.length / FAMILY_TURNS:
         return
@@ -699,13 +701,13 @@ def several_waves(s: Search) -> None:
 
 
 def several(s: Search, kappas: Sequence[float]) -> Columns:
-    """Sine and cosine of wavenumbers (1/m) along the travel."""
+    """Return sine and cosine of wavenumbers (1/m) along the travel."""
     w = 2 * np.pi * np.array(kappas)
     return along(lambda b: np.vstack([f(q * b.position) for q in w for f in (np.sin, np.cos)]))
 
 
 def wave_law(name: str, *periods: float) -> Law:
-    """The laws of sine and cosine of periods (m); cogging opposes the command."""
+    """Return the laws of sine and cosine with periods (m); cogging opposes the command."""
     sign = -1.0 if name == "cogging_harmonic" else 1.0
 
     def law(a: FloatArray) -> tuple[Effect, ...]:
@@ -716,7 +718,7 @@ def wave_law(name: str, *periods: float) -> Law:
 
 
 def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
-    """Sine and cosine of orders of a wavenumber (1/m) along the travel, times the multiplier of a kind of wave."""
+    """Return sine and cosine of multiples of a wavenumber (1/m), times the factor of a kind of wave."""
     if name == "encoder_periodic_error":
         return encoder_wave(kappa, orders)
     w, peak = 2 * np.pi * kappa, s.force
@@ -728,7 +730,7 @@ def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
 
 
 def modulated_wave(s: Search, kappa: float, count: int) -> Shape:
-    """Cogging of a wavenumber (1/m) whose amplitudes are so many splines along the travel."""
+    """Return cogging of a wavenumber (1/m) whose amplitudes are `count` splines along the travel."""
 
     def make(b: ForceBalance) -> FloatArray:
         amplitude, angle = splines(b.position, s.low, s.high, count), 2 * np.pi * kappa * b.position
@@ -743,7 +745,7 @@ def modulated_wave(s: Search, kappa: float, count: int) -> Shape:
 
 
 def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
-    """What a sine and a cosine of orders of a wavenumber (1/m) in the reading feign, over their size."""
+    """Return the apparent force of a periodic reading error of multiples of a wavenumber (1/m), per unit error."""
     size = 1e-4 / kappa
 
     def feigned(c: Evidence, b: ForceBalance, a: FloatArray, k: float, turned: float) -> FloatArray:
@@ -762,7 +764,7 @@ def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
 def wave_scan(
     s: Search, multipliers: Sequence[FloatArray], weights: Sequence[FloatArray] | None = None
 ) -> tuple[list[tuple[float, float]], int]:
-    """Wavenumbers (1/m) and scores of the highest peaks of multiplier * wave along the travel, and their number."""
+    """Return wavenumbers (1/m) and scores of the highest peaks of multiplier * wave, and the number of trials."""
     n = int(2 ** np.ceil(np.log2(8 * min(s.length / WAVE_GRID, 2**17))))
     dx = s.length / (n // 8)
     spectrum = travel_spectrum(s, s.weights if weights is None else weights, multipliers, n, dx)
@@ -786,7 +788,7 @@ def wave_scan(
 def travel_spectrum(
     s: Search, weights: Sequence[FloatArray], multipliers: Sequence[FloatArray], n: int, dx: float
 ) -> FloatArray:
-    """Power of the weighted rows along the travel, on a grid of n places dx (m) apart, (n / 2 + 1,)."""
+    """Return the power spectrum of the weighted rows along the travel, on n grid points dx (m) apart, (n / 2 + 1,)."""
     grid = np.zeros(n)
     for b, w, m in zip(s.balances, weights, multipliers, strict=True):
         place = (b.position - s.low) / dx
@@ -798,7 +800,7 @@ def travel_spectrum(
 
 
 def wave_power(s: Search, multipliers: Sequence[FloatArray], k: FloatArray) -> FloatArray:
-    """Power behind all filters of waves of wavenumbers k (1/m): at each speed v they have the frequency k v."""
+    """Return the power of waves of wavenumbers k (1/m) behind all filters; at speed v their frequency is k v."""
     speeds, weights = [], []
     for b, m in zip(s.balances, multipliers, strict=True):
         keep = np.repeat(b.mask, b.every)[: len(b.time)]
@@ -818,7 +820,7 @@ def wave_power(s: Search, multipliers: Sequence[FloatArray], k: FloatArray) -> F
 
 
 def unnamed(s: Search) -> None:
-    """Forces of any shape along a coordinate, which bear no name."""
+    """Try generic forces along each coordinate, which have no name."""
     low, high, top, duration = s.low, s.high, s.top, s.duration
     speeds = top * np.geomspace(2e-3, 0.9, 8)
     knots = np.linspace(0, duration, 12)
@@ -829,7 +831,7 @@ def unnamed(s: Search) -> None:
         "~friction in time": along(lambda b: hats(b.time, knots) * direction(b)),
         "~force in time": along(lambda b: hats(b.time, knots)),
         "~force along travel": along(lambda b: splines(b.position, low, high, 14)),
-        # less a gain that is the same everywhere, which mass and friction take
+        # less a constant gain, which mass and friction absorb
         "~gain along travel": driven(lambda b, d: (splines(b.position, low, high, 8)[:-1] - 1.0 / 8.0) * d),
         "~command": driven(lambda b, d: np.vstack([d * np.abs(d), d**3, d**2])),
         "~friction over speed": along(lambda b: speed_hats(b, speeds) * direction(b)),
@@ -839,7 +841,7 @@ def unnamed(s: Search) -> None:
 
 
 def changes_of_axis(s: Search) -> None:
-    """Mass and friction beyond what is stated of them: the score of their pseudo-observations."""
+    """Try changes of mass and friction beyond their stated uncertainty: the score of their pseudo-observations."""
     ctx = s.ctx
     finite = [i for i, sigma in enumerate(ctx.prior_sigma) if np.isfinite(sigma)]
     _, q, e = ctx.basis
@@ -855,11 +857,11 @@ def changes_of_axis(s: Search) -> None:
 
 
 def own_effect(s: Search, name: str, effect: Effect, scales: Mapping[str, float]) -> None:
-    """An effect of the user's own: its amplitudes as columns, at each of a grid of its shapes."""
+    """Try a user-defined effect: its amplitudes as columns, on a grid of its shape parameters."""
 
     def values_of(role: Mapping[str, Any]) -> FloatArray:
         space = np.geomspace if role["logarithmic"] else np.linspace
-        inner = role["neutral"] is not None  # the ends of the range are not tried
+        inner = role["neutral"] is not None  # then skip the ends of the range
         grid = space(role["low"], role["high"], OWN_SHAPES + 2 * inner)[inner : OWN_SHAPES + inner]
         return s.low + s.length * grid if role["quantity"] == "position" else scales.get(role["quantity"], 1.0) * grid
 
@@ -878,12 +880,12 @@ def own_effect(s: Search, name: str, effect: Effect, scales: Mapping[str, float]
             label = ", ".join(f"{field} {number:.4g}" for field, number in fields.items())
             return own_shape(label, effect.replace(**fields), amplitudes)
 
-        first = next(iter(at.values()), 0.0)  # the first number of its shape is refined
+        first = next(iter(at.values()), 0.0)  # only the first shape parameter is refined
         s.put(name, make(), len(grid), refine=(first, make, STEP) if first > 0.0 else None)
 
 
 def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
-    """An effect of the user's own at one shape: a column for each amplitude, and each entry of one that is a list."""
+    """Return a user-defined effect at one shape, with a column per amplitude or entry of a list of amplitudes."""
     units: list[tuple[str, int | None]] = []
     for name in amplitudes:
         value = getattr(base, name)
@@ -906,8 +908,8 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
     return Shape(label, columns, law)
 
 
-LATE = "~command logged late"  # by the time of its amplitude, s, less than 0: a fault of the log
-#: Forces of any shape along a coordinate, and the names that such a shape may bear: a spring, a bump, a pulse have any.
+LATE = "~command logged late"  # a fault of the log: its amplitude is the negative time shift, s
+#: Generic forces along a coordinate, and the effects whose law may have such a shape.
 CELLS = {
     "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
     "~gain along travel": ("force_constant_ripple",),
@@ -915,13 +917,13 @@ CELLS = {
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
 }
-LIKE = 0.45  # share of the cell's T from which on it is another shape of the law that explains most
-NESTED = 0.7  # share of the gain of another shape from which on a law is said instead
-UNNAMED = 0.6  # the same of a force without a name
+LIKE = 0.45  # minimum share of a generic force's T that the best law explains, to give it the name of that law
+NESTED = 0.7  # minimum share of the gain of another shape that a law explains, to be preferred to it
+UNNAMED = 0.6  # the same against a generic force without a name
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:
-    """Candidates, where a force of any shape along a coordinate bears the name of the best law that bends along it."""
+    """Return the candidates with each generic force renamed after the best law of its coordinate, if one fits."""
     by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
     out = {(f.name, f.label): f for f in found}
     for cell, names in CELLS.items():

@@ -1,7 +1,7 @@
-"""Decision: the search for what a model lacks, on given and confirm logs together, one effect at a time.
+"""Decision: the search for missing effects on given and confirm logs together, one effect at a time.
 
-Each round looks for candidates in the given logs, ranks the best of them by the likelihood of all logs, drops what logs
-that can show it contradict, and adds the likeliest to the model, which is then re-tuned.
+Each round finds candidates in the given logs, ranks the best of them by the likelihood of all logs, drops those that a
+log contradicts, and adds the likeliest to the model, which is then re-tuned.
 """
 
 from __future__ import annotations
@@ -22,38 +22,38 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.resources import on_threads
 
-THRESHOLD = 20.0  # score from which on a candidate is taken: above those of 36 drawn logs with nothing missing
-MINOR = 0.1  # of the largest score: what is less is a trait of a law that is nearly right
-SHARE = 0.05  # probability from which on another name is an alternative
-BLOCK = 0.5  # s, of motion that is resampled: a stroke or so
-RESAMPLED = 2000  # motions
-CHANCE = 2.0  # inflation that the few blocks of a log show by chance: it tells no two candidates apart
-COLUMN_ERROR = 0.01  # of a gain: columns of rivals are right to some per cent where friction is not the model's
-ROUNDS = 10  # effects at most, and a last look at what is left
-SURVIVORS = 24  # candidates of a look that are compared on all logs
-CLOSE = 8  # of these that are compared with noise filters of their own
-FIRST, SHAPES = 3, 2  # the best of the given logs that are among them, and shapes of one name
-FAINT = 0.1  # of the largest T: candidates below are not compared
-SHOWN = 10.0  # expected gain in 2 ln likelihood from which on logs can contradict a candidate
-LARGEST_CHANGE = 10.0  # of mass or friction against what is stated, as a factor either way
-REPEATED = (  # may be found again, at another period, frequency or time
+THRESHOLD = 20.0  # minimum score of an accepted candidate: above those of 36 drawn logs with nothing missing
+MINOR = 0.1  # of the largest score: a smaller one comes from a law that is only nearly right
+SHARE = 0.05  # minimum probability of an alternative name
+BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
+RESAMPLED = 2000  # bootstrap samples
+CHANCE = 2.0  # inflation that the few blocks of a log show by chance
+COLUMN_ERROR = 0.01  # relative error of a gain: accuracy of the columns under an inexact friction law
+ROUNDS = 10  # maximum number of rounds, the last of which accepts nothing
+SURVIVORS = 24  # candidates of a round that are pre-selected for all logs
+CLOSE = 8  # of these, candidates that are fitted with whitening filters of their own
+FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum number of shapes of one name
+FAINT = 0.1  # of the largest T: smaller candidates are skipped
+SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
+LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
+REPEATED = (  # may occur several times, with another period, frequency or time
     *("cogging_harmonic", "force_constant_ripple", "encoder_periodic_error", "disturbance_tone", "disturbance_step"),
 )
-COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has one
+COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has at most one
 
 
 @dataclass
 class Contender:
-    """A candidate on all logs.
+    """A candidate fitted to all logs.
 
     Attributes:
-        found: the candidate.
+        found: candidate.
         ratio: gain in 2 ln likelihood over the model without it.
-        score: the same less what amplitudes and trials gain without any cause.
-        inflation: of the variance of its score, by which its gain is divided.
+        score: `ratio` less the expected gain of its amplitudes and trials under the null hypothesis.
+        inflation: variance inflation of its score, by which the gain is divided.
         blocks: gain of each block of motion.
-        gains: of given and of confirm logs.
-        expected: what these would show if the candidate is right.
+        gains: gain of the given and of the confirm logs.
+        expected: expected gains if the candidate is true.
     """
 
     found: Found
@@ -66,19 +66,19 @@ class Contender:
 
     @property
     def is_contradicted(self) -> bool:
-        """Logs that can show it show the contrary."""
+        """Whether logs that can show the candidate show the contrary."""
         return any(e > SHOWN and g < 0.0 for g, e in zip(self.gains, self.expected, strict=True))
 
 
 @dataclass
 class Accepted:
-    """What was added to the model.
+    """An accepted candidate.
 
     Attributes:
-        found: candidate, with the amplitudes of its columns; `effect(amplitudes)` is its law, None without one.
-        score: gain in 2 ln likelihood less what amplitudes and trials gain without any cause.
-        share: probability that it is this one, over resampled motion.
-        alternatives: other names with the same.
+        found: candidate; `effect(amplitudes)` is its law, None without one.
+        score: gain in 2 ln likelihood less the expected gain under the null hypothesis.
+        share: probability of the candidate over resampled motion.
+        alternatives: names and probabilities of the alternatives.
     """
 
     found: Found
@@ -89,17 +89,18 @@ class Accepted:
 
 @dataclass
 class Outcome:
-    """What the search came to.
+    """Result of the search.
 
     Attributes:
-        nominal: evidence of the given logs under the re-tuned model, before anything was added.
-        evidence: the same with all that was accepted: `model` holds what has a law, `extra` what has none.
-        both: given and confirm logs together, with all that was accepted; `evidence` without confirm logs.
-        accepted: what was added, in that order.
-        refused: name, gains on given and confirm logs and what these can show, of what logs contradict.
-        found: last candidates, the highest score first.
-        shift: distance by which the zero of the confirm logs lies elsewhere, m.
-        late: time after which a command that acts is logged, s.
+        nominal: evidence of the given logs under the re-tuned model without any candidate.
+        evidence: evidence of the given logs with the accepted candidates: `model` has those with a law, `extra` the
+            others.
+        both: evidence of given and confirm logs with the accepted candidates; `evidence` without confirm logs.
+        accepted: accepted candidates in order.
+        refused: contradicted candidates: name, gains of given and confirm logs, expected gains.
+        found: candidates of the last round, the highest score first.
+        shift: offset of the zero of the confirm logs, m.
+        late: delay between the action of a command and its time stamp, s.
     """
 
     nominal: Evidence
@@ -119,17 +120,17 @@ def search(
     also: Mapping[str, Effect] | None = None,
     progress: Callable[[str], None] = lambda step: None,
 ) -> Outcome:
-    """Search for what a model lacks.
+    """Search for the effects that a model lacks.
 
     Args:
-        given: logs that are searched.
-        confirm: logs of other motion: they rank what was found, and may contradict it.
+        given: logs that provide the candidates.
+        confirm: logs of other motion, which rank and may contradict the candidates.
         model: stated model.
-        also: own effects by name.
-        progress: is called with what was found in each round, in a line.
+        also: user-defined effects by name.
+        progress: function that receives one line per round.
 
     Raises:
-        TooLittleMotion: the given logs, or the confirm logs, have too few rows that count.
+        TooLittleMotion: the given logs, or the confirm logs, have too few valid rows.
     """
     width, quantum = model.axis.coulomb_width, model.encoder.resolution
     balances = [ForceBalance(log, width, quantum) for log in given]
@@ -158,12 +159,12 @@ def search(
         if step == ROUNDS - 1:
             break
 
-        # those that may be the likeliest on all logs, each with its own noise filter
+        # compare the best candidates on all logs, each with its own whitening filter
         compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
         compared = closest(outcome.both, compared)
         contenders = contenders_of(outcome.both, compared, len(given))
         if others and not outcome.shift and model.cogging is None:
-            # gravity has the same zero on all motions
+            # with gravity, the zero is the same in all logs
             same = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
             waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD and not same]
             top = max(waves, key=lambda c: c.ratio, default=None)
@@ -203,9 +204,9 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """The best shape of each name, but no shape without a law where a law explains nearly as much.
+    """Return the best shape of each name, without shapes that have no law where a law explains nearly as much.
 
-    That is any law beside a force of any shape without a name, and one along the same coordinate beside another.
+    Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others.
     """
     lawful = [c for c in contenders if c.found.columns is None or c.found.effect is not None]
     named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
@@ -222,7 +223,7 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
-    """The candidate, or, where it has no law, what it shows an accepted law of the same coordinate to lack."""
+    """Return the candidate, renamed after an accepted law of the same coordinate if it has no law of its own."""
     if f.columns is None or f.effect is not None:
         return f
     taken = {one.found.name for one in accepted} - {f.name}
@@ -232,7 +233,10 @@ def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
 
 
 def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:
-    """The model with the law of a candidate; what has none, or a state, is kept as columns, a change as a free path."""
+    """Return the model with the law of a candidate; without a law append it to `extra`, a change of the axis to `free`.
+
+    A law with a state is kept as columns too.
+    """
     if f.columns is None:
         free.append(f.effect)
         return model
@@ -244,7 +248,7 @@ def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Mod
 
 
 def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
-    """What was accepted without a law, with its amplitudes as they are fitted beside all else."""
+    """Return the accepted candidates without a law, with their amplitudes from the joint fit."""
     at, out = len(evidence.paths), []
     for f in extra:
         k = len(f.amplitudes)
@@ -254,7 +258,7 @@ def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
-    """Take from the alternatives of each effect what was found beside it."""
+    """Remove accepted names from the alternatives of the other effects."""
     names = {one.found.name for one in accepted}
     for one in accepted:
         apart = sum(p for name, p in one.alternatives if name in names)
@@ -263,19 +267,19 @@ def without_each_other(accepted: Sequence[Accepted]) -> None:
 
 
 def score_of(ratio: float, k: int, trials: int, blocks: int) -> float:
-    """What is left of a gain in 2 ln likelihood after paying for k amplitudes (blocks of motion count) and trials."""
+    """Return a gain in 2 ln likelihood less penalties for k amplitudes (by the number of blocks) and for trials."""
     return float(ratio - k * max(np.log1p(max(ratio, 0.0) / k), np.log(blocks)) - 2 * np.log(max(trials, 1)))
 
 
 def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> list[Contender]:
-    """The candidates on all logs, compared on threads, without changes that no machine can have."""
+    """Fit the candidates to all logs on threads; drop implausible changes of the axis."""
     made = on_threads(lambda f: contender(evidence, f, given), found)
     return [c for c in made if c is not None]
 
 
 @np.errstate(all="ignore")
 def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
-    """The candidate on all logs, the first of which are given; None for a change that no machine can have."""
+    """Fit a candidate to all logs, the first `given` of which are given logs; None for an implausible change."""
     edges = block_edges(evidence)
     if f.columns is None:
         if f.effect not in evidence.paths:
@@ -292,7 +296,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
     ratio = (best.none.cost - best.cost) / best.inflation
     by_row = (best.none.by_row() - best.by_row()) / best.inflation
-    expected = best.told**2 / best.inflation
+    expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in evidence.counted[:given])
     return Contender(
         f,
@@ -306,7 +310,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
-    """Those that a closer look may find to be the likeliest on all logs, the best of the given logs among them."""
+    """Return the candidates worth a complete fit: the best of the given logs, and the likeliest on all logs."""
     blocks = len(block_edges(evidence))
 
     @np.errstate(all="ignore")
@@ -316,7 +320,7 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
         tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
         return score_of(evidence.quick_ratio(tables), max(f.k, 1), f.N, blocks)
 
-    assert evidence.bases  # made once, before threads share them
+    assert evidence.bases  # compute the cached fits before threads share them
     worths = on_threads(worth, found)
     near: list[Found] = []
     for f in [*found[:FIRST], *(found[k] for k in np.argsort(worths, kind="stable")[::-1])]:
@@ -326,13 +330,13 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
 
 
 def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> float:
-    """Distance (m) by which the zero of the confirm logs lies elsewhere by a wave of place; 0 where none shows.
+    """Return the offset (m) of the zero of the confirm logs, from the phase of a wave; 0 if it is not significant.
 
     Args:
-        evidence: all logs.
-        f: wave that was found in the given logs.
-        given: how many of the logs are given.
-        joint: gain in 2 ln likelihood of the wave with the same zero in all logs.
+        evidence: evidence of all logs.
+        f: wave of the given logs.
+        given: number of given logs.
+        joint: gain in 2 ln likelihood of the wave with a common zero.
     """
     tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
     none = [np.zeros_like(t) for t in tables]
@@ -348,7 +352,7 @@ def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> flo
 
 
 def released(evidence: Evidence, path: str) -> Maximum:
-    """The likeliest model without what is stated of one parameter."""
+    """Return the maximum-likelihood fit without the prior of one parameter."""
     other = copy(evidence)
     other.prior_sigma = evidence.prior_sigma.copy()
     other.prior_sigma[evidence.paths.index(path)] = np.inf
@@ -356,7 +360,7 @@ def released(evidence: Evidence, path: str) -> Maximum:
 
 
 def block_edges(evidence: Evidence) -> NDArray[np.intp]:
-    """First rows of the blocks of motion, none over two logs."""
+    """Return the first rows of the blocks of motion; no block spans two logs."""
     size = round(BLOCK * evidence.balances[0].rate)
     edges: list[int] = []
     at = 0
@@ -368,13 +372,13 @@ def block_edges(evidence: Evidence) -> NDArray[np.intp]:
 
 
 def shares(contenders: Sequence[Contender], seed: int = 1) -> FloatArray:
-    """Probability of each candidate, none being one of them, averaged over motion that is resampled block by block.
+    """Return the probability of each candidate against the others and none, averaged over a block bootstrap.
 
-    What inflations show by chance is believed every other time.
+    In half of the samples, up to CHANCE of the variance inflation counts as chance.
     """
     rng = np.random.default_rng(seed)
     blocks = np.array([c.blocks for c in contenders])
-    stated = np.array([c.ratio - c.blocks.sum() for c in contenders])  # what agrees better with the statement
+    stated = np.array([c.ratio - c.blocks.sum() for c in contenders])  # gain in the prior
     paid = np.array([c.score - c.ratio for c in contenders])
     n = blocks.shape[1]
     weights = rng.multinomial(n, np.full(n, 1.0 / n), RESAMPLED)

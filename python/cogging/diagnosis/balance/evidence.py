@@ -1,4 +1,7 @@
-"""Evidence: what a model leaves of the force balance of logs, and how much likelier it is with something more."""
+"""Whitened residuals of the force balance under a model, and likelihood ratios of candidate terms.
+
+Nuisance parameters (mass, friction, known cogging, accepted effects) are fitted under their priors in every hypothesis.
+"""
 
 from __future__ import annotations
 
@@ -22,37 +25,42 @@ from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
 
 # Noise
-FEWEST = 60  # rows that count: fewer are less than two for each of what is fitted
-MEMORY = 1.5  # s, of the noise filter: what is slower is the screen's, which has slow forces of any shape taken out
-BAND = 1.3  # about a frequency, up and down, of whose power the noise filter takes the median: a third of an octave
-LINES = 24  # of the spectrum, at least, in that band: the median of fewer is too uncertain
-CENTRES = 96  # frequencies at which the median is taken, a few in each band
-TAIL = 5.0  # degrees of freedom of Student's noise: tails of measured residuals
-SINGULAR = 1e-8  # of the largest eigenvalue of columns that are scaled to 1: less is rounding
-OUTLIER = 5.0  # deviations at which rows are cut for the noise filter
-BLOCKS = (0.1, 0.5)  # s, over which the products of a score are summed for its variance: reversals, strokes
-LARGELY = 0.3  # of the command's deviation: where more is left, that is no noise, and no noise filter is made of it
-# Nuisances
-TIMING = 0.25  # rows of a log by which friction may be late
-WIDTHS = 32  # of Coulomb friction's rise, of which its law is made: a factor of 1.3 apart over four decades
-KNEE = 0.6  # of the highest speed, up to which friction may bend: beyond, a bend is as good as viscous friction
-WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # times the width of friction, that are tried for a model alone
-SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # of re-tuning, until it leads nearer to the likeliest
-UNSTATED = 1.0  # uncertainty of mass and friction where none is stated
-LEAST_MASS = 0.05  # of the mass: re-tuning makes it no smaller
-COGGING_STEP = 0.05  # relative, and rad: step of gain and phase of the known cogging for their columns
-# Instruments: the command regressed on what the model asks for along the reference, earlier and later
-LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop's answer lasts some 40 ms
+FEWEST = 60  # minimum number of valid rows, about two for each fitted parameter
+MEMORY = 1.5  # s: length of the whitening filter; the screening filter accounts for slower forces
+BAND = 1.3  # ratio of the band edges to the centre frequency of the median power: a third of an octave
+LINES = 24  # minimum number of spectral lines in that band
+CENTRES = 96  # frequencies at which the median is taken, several in each band
+TAIL = 5.0  # degrees of freedom of the Student-t noise: tails of measured residuals
+SINGULAR = 1e-8  # relative to the largest eigenvalue of the scaled columns: smaller ones are rounding errors
+OUTLIER = 5.0  # standard deviations at which rows are clipped before the whitening filter is estimated
+BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
+LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
+# Nuisance parameters
+TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
+WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
+KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
+WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
+SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
+UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
+LEAST_MASS = 0.05  # of the mass: lower bound in one step
+COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
+# Instruments: regression of the command on the model's force along the reference at several lags
+LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
 LAG = 4e-4  # s
-MOST_BAND = 0.8  # of half the rate of the rows: highest corner of these filters
-SLOW = 10.0  # Hz, below which the measured acceleration holds little noise
+MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
+SLOW = 10.0  # Hz: below it the measured acceleration has little noise
 
 
 def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
-    """Taps of the causal whitening filter of smallest phase of rows e (n,), the first one 1.
+    """Return the taps of the minimum-phase whitening filter of a residual, normalised to a first tap of 1.
 
-    The spectrum at a frequency is the median of the power over a band about it: a line is a signal, as what is periodic
-    in motion shows as lines, and noise has none that are so narrow. The taps follow from it by its cepstrum.
+    The spectrum at each frequency is the median power in a band about it, so that narrow lines count as signal, not as
+    noise. The taps follow from the cepstrum of that spectrum.
+
+    Args:
+        e: residual, (n,).
+        mask: rows that count, (n,).
+        rate: Hz.
     """
     size = int(2 ** np.ceil(np.log2(2 * len(e))))
     power = np.abs(np.fft.rfft(np.where(mask, e, 0.0), size)) ** 2
@@ -70,28 +78,30 @@ def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
 
 
 class TooLittleMotion(ValueError):
-    """Logs of which too few rows count."""
+    """The logs have too few valid rows."""
 
 
 @dataclass
 class Maximum:
-    """A hypothesis at its likeliest: columns x (p, n) in whitened rows r (n,).
+    """Maximum-likelihood fit of columns x (p, n) to whitened rows r (n,).
 
     Attributes:
-        cost: minus twice the logarithm of the likelihood.
-        w: amplitudes of the columns as scaled, (p,).
-        rest: whitened rows less the columns, (n,), and their variance.
-        weight: of each row, less than 1 for outliers, (n,).
-        gram: weighted products of the columns with each other, priors included, (p, p).
-        unit: twice the logarithm of the deviation of each row before its filter.
-        theta: amplitudes of the columns in their own units, (p,).
-        taps: noise filter of each log.
-        r, x: rows and columns behind the filter, the latter scaled to 1.
-        prior: deviation and mean of each scaled amplitude.
-        size: by which columns are scaled, (p,).
-        none: the same rows without the columns that were added.
-        inflation: largest ratio of the variance of a score to what independent rows would have.
-        told: what the added columns explain of each row, in deviations, (n,).
+        cost: -2 ln likelihood.
+        w: amplitudes of the scaled columns, (p,).
+        rest: residual r - w x, (n,).
+        variance: of the residual.
+        weight: weight of each row, less than 1 for outliers, (n,).
+        gram: weighted Gram matrix of the scaled columns, priors included, (p, p).
+        unit: 2 ln of the noise scale of each row before its whitening filter, (n,).
+        theta: amplitudes in their own units, w / size, (p,).
+        taps: whitening filter of each log.
+        r: whitened rows, (n,).
+        x: whitened and scaled columns, (p, n).
+        prior: standard deviation and mean of each scaled amplitude.
+        size: scale of each column, (p,).
+        none: fit to the same rows without the added columns.
+        inflation: largest ratio of the variance of a score to that of independent rows.
+        explained: part of each row that the added columns explain, in standard deviations, (n,).
     """
 
     cost: float
@@ -109,10 +119,10 @@ class Maximum:
     size: FloatArray = field(init=False)
     none: Maximum = field(init=False)
     inflation: float = field(init=False, default=1.0)
-    told: FloatArray = field(init=False)
+    explained: FloatArray = field(init=False)
 
     def solved(self, free: Mask, theta: FloatArray, r: FloatArray | None = None) -> FloatArray:
-        """Amplitudes theta (p,) with those that are free at their likeliest beside the others, in its rows or in r."""
+        """Return theta (p,) with the free amplitudes re-fitted and the others held, to its own rows or to r."""
         sigma, target = self.prior
         slope = self.x @ (self.weight * (self.r if r is None else r)) + target / np.maximum(
             sigma**2 / self.variance, 1e-12
@@ -122,31 +132,31 @@ class Maximum:
         return np.asarray(w / self.size)
 
     def by_row(self) -> FloatArray:
-        """Minus twice the logarithm of the density of each row, (n,)."""
+        """Return -2 ln of the density of each row, (n,)."""
         return student_cost(self.rest, self.variance) + self.unit
 
 
 def deviation(x: FloatArray) -> float:
-    """Standard deviation of normal rows from their median size, which outliers do not change."""
+    """Return a robust standard deviation from the median absolute value."""
     return max(1.4826 * float(np.median(np.abs(x))), 1e-300)
 
 
 def student_cost(rest: FloatArray, variance: float) -> FloatArray:
-    """Minus twice the logarithm of Student's density of each row, without its constant."""
+    """Return -2 ln of the Student-t density of each row, up to a constant."""
     return np.asarray((TAIL + 1.0) * np.log1p(rest**2 / (TAIL * variance)) + np.log(variance))
 
 
 def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArray, rounds: int = 3) -> Maximum:
-    """Columns x (p, n) at their likeliest in rows r, by re-weighted least squares: Student's noise.
+    """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
-    Amplitudes have normal priors of deviation sigma (infinite: none) about target. Outliers decide little.
+    Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,).
     """
     weight, variance = np.ones(len(r)), deviation(r) ** 2
     for _ in range(rounds):
         prior = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
         scaled = x * np.sqrt(weight)
         gram = scaled @ scaled.T + np.diag(prior + 1e-12 * len(r))
-        # of columns that say nearly the same, one direction is left out: else they cancel at enormous sizes
+        # drop directions of nearly collinear columns: their amplitudes would be huge and cancel
         unit = np.sqrt(np.diag(gram))
         value, vector = np.linalg.eigh(gram / np.outer(unit, unit))
         seen = value > SINGULAR * value[-1]
@@ -161,25 +171,31 @@ def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArra
 
 @dataclass
 class Evidence:
-    """Logs under a model with what was accepted.
+    """Force balances of logs under a model and the terms accepted so far.
 
     Attributes:
         balances: force balances of the logs.
-        given: model as it was read, which the priors are of.
-        model: the same re-tuned, with what was accepted.
-        extra: candidates that were accepted without a law: each has `columns(evidence)`.
-        free: paths of the axis whose prior is released.
-        plainly: whether nothing is whitened, however little is left: what is left of large effects is no noise either.
-        drives: part of the command that the motion asked for explains, V, (n,) of each log; accelerations (m/s^2) and
-            blurs (V): see `drive`.
-        largely: whether what is left is so much of the command that it is no noise.
-        alike: how many rows of it say the same; 1 for noise.
-        paths: of the nuisances, p of them, before the columns of `extra`.
-        prior_sigma: deviation of each nuisance and column of `extra`, (q,); prior_offset its mean.
-        limits: range in which re-tuning keeps a parameter, by path.
-        counted: rows of each log that count behind a noise filter; masks: before it.
-        residuals: what the model leaves of each log, as it is compared, (m,); nuisances likewise, (q, m).
-        fit: nuisances at their likeliest behind the noise filters `start`, of amplitudes `theta`, (q,).
+        given: stated model, which sets the priors.
+        model: re-tuned model with the accepted effects.
+        extra: accepted candidates without a law: each has `columns(evidence)`.
+        free: paths of the axis without a prior.
+        plainly: whether to skip whitening whatever the size of the residual.
+        drives: part of the command that the reference motion explains, V, (n,) of each log (see `drive`).
+        accelerations: m/s^2, likewise.
+        blurs: V, likewise.
+        largely: whether the residual is too large a share of the command to be treated as noise.
+        alike: number of rows that count as one independent row; 1 for noise.
+        paths: paths of the p nuisance parameters, before the columns of `extra`.
+        prior_sigma: prior standard deviation of each nuisance parameter and column of `extra`, (q,).
+        prior_offset: prior mean, (q,).
+        limits: bounds of re-tuned parameters, by path.
+        masks: valid rows of each log before the whitening filter.
+        counted: valid rows behind it.
+        residuals: residual of each log, low-pass filtered and decimated, (m,).
+        nuisances: columns of the nuisance parameters likewise, (q, m).
+        start: whitening filters of the first fit.
+        fit: fit of the nuisance parameters behind `start`.
+        theta: their amplitudes, (q,).
     """
 
     balances: list[ForceBalance]
@@ -207,9 +223,11 @@ class Evidence:
     theta: FloatArray = field(init=False, repr=False)
 
     def prepare(self, rounds: int = 0, listen: bool = False) -> Evidence:
-        """The same with columns and null, the model re-tuned round by round; `listen`: choose the balance's band.
+        """Make the columns and re-tune the model by Gauss-Newton steps with a line search; return self.
 
-        A step is halved until it leads nearer to the likeliest: one along columns of a law that bends may be too long.
+        Args:
+            rounds: number of steps.
+            listen: whether to choose the low-pass corner of each balance from the first residual.
         """
         for k in range(rounds):
             self.make()
@@ -227,9 +245,9 @@ class Evidence:
         return self
 
     def decrement(self, model: Model) -> float:
-        """By how much 2 ln likelihood would still rise from a re-tuned model on, in the parameters that it has.
+        """Return the Newton decrement of a re-tuned model: the gain in 2 ln likelihood that its parameters still allow.
 
-        The power that is left says less: columns hold no noise of the readings, which what is left does.
+        The residual power is a weaker criterion: unlike the columns, it contains the noise of the readings.
         """
         fit, known = self.fit, parameters_of(model, together=True)
         old = parameters_of(self.model, together=True)
@@ -244,7 +262,11 @@ class Evidence:
         return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
 
     def make(self) -> None:
-        """Make the columns of the balance under the model, and fit them."""
+        """Make residuals and columns under the model, and fit the nuisance parameters.
+
+        Raises:
+            TooLittleMotion: fewer than FEWEST rows are valid.
+        """
         made = [drive(b, self.model) for b in self.balances]
         self.drives, self.accelerations, self.blurs = ([one[k] for one in made] for k in range(3))
         self.paths, tables = nuisance_columns(self)
@@ -268,7 +290,7 @@ class Evidence:
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
         self.largely = self.plainly or bool(np.std(left) > LARGELY * np.std(command))
         self.alike = 1.0
-        if self.largely:  # what is left is motion, and its rows are far from independent: priors count by as much more
+        if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
         taps = self.taps_of(theta)
         self.keep_positive(taps)
@@ -276,7 +298,7 @@ class Evidence:
         self.theta = self.fit.theta
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
-        """Rows that count behind each log's filter, logs after each other, (p, n)."""
+        """Return the valid rows of columns (p, m) of each log behind its filter, logs concatenated, (p, n)."""
         return np.hstack(
             [
                 oaconvolve(t, h[None, :], axes=1)[:, : t.shape[1]][:, m]
@@ -286,11 +308,11 @@ class Evidence:
 
     @property
     def rate(self) -> float:
-        """Rate of the rows, Hz."""
+        """Sample rate of the rows, Hz."""
         return self.balances[0].rate
 
     def taps_of(self, theta: FloatArray, parts: Sequence[FloatArray] | None = None) -> list[FloatArray]:
-        """Noise filter of each log, of what columns leave, to a deviation of 1; outliers are cut."""
+        """Return the whitening filter of each log from its clipped residual, scaled to unit standard deviation."""
         taps = []
         for r, x, m in zip(self.residuals, self.nuisances if parts is None else parts, self.masks, strict=True):
             left = r - theta @ x
@@ -304,7 +326,7 @@ class Evidence:
 
     @property
     def plain(self) -> list[FloatArray]:
-        """No filter, but each log to a deviation of 1."""
+        """Filters that only scale each log to unit standard deviation."""
         return [np.ones(1) / deviation(r[m]) for r, m in zip(self.residuals, self.masks, strict=True)]
 
     def fitted(
@@ -314,7 +336,14 @@ class Evidence:
         rounds: int = 3,
         base: Maximum | None = None,
     ) -> Maximum:
-        """Nuisances, and columns of each log (k, m), at their likeliest behind a filter: that of `base` where given."""
+        """Fit the nuisance parameters and added columns (k, m) of each log behind whitening filters.
+
+        Args:
+            taps: filter of each log.
+            tables: added columns.
+            rounds: of re-weighting.
+            base: fit without the added columns behind the same filters, whose rows are reused.
+        """
         if base is None:
             base_rows = zip(self.residuals, self.nuisances, strict=True)
             white = self.filtered([np.vstack([r, x]) for r, x in base_rows], taps)
@@ -339,11 +368,11 @@ class Evidence:
         return best
 
     def maximised(self, tables: Sequence[FloatArray] | None = None) -> Maximum:
-        """Nuisances and columns of each log (k, m) at their likeliest, with the noise filter that suits them best.
+        """Fit the nuisance parameters, added columns (k, m) of each log and the whitening filter by maximum likelihood.
 
-        The filter is part of each hypothesis: with that of the null, a slow force is half taken for noise; with that of
-        the candidate, nulls alarm. Their likelihood ratio, each with its own, does neither. A filter that has swallowed
-        a force finds no force that it could give back: what is left without any filter is a start as well.
+        The filter belongs to the hypothesis: the null's filter absorbs part of a slow force, and the candidate's filter
+        raises false alarms under the null. Several filters are starting points, the unfiltered residual among them,
+        because a filter that has absorbed a force cannot release it.
         """
         if tables is None:
             parts, rounds = self.nuisances, 2
@@ -362,9 +391,9 @@ class Evidence:
         return best
 
     def _compare(self, best: Maximum, n: int) -> None:
-        """Fill in what a maximum adds to its first n columns, and release its rows: many maxima are held at once."""
+        """Compare a fit with its first n columns alone, and free its rows to save memory."""
         x, (sigma, target) = best.x, best.prior
-        # none may be likelier behind the candidate's filter than behind its own
+        # the null hypothesis may be likelier behind the candidate's filter than behind its own
         none = likeliest(x[:n], best.r, sigma[:n], target[:n])
         none.unit = best.unit
         none.cost += best.unit.sum()
@@ -373,26 +402,25 @@ class Evidence:
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
         best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance)), initial=1.0))
-        best.told = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
+        best.explained = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
         best.x = best.r = best.gram = np.zeros(0)
 
     def retuned(self, share: float = 1.0) -> Model:
-        """The model with the nuisances as fitted."""
+        """Return the model moved by a share of the fitted step of the nuisance parameters."""
         steps = {path: share * float(step) for path, step in zip(self.paths, self.theta, strict=False)}
         width = self.likeliest_width()
         return self.moved(self.model, steps | {"axis.coulomb_width": width - self.model.axis.coulomb_width})
 
     def settled(self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = ()) -> Model:
-        """A model alone that leaves as little of the balance as it can, as far as that is linear.
+        """Return a model whose own parameters minimise the residual of the force balance, to first order.
 
-        The balance is explained by more than a model can have, as mixtures of laws of friction. Effects are as they are
-        likeliest beside these; with mass, friction and known cogging likewise, the model by itself would explain less
-        than it could: they are tuned to the gap, in rows that are not whitened.
+        The fit has nuisance parameters that a model lacks, such as mixtures of friction laws. Effects keep the values
+        of that fit; mass, friction and known cogging are then re-fitted to the rows without whitening.
 
         Args:
-            model: the evidence's, with effects behind it for some of `extra`.
-            gone: paths of effects that are dropped too, and of parameters of the axis, which go back to what is stated.
-            kept: places in `extra` of what is an effect of the model.
+            model: model of this evidence, followed by effects for some of `extra`.
+            gone: paths of effects to remove, and of axis parameters to reset to their stated values.
+            kept: indexes in `extra` of the terms that the model has as effects.
         """
         known, effects = parameters_of(model, together=True), dict(effect_paths(model.effects))
         free, moved = np.ones(len(self.null.theta), dtype=bool), np.zeros(len(self.null.theta))
@@ -402,7 +430,7 @@ class Evidence:
             free[k] = not owner
             if owner == path:
                 moved[k] = getattr(self.given.axis, path.removeprefix("axis.")) - known[path].value
-            elif owner:  # of a law that has amplitudes, these alone make it vanish
+            elif owner:  # zero amplitudes are enough to remove a law that has any
                 roles = {name: role["role"] for name, role in effects[owner].ROLES.items()}
                 if roles[path[len(owner) + 1 :].split("[")[0]] == "amplitude" or "amplitude" not in roles.values():
                     moved[k] = -known[path].value
@@ -413,7 +441,7 @@ class Evidence:
         for place, column in enumerate(self.extra):
             free[at : at + len(column.amplitudes)] = place in kept
             at += len(column.amplitudes)
-        # effects as they are likeliest beside all nuisances, then the axis as it leaves least of the gap without these
+        # fit the effects beside all nuisance parameters, then the axis alone with the friction width
         moved = self.null.solved(free, moved)
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
         moved, gap, least = np.where(beside, 0.0, moved), self.unfiltered, np.inf
@@ -433,14 +461,14 @@ class Evidence:
         return best
 
     def paths_in(self, model: Model) -> list[str]:
-        """`paths` as a model with more effects behind those of this one calls them: two of a name have numbers."""
+        """Return `paths` as named in a model with further effects: effects of one name are numbered."""
         own, other = ([path for path, _ in effect_paths(m.effects)] for m in (self.model, model))
         renamed = {old: new for old, new in zip(own, other, strict=False) if old != new}
         owners = [next((old for old in renamed if path.startswith(old + ".")), "") for path in self.paths]
         return [renamed.get(old, "") + path[len(old) :] for path, old in zip(self.paths, owners, strict=True)]
 
     def moved(self, model: Model, steps: Mapping[str, float]) -> Model:
-        """A model whose parameters are moved, as far as they may."""
+        """Return a model with parameters moved by steps and clipped to their bounds."""
         known, values = parameters_of(model, together=True), {}
         for path, step in steps.items():
             if path in known:
@@ -450,11 +478,11 @@ class Evidence:
                 values[path] = min(max(value + step, least, low), high)
         try:
             return with_values(model, values)
-        except ValueError:  # a shape that its effect does not take
+        except ValueError:  # the effect rejects the shape
             return with_values(model, {k: v for k, v in values.items() if not k.startswith("effects.")})
 
     def likeliest_width(self) -> float:
-        """Width of the arctangent that is closest to the fitted friction law over the speeds of the motion, m/s."""
+        """Return the arctangent width (m/s) that best matches the fitted friction mixture over the measured speeds."""
         own = self.model.axis.coulomb_width
         parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.theta, strict=False) if q.startswith("width.")}
         if not parts:
@@ -470,7 +498,7 @@ class Evidence:
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
     def keep_positive(self, taps: list[FloatArray]) -> None:
-        """Leave out the widths of friction's rise that would need a negative share of it."""
+        """Remove the friction widths whose non-negative least-squares weight is zero."""
         fit = self.fitted(taps, rounds=1)
         sigma, target = fit.prior
         prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
@@ -491,14 +519,13 @@ class Evidence:
 
     @property
     def bases(self) -> tuple[Maximum, Maximum, Maximum]:
-        """The nuisances at their likeliest behind no filter, behind their own, and behind that of the search."""
+        """Fits of the nuisance parameters without a filter, with their own, and with the screening filter."""
         return self.unfiltered, self.null, self.screen
 
     def costs_with(self, tables: Sequence[FloatArray]) -> list[float]:
-        """Minus twice the logarithm of the likelihood with columns, behind the filter of each of `bases`.
+        """Return -2 ln likelihood with added columns behind the filters of each of `bases`, by one least-squares step.
 
-        One step of least squares: it takes a hundredth of the time of `maximised`, and says for which candidates that
-        is worth while, and from where.
+        This takes a hundredth of the time of `maximised`; it selects candidates and the starting filter.
         """
         costs = []
         for base in self.bases:
@@ -513,24 +540,24 @@ class Evidence:
         return costs
 
     def quick_ratio(self, tables: Sequence[FloatArray]) -> float:
-        """Twice the logarithm of the likelihood ratio of columns against none, behind the same filters."""
+        """Return 2 ln of the likelihood ratio of added columns to none, from `costs_with`."""
         return min(base.cost for base in self.bases) - min(self.costs_with(tables))
 
     @cached_property
     def null(self) -> Maximum:
-        """The nuisances alone at their likeliest."""
+        """Null hypothesis: fit of the nuisance parameters alone."""
         return self.maximised()
 
     @cached_property
     def unfiltered(self) -> Maximum:
-        """The nuisances at their likeliest in rows that are not whitened."""
+        """Fit of the nuisance parameters to rows without whitening."""
         return self.fitted(self.plain)
 
     def inflation(self, products: FloatArray) -> FloatArray:
-        """Ratio of the variance of a score to 1, what independent rows would have, at least 1, (p,).
+        """Return the ratio of the variance of a score to that of independent rows, at least 1, (p,).
 
         Args:
-            products: of each row with each of p columns of length 1, in deviations, (p, n).
+            products: residual times each column of unit length, row by row, in standard deviations, (p, n).
         """
         v = np.maximum(np.sum(products**2, axis=1), 1.0)
         for seconds in BLOCKS:
@@ -540,9 +567,9 @@ class Evidence:
 
     @cached_property
     def screen(self) -> Maximum:
-        """The nuisances at their likeliest behind a noise filter that contains no slow force, for the search.
+        """Fit of the nuisance parameters behind the screening filter, which absorbs no slow force.
 
-        It comes from what is left beside forces of any shape along the travel, in time and over the command.
+        The filter is estimated from the residual beside generic forces of position, time, speed and command.
         """
         low, high = (f(g(b.position) for b in self.balances) for f, g in ((min, np.min), (max, np.max)))
         last = max(b.time[-1] for b in self.balances)
@@ -556,7 +583,7 @@ class Evidence:
 
     @cached_property
     def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Weights of the rows, orthonormal columns of nuisances with their pseudo-observations, and what they leave."""
+        """Row weights, orthonormal nuisance columns with pseudo-observations of the priors, and their residual."""
         null = self.screen
         sigma, target = null.prior
         root = np.sqrt(null.weight / null.variance)
@@ -567,7 +594,7 @@ class Evidence:
         return root, q, y - (q @ y) @ q
 
     def project(self, tables: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Whitened candidate columns freed of the nuisances, (k, n + priors), and their sizes before."""
+        """Return whitened candidate columns orthogonal to the nuisances, (k, n + priors), and their norms before."""
         root, q, e = self.basis
         c = self.filtered(tables, self.screen.taps) * root
         before = np.linalg.norm(c, axis=1)
@@ -575,7 +602,10 @@ class Evidence:
         return c - (c @ q.T) @ q, before
 
     def score(self, tables: Sequence[FloatArray]) -> tuple[float, FloatArray, int]:
-        """Score statistic T of columns (k, m), chi-square if nothing is missing, amplitudes, degrees of freedom."""
+        """Return the score statistic T of columns (k, m), their amplitudes (k,) and the degrees of freedom of T.
+
+        T has a chi-square distribution under the null hypothesis.
+        """
         e = self.basis[2]
         c, before = self.project(tables)
         size = np.linalg.norm(c, axis=1)
@@ -595,7 +625,7 @@ class Evidence:
 
 
 def orthonormal(rows: FloatArray) -> FloatArray:
-    """Orthonormal rows that span rows (p, n), without directions that are rounding errors of the largest."""
+    """Return orthonormal rows that span rows (p, n), without directions at rounding level."""
     size = np.linalg.norm(rows, axis=1)
     if not np.any(size):
         return rows[:0]
@@ -606,12 +636,12 @@ def orthonormal(rows: FloatArray) -> FloatArray:
 
 
 def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Part of the command that the motion asked for explains, the acceleration that it causes, and friction's blur.
+    """Return the instruments of a log: drive (V), acceleration (m/s^2) and blur (V), (n,) each.
 
-    V, m/s^2 and V, (n,) each. What the loop makes of its own noise is in the command, and in the noise of later rows: a
-    column made of that alarms without any cause. The command is regressed on what the model asks for along the
-    reference, earlier and later; friction is taken along the reference too. The blur is what the bare axis' forces
-    along the measured motion have beyond those: mostly noise of the speed, of which no scale of forces may make use.
+    The loop feeds its own noise back into the command and into later rows, so that a column made of the command raises
+    false alarms. The drive is the command regressed on the model's force along the reference at several lags; the
+    acceleration is the one that it causes. The blur is the force of the bare axis along the measured motion less that
+    along the reference: mostly noise of the speed.
     """
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
@@ -619,7 +649,7 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
         forces = b.forces([plant])[0]
         slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
         caused = (slow + forces) / model.axis.mass
-        # below SLOW what was measured: the command holds against forces that the model lacks as well
+        # below SLOW use the measured acceleration: the command also balances forces that the model lacks
         read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
         caused = caused + sosfiltfilt(read, b.acceleration - caused)
         slow = model.axis.mass * caused - forces
@@ -643,10 +673,10 @@ def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatA
 
 
 def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
-    """Columns of what re-tuning may change, with their priors: paths (p), and a table (p, n) of each log.
+    """Return paths (p) and columns (p, n) of each log of the nuisance parameters, and set their priors.
 
-    Mass, friction and the known cogging; the law of friction as a positive mixture of laws that rise to 1 at one speed,
-    which is any law that rises ever more slowly; and the parameters of what was accepted.
+    These are mass, friction, the known cogging and the parameters of accepted effects. The friction law is a positive
+    mixture of ramps that saturate at one speed each, which spans every concave law.
     """
     model, given, balances = evidence.model, evidence.given, evidence.balances
     known = parameters_of(model, together=True)
@@ -665,9 +695,9 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
             loose = path in evidence.free or stated == 0.0
             sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
             columns.add(path, sigma, rows, stated - getattr(model.axis, name))
-    # friction may follow a bend of the contact instead of the speed: it is a part of a row late
+    # friction may lag the speed by a fraction of a row, as an elastic contact does
     own = model.axis.coulomb
-    rubs = own > SINGULAR * columns.largest  # nothing can be told of a friction that is hardly there
+    rubs = own > SINGULAR * columns.largest  # the shape of negligible friction is not identifiable
     late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
     if rubs:
         columns.add("friction.late", TIMING * own, late)
@@ -687,7 +717,7 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
 
 
 class Nuisances:
-    """Columns of several logs with paths and normal priors, one after the other."""
+    """Columns of several logs with their parameter paths and normal priors."""
 
     def __init__(self, balances: list[ForceBalance]) -> None:
         self.balances = balances
@@ -698,7 +728,7 @@ class Nuisances:
         self.tables: list[list[FloatArray]] = [[] for _ in balances]
 
     def add(self, path: str, sigma: float, rows: Sequence[FloatArray], offset: float = 0.0) -> None:
-        """Add a column, one row of each log, of a parameter that is offset +- sigma from where it stands."""
+        """Append the column of a parameter whose change has the prior mean `offset` and deviation `sigma`."""
         self.paths.append(path)
         self.sigma.append(sigma)
         self.offset.append(offset)
@@ -707,7 +737,10 @@ class Nuisances:
 
 
 def friction_laws(evidence: Evidence) -> tuple[list[FloatArray], list[float]]:
-    """Laws of friction of level 1, (1 + widths, n) of each log: the model's own, ramps that end at widths (m/s)."""
+    """Return friction laws of level 1, (1 + widths, n) of each log, and the widths (m/s).
+
+    The first row is the model's own law, the others are ramps that saturate at the widths.
+    """
     model, balances = evidence.model, evidence.balances
     width, widths = model.axis.coulomb_width, []
     if evidence.given.uncertainty.get("coulomb_width") != 0.0:
@@ -727,7 +760,7 @@ def friction_laws(evidence: Evidence) -> tuple[list[FloatArray], list[float]]:
 
 
 def add_cogging(columns: Nuisances, model: Model, known: dict[str, Parameter]) -> None:
-    """Add gain and phase of each harmonic of the known cogging; sine and cosine where it has one amplitude or none."""
+    """Add columns for gain and phase of each known harmonic, or for sine and cosine if its amplitude is constant."""
     if model.cogging is None:
         return
     steps: dict[str, float] = {}
@@ -745,9 +778,9 @@ def add_cogging(columns: Nuisances, model: Model, known: dict[str, Parameter]) -
 
 
 def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: str, parameter: Parameter) -> None:
-    """Add a field of an accepted effect by the difference quotient of the residual, unless it is a setting.
+    """Add the column of a field of an accepted effect by finite differences of the residual; skip settings.
 
-    The prior keeps a field that is no amplitude where the law is nearly linear in it: half a turn over the travel.
+    The prior of a shape parameter confines it to where the law is nearly linear in it.
     """
     balances, path, value = evidence.balances, parameter.path, parameter.value
     wave, window = kind_of(effect, Wave), kind_of(effect, Window)
@@ -772,7 +805,7 @@ def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: 
             -(b.residual(pair[0], d) - b.residual(pair[1], d)) / (2e-2 * sigma)
             for b, d in zip(balances, evidence.drives, strict=True)
         ]
-    except ValueError:  # a value that the effect does not take
+    except ValueError:  # the effect rejects the value
         return
     columns.add(path, sigma, rows)
     if role != "amplitude":

@@ -1,4 +1,4 @@
-"""The force balance of a log along its measured motion: M a less what a model accounts for, row by row."""
+"""Force balance of a log along its measured motion: M a less the forces of a model, row by row."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 
 # Grid of the motion
-MIDDLE_RATE = 3000.0  # Hz, of the rows at which laws are evaluated: well above any corner, cheap enough for many laws
-UNEVEN = 0.3  # of the median step: where steps differ by more, the log is put on an even grid
-GAP_STEPS = 5.0  # median steps: a longer one is a gap, whose rows do not count
-SKIP = 0.06  # s, at either end that do not count: the filters' edges and the start of the loop
-MOST_SUB_STEPS = 6  # of a row: friction changes sign within it; more no longer change its mean
-NEAR = 10.0  # widths of friction, or changes of the speed in a row: at higher speeds a row needs no sub-steps
+MIDDLE_RATE = 3000.0  # Hz: rate at which laws are evaluated, well above any corner
+UNEVEN = 0.3  # of the median step: larger deviations require resampling to a uniform grid
+GAP_STEPS = 5.0  # median steps: a longer step is a gap, whose rows are invalid
+SKIP = 0.06  # s: invalid rows at both ends (filter transients, start of the loop)
+MOST_SUB_STEPS = 6  # in a row about a reversal of friction; more do not change its mean
+NEAR = 10.0  # friction widths, or speed changes per row: at higher speeds a row needs no sub-steps
 # Speed and rest
-SPEED_NOISE = 0.2  # of `coulomb_width`: deviation of the smoothed speed that the low-pass filter aims at
-WIDTH_SHARE = 0.05  # of the rms speed: width of a friction that has none
-LOWEST_BAND = 30.0  # Hz, of that filter: below, it would smooth away the reversals of the motion
-NYQUIST_SHARE = 0.4  # of the rate of the rows: highest corner of that filter
-REST_TIME = 0.012  # s: an axis that moves less than the encoder resolves within it is at rest
-# Rows that are compared
-ROWS_PER_CORNER = 4.0  # rate of these rows over the corner of their filter
+SPEED_NOISE = 0.2  # of `coulomb_width`: target noise of the smoothed speed
+WIDTH_SHARE = 0.05  # of the rms speed: friction width where the model has none
+LOWEST_BAND = 30.0  # Hz: lowest corner of the speed filter, which keeps reversals
+NYQUIST_SHARE = 0.4  # of the sample rate: highest corner of the speed filter
+REST_TIME = 0.012  # s: an axis that moves less than the encoder resolution within it is at rest
+# Decimated rows
+ROWS_PER_CORNER = 4.0  # sample rate over the corner of the low-pass filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
 CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
-FORCE_NOISE = (2.0, 30.0)  # Hz, where the noise of the force is read: above slow forces, below a loop's bandwidth
-GAP = 24  # rows after a gap that do not count: the noise filter's first taps reach over it
-ENCODER_SHARE = 0.3  # of the power at the corner, that is noise of the encoder where none is whitened
+FORCE_NOISE = (2.0, 30.0)  # Hz: band in which the force noise is estimated
+GAP = 24  # invalid rows after a gap, over which the first taps of the whitening filter reach
+ENCODER_SHARE = 0.3  # of the residual power: encoder noise at the corner where the residual is systematic
 COMMAND_HOOKS = (
     "command_gain",
     "command_delay",
@@ -50,14 +50,17 @@ COMMAND_HOOKS = (
 
 
 class FineMotion(NamedTuple):
-    """The motion at all rows, and between those that are close to a reversal.
+    """Motion at every row, and at sub-steps of the rows close to a reversal.
 
     Attributes:
-        instant: s, (m,), of position (m) and velocity (m/s), (m,).
-        start: s, (m,): middle of the instants on both sides, from which on an instant's command acts.
-        rows: places of the rows of the motion, (n,).
-        near: rows close to a reversal, (n,); around: places about each of them, (count, 2 half - 1).
-        weights: of these in its mean, (2 half - 1,).
+        instant: s, (m,).
+        start: s, (m,): midpoint to the previous instant, from which the command of an instant acts.
+        position: m, (m,).
+        velocity: m/s, (m,).
+        rows: indexes of the rows of the motion, (n,).
+        near: rows close to a reversal, (n,).
+        around: indexes about each of them, (count, 2 half - 1).
+        weights: weights of these in the mean of a row, (2 half - 1,).
     """
 
     instant: FloatArray
@@ -71,7 +74,7 @@ class FineMotion(NamedTuple):
 
 
 def decimated(rows: FloatArray, every: int) -> FloatArray:
-    """Every n-th of rows (p, n) behind a low-pass filter without delay."""
+    """Return every n-th column of rows (p, n) after a zero-phase low-pass filter."""
     if every == 1:
         return rows
     half = 2 * every
@@ -83,31 +86,36 @@ def decimated(rows: FloatArray, every: int) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def row_filter(every: int, rate: float, corner: float) -> tuple[FloatArray, FloatArray]:
-    """Taps before rows are thinned out by `every`, and second-order sections behind them, at `rate` (Hz)."""
+    """Return the taps of the anti-aliasing filter, and the second-order sections that act after decimation."""
     taps = firwin(16 * every + 1, 0.8 / every, window=("kaiser", 5.0)) if every > 1 else np.ones(1)
     return taps, butter(2, min(corner / (0.5 * rate), 0.8), output="sos")
 
 
 class ForceBalance:
-    """One log, ready to be compared with any model.
+    """Force balance of one log, for any model.
 
-    Row k: M a_k = mean force over the steps on both sides, weighted with their lengths, where
-    a_k = 2 (s_k - s_(k-1)) / (h_k + h_(k-1)), s the slopes of the readings: exact for held commands at any time steps.
+    Row k is M a_k = mean force over the adjacent steps, weighted by their lengths, with
+    a_k = 2 (s_k - s_(k-1)) / (h_k + h_(k-1)), where s are the slopes of the readings and h the time steps. It is exact
+    for held commands at any time steps.
 
     Args:
-        log: what was measured.
-        width: of Coulomb friction's rise, m/s; the speed is smoothed until its noise is small beside it.
-        quantum: step of the encoder, m; 0 reads it from the log.
+        log: measured log.
+        width: width of Coulomb friction, m/s; the speed is smoothed until its noise is small compared with it.
+        quantum: encoder resolution, m; 0 estimates it from the log.
 
     Attributes:
-        time: s, from the first row of the log; of the rows of the motion, (n,), `step` (s) apart.
-        position: m; velocity (m/s), acceleration (m/s^2) and command (V) likewise, (n,).
+        time: s, from the first row of the log, (n,), `step` (s) apart.
+        position: m, (n,).
+        velocity: m/s, (n,).
+        acceleration: m/s^2, (n,).
+        command: V, (n,).
         thinning: rows of the log in a row of the motion.
-        reference: position, velocity and acceleration that were asked for, (3, n), or None.
-        encoder_noise: deviation of a reading, m; speed_noise (m/s) that of `velocity`.
+        reference: reference position, velocity and acceleration, (3, n), or None.
+        encoder_noise: standard deviation of a reading, m.
+        speed_noise: standard deviation of `velocity`, m/s.
         resting: rows at rest, (n,).
-        keep: 1 where a row counts, 0 where it does not, (n,).
-        corner: of the low-pass filter behind which rows are compared, Hz.
+        keep: 1 for a valid row, else 0, (n,).
+        corner: corner of the low-pass filter before decimation, Hz.
     """
 
     def __init__(self, log: Log, width: float = 1e-3, quantum: float = 0.0) -> None:
@@ -128,17 +136,17 @@ class ForceBalance:
         self.time = time[1:-1][:: self.thinning]
         self.position, self.acceleration, self.raw_velocity, self.command = middle
         self.reference = self._reference(log)
-        # third differences leave nothing of a parabola, and 20 times the variance of independent noise
+        # third differences remove a parabola and multiply the variance of white noise by 20
         third = np.diff(position, 3)
         self.encoder_noise = max(
             1.4826 * float(np.median(np.abs(third))) / np.sqrt(20.0), quantum / np.sqrt(12.0), 1e-15
         )
         width = width or WIDTH_SHARE * float(np.sqrt(np.mean(self.raw_velocity**2)))
-        # noise of density d (m^2/Hz) gives a speed, below a band, of variance 4 pi^2 d band^3 / 3
+        # position noise of density d (m^2/Hz) causes a speed variance of 4 pi^2 d band^3 / 3 below `band`
         density = 2.0 * self.encoder_noise**2 / rate
         wanted = (3.0 * (SPEED_NOISE * max(width, 1e-9)) ** 2 / (4 * np.pi**2 * density)) ** (1 / 3)
         self.band = float(np.clip(wanted, LOWEST_BAND, NYQUIST_SHARE / self.step))
-        # what the axis was asked for is known without noise; its starts and stops are faster than any low-pass filter
+        # filter the difference from the reference, which has no noise and keeps fast starts and stops
         asked = 0.0 if self.reference is None else self.reference[1]
         self.velocity: FloatArray = asked + self._low_pass(self.raw_velocity - asked, self.band)
         self.speed_noise = float(np.sqrt(4 * np.pi**2 * density * self.band**3 / 3))
@@ -152,26 +160,26 @@ class ForceBalance:
 
     @property
     def every(self) -> int:
-        """Rows of the motion in a row that is compared."""
+        """Rows of the motion in a decimated row."""
         return max(1, int(1.0 / (self.step * ROWS_PER_CORNER * self.corner)))
 
     @property
     def rate(self) -> float:
-        """Rate of the rows that are compared, Hz."""
+        """Sample rate of the decimated rows, Hz."""
         return 1.0 / (self.step * self.every)
 
     @property
     def mask(self) -> Mask:
-        """Which of the rows that are compared count."""
+        """Valid decimated rows."""
         return self.keep[:: self.every] > 0
 
     @property
     def counted(self) -> Mask:
-        """Which of them count behind a noise filter."""
+        """Valid decimated rows behind a whitening filter."""
         return np.asarray(lfilter(np.ones(GAP), 1.0, (~self.mask).astype(float)) < 0.5)
 
     def moved(self, distance: float) -> ForceBalance:
-        """A copy whose positions are larger by a distance (m): another zero of the encoder."""
+        """Return a copy with positions shifted by a distance (m): another zero of the encoder."""
         other = copy(self)
         other.cache = {}
         other.__dict__.pop("fine", None)
@@ -181,14 +189,14 @@ class ForceBalance:
         return other
 
     def earlier(self, seconds: float) -> ForceBalance:
-        """A copy whose command acted so many seconds before it was logged."""
+        """Return a copy whose command acts `seconds` before it was logged."""
         other = copy(self)
         other.cache = {}
         other.command = np.interp(self.time + seconds, self.time, self.command)
         return other
 
     def _reference(self, log: Log) -> FloatArray | None:
-        """Position, velocity and acceleration that were asked for, (3, n); None where the log has none."""
+        """Return reference position, velocity and acceleration, (3, n), or None if the log has no reference."""
         if log.reference is None:
             return None
         x = log.reference
@@ -202,11 +210,11 @@ class ForceBalance:
         return np.asarray(sosfiltfilt(butter(2, cutoff * 2 * self.step, output="sos"), x))
 
     def filters(self) -> tuple[FloatArray, FloatArray]:
-        """Taps before the rows are thinned out, and second-order sections behind them."""
+        """Return the filters of `rows` (see `row_filter`)."""
         return row_filter(self.every, self.rate, self.corner)
 
     def rows(self, columns: FloatArray) -> FloatArray:
-        """Columns (p, n) of the motion as they are compared: rows at rest zero, filtered, thinned out, (p, m)."""
+        """Return columns (p, n) with invalid rows set to zero, low-pass filtered and decimated, (p, m)."""
         taps, sections = self.filters()
         half, columns = len(taps) // 2, np.atleast_2d(columns) * self.keep
         if self.every > 1:
@@ -216,7 +224,7 @@ class ForceBalance:
         return np.asarray(sosfilt(sections, columns, axis=1))
 
     def adjoint(self, rows: FloatArray) -> FloatArray:
-        """The transpose of `rows`, (m,) to (n,): sum(rows(c) * r) = sum(c * adjoint(r)) for every column c."""
+        """Return the transpose of `rows`, (m,) to (n,): sum(rows(c) * r) = sum(c * adjoint(r)) for every column c."""
         taps, sections = self.filters()
         back = sosfilt(sections, rows[::-1])[::-1]
         if self.every > 1:
@@ -225,7 +233,7 @@ class ForceBalance:
         return np.asarray(back * self.keep)
 
     def power(self, frequency: FloatArray) -> FloatArray:
-        """Power gain of `rows` at frequencies (Hz), a row of the motion."""
+        """Return the power gain of `rows` at frequencies (Hz), per row of the motion."""
         taps, sections = self.filters()
         f = np.clip(np.ravel(frequency), 0.0, 0.5 / self.step)
         folded = np.abs((f + 0.5 * self.rate) % self.rate - 0.5 * self.rate)
@@ -234,12 +242,12 @@ class ForceBalance:
         return np.asarray(gain**2 / self.every)
 
     def set_corner(self, residual: FloatArray, mass: float, largely: bool = False) -> None:
-        """Set the corner of `rows` to where the encoder's noise, M^2 w^4 times its density, passes that of the force.
+        """Set the low-pass corner to where the encoder noise, M^2 w^4 times its density, exceeds the force noise.
 
         Args:
-            residual: what a model leaves of the balance, V, (n,).
+            residual: residual of the balance under a model, V, (n,).
             mass: V/(m/s^2).
-            largely: whether that is mostly no noise, so that none is whitened: the encoder's may be a share of it only.
+            largely: whether the residual is systematic; the encoder noise is then compared with a share of its power.
         """
         f, p = welch(residual, 1.0 / self.step, nperseg=int(min(len(residual), 1.0 / self.step)))
         noise = 2.0 * self.encoder_noise**2 * self.step / self.thinning * (mass * (2 * np.pi * f) ** 2) ** 2
@@ -252,7 +260,7 @@ class ForceBalance:
 
     @cached_property
     def fine(self) -> FineMotion:
-        """The motion with so many sub-steps about a reversal that the speed changes by no more than `width` in one."""
+        """Motion with sub-steps about reversals, in each of which the speed changes by at most `width`."""
         change = np.abs(np.diff(self.velocity))
         change = np.maximum(np.append(change, 0.0), np.append(0.0, change))
         n = int(np.clip(np.ceil(change.max() / max(self.width, 1e-9)), 1, MOST_SUB_STEPS))
@@ -268,10 +276,10 @@ class ForceBalance:
         return FineMotion(instant, start, position, velocity, places[0], near, places[1], weights)
 
     def averaged(self, table: FloatArray) -> FloatArray:
-        """Laws along the fine motion (p, m), averaged over the steps on both sides of each row of the log, (p, n).
+        """Return laws along the fine motion (p, m) averaged over the steps adjacent to each row, (p, n).
 
-        The mean weights fall linearly to 0 at the rows on both sides; away from a reversal a law bends little in a row,
-        and its mean is its value and a twelfth of its second difference.
+        The weights fall linearly to 0 at the adjacent rows. Away from a reversal the mean is the value plus a twelfth
+        of the second difference.
         """
         fine = self.fine
         out = table[:, fine.rows]
@@ -283,9 +291,12 @@ class ForceBalance:
     def forces(
         self, plants: Sequence[Plant], command: FloatArray | None = None, error: FloatArray | None = None
     ) -> FloatArray:
-        """Net force of plants along the motion, V, (plants, n), under a command (V, (n,)) or none.
+        """Return the net force of plants along the motion, V, (plants, n).
 
-        `error` (m) is how much too far the encoder reads along the fine motion.
+        Args:
+            plants: plants to evaluate.
+            command: V, (n,); None for zero.
+            error: encoder error along the fine motion, m, (m,).
         """
         t, start, x, v = self.fine[:4]
         u = np.zeros(len(t)) if command is None else np.interp(t, self.time, command)
@@ -294,7 +305,7 @@ class ForceBalance:
         return self.averaged(Predictor(start, x, u).net_force(plants, x, v))
 
     def residual(self, model: Model, command: FloatArray | None = None) -> FloatArray:
-        """The missing force, V, (n,): M a less what the model accounts for, under the logged command or another."""
+        """Return the unexplained force (V, (n,)): M a less the force of the model; default: the logged command."""
         command = self.command if command is None else command
         a, error = self.acceleration, None
         wrong = [laws_of(e) for e in model.effects if "reading" in e.HOOKS]
@@ -308,9 +319,9 @@ class ForceBalance:
         return np.asarray(model.axis.mass * a - force - (0.0 if shaped else command))
 
     def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
-        """Force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).
+        """Return the force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).
 
-        The level of Coulomb friction is so high that no effect that lowers it meets zero.
+        The Coulomb level is set so high that no effect can lower it to zero.
         """
         own = model.axis
         axis = AxisParameters(mass=1.0, viscous=0.0, coulomb=1e6, coulomb_width=own.coulomb_width, travel=own.travel)
@@ -320,7 +331,7 @@ class ForceBalance:
 
 
 def _even(log: Log) -> tuple[FloatArray, FloatArray, FloatArray, Mask]:
-    """Time (s, from 0), position, command and the rows in gaps of a log, on an even grid where its steps differ."""
+    """Return time (s, from 0), position, command and the rows in gaps, on a uniform grid if the time steps vary."""
     time = log.time - log.time[0]
     steps = np.diff(time)
     h = float(np.median(steps))

@@ -1,6 +1,6 @@
 """Figures of a gap: over time, against each coordinate with 95 % bands, over frequency, and folded at a period.
 
-Each drawing says in words what it shows, for those who cannot see it.
+Each drawing returns the figures that its alternative text states.
 """
 
 from __future__ import annotations
@@ -21,16 +21,15 @@ if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect
 
 Series = Mapping[str, Sequence[FloatArray]]
-#: The largest of a curve and where it is; None where nothing stands out.
-Extreme = tuple[float, float] | None
-COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # told apart by the colour-blind and in grey
-FEWEST = 100  # rows: fewer are no such motion
-SHOWN = 4.0  # median deviations of a shape: larger bars are cut
-POINTS = 4000  # of a trace: more cannot be seen
+Peak = tuple[float, float] | None  # largest value of a curve and its place; None without a significant one
+COLOURS = ("#c2571a", "#1f5fa8", "#4a4a4a")  # distinct for the colour-blind and in grey
+FEWEST = 100  # minimum number of rows in motion
+SHOWN = 4.0  # median standard deviations of a shape: longer error bars are cut
+POINTS = 4000  # maximum number of points of a trace
 MILLI = 0.1  # m: shorter periods are drawn in mm
-TRACE = 0.01  # s over which traces are averaged
-NO_MOTION = "no such motion"  # of a way that the axis did not move
-PANELS = (  # coordinate, what the axis is called, its unit, direction of motion
+TRACE = 0.01  # s: averaging time of a trace
+NO_MOTION = "no such motion"
+PANELS = (  # coordinate, label, unit, direction of motion
     ("position", "position, moving forward", "m", "forward"),
     ("position", "position, moving backward", "m", "backward"),
     ("velocity", "velocity", "m/s", ""),
@@ -40,20 +39,20 @@ PANELS = (  # coordinate, what the axis is called, its unit, direction of motion
 
 
 def direction_of(way: str) -> float:
-    """The sign of a direction of motion by its word; 0 of both."""
+    """Return the sign of a direction of motion; 0 for both."""
     return {"forward": 1.0, "backward": -1.0}.get(way, 0.0)
 
 
 def moving(series: Series, direction: float) -> Rows:
-    """Rows in motion one way, or both (0), of all logs."""
+    """Return the rows in motion of all logs in one direction, or in both (0)."""
     ways = zip(series["mask"], series["velocity"], strict=True)
     kept = [(np.asarray(m) > 0) & ((direction == 0.0) | (direction * np.asarray(v) > 0.0)) for m, v in ways]
     return joined({**series, "mask": kept}, "gap")
 
 
-def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: float = 0.0) -> dict[str, Extreme]:
-    """Mean gap in bins of a coordinate, with 95 % bands from blocks of rows; its largest by label, beyond its band."""
-    told = {}
+def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: float = 0.0) -> dict[str, Peak]:
+    """Draw the mean gap in bins of a coordinate with 95 % bands; return its largest significant value by label."""
+    peaks: dict[str, Peak] = {}
     axes.axhline(0.0, color="black", linewidth=0.6)
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         rows = moving(series, direction)
@@ -63,50 +62,33 @@ def draw_profile(axes: Any, gaps: Mapping[str, Series], name: str, direction: fl
         places, mean, half = binned(rows, name)
         axes.fill_between(places, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
         axes.plot(places, mean, color=colour, linewidth=1.4, label=label)
-        told[label] = extreme(places, mean, half)
-    return told
+        size = np.where(np.abs(mean) > half, np.abs(mean), 0.0)  # an unknown band is nan
+        peak = int(np.argmax(size)) if np.max(size, initial=0.0) > 0.0 else None
+        peaks[label] = None if peak is None else (float(mean[peak]), float(places[peak]))
+    return peaks
 
 
-def extreme(places: FloatArray, mean: FloatArray, half: FloatArray) -> Extreme:
-    """The largest mean that stands out of its band, and where; None where none does."""
-    clear = np.where(np.abs(mean) > half, np.abs(mean), 0.0)  # a band that is not known is nan: not clear
-    if not len(clear) or not np.max(clear) > 0.0:
-        return None
-    peak = int(np.argmax(clear))
-    return float(mean[peak]), float(places[peak])
-
-
-def draw_spectrum(axes: Any, gaps: Mapping[str, Series], units: Units) -> dict[str, Extreme]:
-    """Amplitude density of the gap of the longest log; rows at rest count as zero. Its largest by label."""
-    told: dict[str, Extreme] = {}
+def draw_spectrum(axes: Any, gaps: Mapping[str, Series], units: Units) -> dict[str, Peak]:
+    """Draw the amplitude density of the gap of the longest log, zero at rest; return its largest value by label."""
+    peaks: dict[str, Peak] = {}
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         i = int(np.argmax([len(gap) for gap in series["gap"]]))
         frequency, density = spectrum(series["time"][i], np.where(series["mask"][i], series["gap"][i], 0.0))
         axes.loglog(frequency, density, color=colour, linewidth=1.0, label=label)
         peak = int(np.argmax(density))
-        told[label] = (float(density[peak]), float(frequency[peak]))
+        peaks[label] = (float(density[peak]), float(frequency[peak]))
     axes.set(xlabel="frequency (Hz)", ylabel=f"gap ({units.of('V/√Hz')})")
-    return told
-
-
-def limits(shape: Shape) -> tuple[float, float]:
-    """A range of force that shows the places that are known, and cuts the bars of those that are hardly seen."""
-    known = shape.deviation < SHOWN * float(np.median(shape.deviation))
-    reach = np.abs(shape.force[known]) + 2.2 * shape.deviation[known] if known.any() else np.abs(shape.force)
-    top = float(np.max(reach)) or 1.0
-    return -1.1 * top, 1.1 * top
+    return peaks
 
 
 def draw_trace(axes: Any, gaps: Mapping[str, Series], units: Units, *, near: bool, log: int = 0) -> dict[str, float]:
-    """The gap over time, or a stretch of it from close by, averaged a little so that noise does not hide it; its rms.
-
-    Rows at rest are left out.
-    """
-    told = {}
+    """Draw the gap over time, or an enlarged part of it, averaged and without rows at rest; return its rms by label."""
+    rms = {}
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         time, mask = series["time"][log] - series["time"][log][0], np.asarray(series["mask"][log]) > 0
-        told[label] = float(np.sqrt(np.mean(series["gap"][log][mask] ** 2))) if mask.any() else 0.0
-        gap = np.where(mask, smoothed(series["gap"][log], time), np.nan)
+        rms[label] = float(np.sqrt(np.mean(series["gap"][log][mask] ** 2))) if mask.any() else 0.0
+        mean = moving_average(series["gap"][log], round(TRACE / float(np.median(np.diff(time)))))
+        gap = np.where(mask, mean, np.nan)
         if near:
             strip = liveliest(series["gap"][log], mask, len(time) // 12)
             axes.plot(time[strip], gap[strip], color=colour, linewidth=0.8, label=label)
@@ -114,25 +96,23 @@ def draw_trace(axes: Any, gaps: Mapping[str, Series], units: Units, *, near: boo
         middle, low, high = envelope(time, gap, max(1, len(time) // POINTS))
         axes.fill_between(middle, low, high, color=colour, alpha=0.75, linewidth=0.3, label=label)
     axes.set(xlabel="time (s), a twelfth of the log" if near else "time (s)", ylabel=f"gap ({units.of('V')})")
-    return told
+    return rms
 
 
 def draw_folded(
     axes: Any, gaps: Mapping[str, Series], period: float, sign: float, units: Units
 ) -> dict[str, float | None]:
-    """The gap within one period of position (m), moving one way: what repeats itself, stands still here.
-
-    Each direction by itself: an observer shows a ripple late, which is to one side forward and to the other backward.
+    """Draw the gap folded at a period of position (m), in one direction of motion.
 
     Returns:
-        Amplitude of the wave of that period by label, V; None where no row moves that way.
+        Amplitude of the wave of that period by label, V; None without motion in that direction.
     """
-    told: dict[str, float | None] = {}
+    amplitudes: dict[str, float | None] = {}
     axes.axhline(0.0, color="black", linewidth=0.6)
     scale, unit = (1e3, "mm") if period < MILLI else (1.0, "m")
     for (label, series), colour in zip(gaps.items(), COLOURS, strict=False):
         rows = moving(series, sign)
-        told[label] = None
+        amplitudes[label] = None
         if not len(rows.residual):
             continue
         place, mean, half = binned(
@@ -141,14 +121,14 @@ def draw_folded(
         axes.fill_between(scale * place, mean - half, mean + half, color=colour, alpha=0.25, linewidth=0)
         axes.plot(scale * place, mean, color=colour, linewidth=1.4, label=label)
         if np.isfinite(mean).any():
-            told[label] = 2.0 * float(np.abs(np.nanmean(mean * np.exp(-2j * np.pi * place / period))))
+            amplitudes[label] = 2.0 * float(np.abs(np.nanmean(mean * np.exp(-2j * np.pi * place / period))))
     axes.set(ylabel=f"mean gap {'forward' if sign > 0.0 else 'backward'} ({units.of('V')})")
     axes.set(xlabel=f"position within {scale * period:.4g} {units.of(unit)}")
-    return told
+    return amplitudes
 
 
 def draw_curve(panel: Any, effect: NamedEffect, units: Units) -> None:
-    """The force over one coordinate of an effect whose law is not the plainest."""
+    """Draw the force over one coordinate of an effect with a non-standard law."""
     curve = effect.curve or {}
     panel.axhline(0.0, color="black", linewidth=0.6)
     panel.plot(curve["places"], curve["force"], color=COLOURS[1], linewidth=1.4)
@@ -157,15 +137,18 @@ def draw_curve(panel: Any, effect: NamedEffect, units: Units) -> None:
 
 
 def draw_shape(panel: Any, shape: Shape, units: Units) -> None:
-    """One residual shape with 95 % bars, each direction by itself where it is told by direction."""
+    """Draw the missing force along one coordinate with 95 % bars, by direction if it depends on it."""
     panel.axhline(0.0, color="black", linewidth=0.6)
-    panel.set_ylim(*limits(shape))
+    known = shape.deviation < SHOWN * float(np.median(shape.deviation))
+    reach = np.abs(shape.force[known]) + 2.2 * shape.deviation[known] if known.any() else np.abs(shape.force)
+    top = 1.1 * (float(np.max(reach)) or 1.0)
+    panel.set_ylim(-top, top)
     for (label, force, deviation), colour, marker in zip(shape.sides, COLOURS[1:], "os", strict=False):
-        told = np.isfinite(deviation)
+        finite = np.isfinite(deviation)
         panel.errorbar(
-            shape.places[told],
-            force[told],
-            SIGMAS_95 * deviation[told],
+            shape.places[finite],
+            force[finite],
+            SIGMAS_95 * deviation[finite],
             color=colour,
             marker=marker,
             markersize=3,
@@ -183,11 +166,11 @@ def draw_shape(panel: Any, shape: Shape, units: Units) -> None:
     )
 
 
-# Rows as they are drawn -----------------------------------------------------------------------------------------------
+# Rows -----------------------------------------------------------------------------------------------------------------
 
 
 def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Frequencies and amplitude density (per √Hz), averaged over half-overlapping Hann windows of an eighth."""
+    """Return frequencies and amplitude density (per √Hz), by Welch's method with Hann windows of an eighth."""
     step = float(np.median(np.diff(time)))
     length = max(256, 2 * (len(values) // 16))
     length = min(length, len(values))
@@ -198,13 +181,8 @@ def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
     return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
 
 
-def smoothed(values: FloatArray, time: FloatArray) -> FloatArray:
-    """Running mean over TRACE."""
-    return moving_average(values, round(TRACE / float(np.median(np.diff(time)))))
-
-
 def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
-    """A stretch of that many rows in the middle of the log in which the axis moves most of the time."""
+    """Return a slice of `rows` rows near the middle of the log in which the axis moves most of the time."""
     moving = np.concatenate([[0], np.cumsum(mask > 0)])
     starts = np.arange(0, max(1, len(gap) - rows), max(1, rows // 4))
     share = moving[np.minimum(starts + rows, len(gap))] - moving[starts]
@@ -214,7 +192,7 @@ def liveliest(gap: FloatArray, mask: Mask, rows: int) -> slice:
 
 
 def envelope(time: FloatArray, values: FloatArray, few: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Smallest and largest of every `few` rows, so that a long trace loses no peak; nan where all are nan."""
+    """Return time, minimum and maximum of every `few` rows, so that no peak is lost; nan if all are nan."""
     if few < 2:
         return time, values, values
     end = len(time) // few * few

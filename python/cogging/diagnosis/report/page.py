@@ -1,4 +1,4 @@
-"""A diagnosis as one HTML file that a machine's owner understands: figures inside, opens offline, prints on paper."""
+"""Report of a diagnosis as one HTML file with embedded figures, which opens offline and prints on paper."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ STYLE = Path(__file__).with_name("page.css")
 
 
 def html(result: Diagnosis, *, title: str = "", step: NextStep | None = None) -> str:
-    """The report as a text.
+    """Return the report as a string.
 
     Args:
-        result: result that is shown.
-        title: name of what was diagnosed, such as those of the logs.
-        step: what to do next, in the user's own files; by default with placeholders.
+        result: result to show.
+        title: title of the report, such as the names of the logs.
+        step: next step with the user's own files; by default with placeholders.
 
     Raises:
         ValueError: Jinja2, of the extra `report`, is not installed.
@@ -55,7 +55,7 @@ def html(result: Diagnosis, *, title: str = "", step: NextStep | None = None) ->
 
 
 def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, Any]:
-    units = result.model.units
+    units, unlisted = result.model.units, result.unlisted or {}
     return {
         "title": title,
         "version": importlib.metadata.version("cogging"),
@@ -73,7 +73,7 @@ def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, 
         "effects": [_effect(result, effect) for effect in result.effects],
         "mismatch": result.mismatch,
         "unlisted": result.unlisted,
-        "term": _term(result),
+        "term": term_text(unlisted["added"], result.gap.unit) if "added" in unlisted else "",
         "unlisted_text": "" if result.unlisted is None else f"{capital(str(result.unlisted['shape']))}.",
         "where": result.location.lines() if result.location is not None else list(result.where_text),
         "further": _further(result),
@@ -89,33 +89,26 @@ def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, 
 
 
 def _bars(result: Diagnosis) -> list[dict[str, Any]]:
-    """The sizes of the gap: what each is of, its share of the largest, and its colour."""
+    """Return label, size, share of the largest and colour of each gap."""
     gap = result.gap
-    told = [
+    sizes = [
         ("as given", gap.given, "before"),
         ("re-tuned", gap.before, "before"),
-        ("with what was found", gap.after if result.effects else None, "after"),
+        ("patched", gap.after if result.effects else None, "after"),
         ("noise floor", gap.floor, "floor"),
-        ("other motion, re-tuned", gap.confirm_before, "before"),
-        ("other motion, with what was found", gap.confirm_after if result.effects else None, "after"),
+        ("confirm logs, re-tuned", gap.confirm_before, "before"),
+        ("confirm logs, patched", gap.confirm_after if result.effects else None, "after"),
     ]
-    largest = max([size for _, size, _ in told if size is not None and size > 0.0], default=1.0)
+    largest = max([size for _, size, _ in sizes if size is not None and size > 0.0], default=1.0)
     return [
         {"label": label, "size": f"{size:.3g} {gap.unit}", "share": f"{100.0 * size / largest:.1f}", "kind": kind}
-        for label, size, kind in told
+        for label, size, kind in sizes
         if size is not None
     ]
 
 
-def _term(result: Diagnosis) -> str:
-    """What an empirical term makes of the gap; empty where none was added."""
-    if result.unlisted is None or "added" not in result.unlisted:
-        return ""
-    return term_text(result.unlisted["added"], result.gap.unit)
-
-
 def _limits(result: Diagnosis) -> dict[str, list[dict[str, Any]]]:
-    """Rows of the detection limits, and what has none."""
+    """Return the rows of the detection limits, and of the effects without one."""
     rows = [
         {
             "words": plain(name),
@@ -132,7 +125,10 @@ def _limits(result: Diagnosis) -> dict[str, list[dict[str, Any]]]:
 
 
 def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
-    names = [effect.name, *effect.alternatives]
+    names, terms = [effect.name, *effect.alternatives], [effect.parameters, *effect.further]
+    meanings = {"change": ("1", "new / old - 1")}
+    if effect.name in result.vocabulary:
+        meanings = dict(result.vocabulary[effect.name].FIELDS)
     return {
         "words": " or ".join(map(plain, names)),
         "law": law(result.vocabulary, effect.name),
@@ -144,18 +140,16 @@ def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:
         "shape": other_shape_text(effect, result.model.units),
         "picture": curve_picture(effect, result.model.units),
         "alternatives": [{"words": plain(name), "law": law(result.vocabulary, name)} for name in effect.alternatives],
-        "fields": _fields(result, effect.name, [effect.parameters, *effect.further]),
-        "tables": _tables(result, effect.name, [effect.parameters, *effect.further]),
+        "fields": _fields(meanings, terms),
+        "tables": _tables(meanings, terms),
     }
 
 
-def _meanings(result: Diagnosis, name: str) -> Mapping[str, tuple[str, str]]:
-    return result.vocabulary[name].FIELDS if name in result.vocabulary else {"change": ("1", "new over old, less 1")}
+Meanings = Mapping[str, tuple[str, str]]  # unit and meaning of each field
 
 
-def _fields(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
-    """A row a single quantity; several terms of one name are numbered."""
-    meanings = _meanings(result, name)
+def _fields(meanings: Meanings, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
+    """Return one row per scalar parameter; several terms of one name are numbered."""
     return [
         {
             "field": field if len(terms) == 1 else f"{field} ({i + 1})",
@@ -170,38 +164,26 @@ def _fields(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) 
     ]
 
 
-def _tables(result: Diagnosis, name: str, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
-    """Quantities that are lists, as tables of their own: a row an entry, lists of one length beside each other."""
-    meanings = _meanings(result, name)
+def _tables(meanings: Meanings, terms: Sequence[Mapping[str, Value]]) -> list[dict[str, Any]]:
+    """Return a table for the list parameters of each term and length: one row per entry, one column per parameter."""
     tables = []
     for i, term in enumerate(terms):
-        lists = {field: value for field, value in term.items() if isinstance(value.value, list)}
-        for length in dict.fromkeys(len(list_of(value)) for value in lists.values()):
-            mine = {field: value for field, value in lists.items() if len(list_of(value)) == length}
-            number = "" if len(terms) == 1 else f" ({i + 1})"
-            heads = [
-                f"{field}{number}{f', {value.unit}' if value.unit != '1' else ''}" for field, value in mine.items()
-            ]
-            columns = [_entries(value, length) for value in mine.values()]
-            shown = [any(interval != "–" for _, interval in column) for column in columns]
-            tables.append(
-                {
-                    "heads": list(zip(heads, shown, strict=True)),
-                    "rows": [[column[k] for column in columns] for k in range(length)],
-                    "meanings": [f"{field}: {meanings[field][1]}" for field in mine if field in meanings],
-                }
-            )
+        lists = [(field, value, value.value) for field, value in term.items() if isinstance(value.value, list)]
+        number = "" if len(terms) == 1 else f" ({i + 1})"
+        for length in dict.fromkeys(len(entries) for _, _, entries in lists):
+            heads, columns, notes = [], [], []
+            for field, value, entries in lists:
+                if len(entries) != length:
+                    continue
+                low, high = (list(end) if isinstance(end, Sequence) else [end] * length for end in value.ci95)
+                column = [(numbers(one), _interval(low[k], high[k])) for k, one in enumerate(entries)]
+                columns.append(column)
+                has_interval = any(interval != "–" for _, interval in column)
+                heads.append((f"{field}{number}{f', {value.unit}' if value.unit != '1' else ''}", has_interval))
+                notes += [f"{field}: {meanings[field][1]}"] if field in meanings else []
+            rows = [[column[k] for column in columns] for k in range(length)]
+            tables.append({"heads": heads, "rows": rows, "meanings": notes})
     return tables
-
-
-def list_of(value: Value) -> list[float]:
-    """The entries of a quantity that is a list."""
-    return value.value if isinstance(value.value, list) else [value.value]
-
-
-def _entries(value: Value, length: int) -> list[tuple[str, str]]:
-    low, high = (list(end) if isinstance(end, Sequence) else [end] * length for end in value.ci95)
-    return [(numbers(one), _interval(low[k], high[k])) for k, one in enumerate(list_of(value))]
 
 
 def _interval(low: float | None, high: float | None) -> str:
@@ -209,19 +191,19 @@ def _interval(low: float | None, high: float | None) -> str:
 
 
 def _further(result: Diagnosis) -> list[str]:
-    """What else to measure, beside the next step."""
+    """Return advice on further measurements."""
     advice = []
     if result.separating_experiment:
-        advice.append(f"To tell the candidates apart: {result.separating_experiment}.")
+        advice.append(f"To distinguish the candidates: {result.separating_experiment}.")
     if result.unlisted is not None:
         advice.append(unlisted_advice(result.unlisted["coordinate"]))
     if "gap_before" in result.series and result.gap.confirm_before is None and result.verdict != "named":
-        advice.append("Record a second log with other motion (other speeds, other strokes) and give it with --confirm.")
+        advice.append("Record a second log with other speeds and strokes, and pass it with --confirm.")
     return advice
 
 
 def _parameters(result: Diagnosis) -> list[dict[str, Any]]:
-    """One row a parameter: as given, re-tuned without and with what was found, with the interval of the last."""
+    """Return one row per parameter: as given, re-tuned and patched, with the interval of the last."""
     given: Model | None = result.series.get("given")
     before = {path: p.value for path, p in parameters_of(given).items()} if given is not None else {}
     nominal = {path: p.value for path, p in parameters_of(result.nominal).items()}

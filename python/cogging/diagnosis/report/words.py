@@ -1,4 +1,4 @@
-"""Lines of a result in words, for the screen and the page."""
+"""Clauses and lines of a result, for the screen and the page."""
 
 from __future__ import annotations
 
@@ -16,46 +16,46 @@ if TYPE_CHECKING:
 
 
 def term_text(term: Mapping[str, Any], unit: str) -> str:
-    """What an empirical term makes of the gap, in words."""
+    """Return a clause on an empirical term and the gaps without and with it."""
     text = f"added to the model as {term['name']}, which is empirical and names no cause: gap "
-    text += f"({term['signal']}) {term['gap_before']:.4g} to {term['gap_after']:.4g} {unit}"
+    text += f"({term['signal']}) {term['gap_before']:.4g} -> {term['gap_after']:.4g} {unit}"
     if term["confirm_after"] is not None:
-        text += f", on the confirm logs {term['confirm_before']:.4g} to {term['confirm_after']:.4g} {unit}"
+        text += f", on the confirm logs {term['confirm_before']:.4g} -> {term['confirm_after']:.4g} {unit}"
     return text
 
 
 def other_shape_text(effect: NamedEffect, units: Units) -> str:
-    """What is said of an effect whose law is not the plainest; empty of others."""
+    """Return a clause on an effect with a non-standard law; empty for others."""
     if not effect.shape:
         return ""
-    told = "of another shape than its plainest law"
+    text = "the force deviates from the standard law"
     if effect.curve is None:
-        return f"{told}, which no function of one coordinate gives: it is not in the model"
+        return f"{text} and is not a function of one coordinate: it is not in the model"
     places, force = effect.curve["places"], effect.curve["force"]
     most = int(np.argmax(np.abs(force)))
     coordinate = str(effect.curve["coordinate"])
     place = f"{places[most]:.3g} {units.of(COORDINATE_UNITS[coordinate])}"
     held = "; the model has it as an empirical force" if effect.in_model else ""
-    return f"{told}: {force[most]:+.2g} {units.command} at most, about {coordinate} {place}{held}"
+    return f"{text}, with a peak of {force[most]:+.2g} {units.command} near {coordinate} {place}{held}"
 
 
 def step_text(step: Step, unit: str) -> str:
-    """A line of the ledger in words."""
+    """Return one line of the ledger."""
     if not step.accepted:
         return f"refused {step.name}: {step.reason}"
-    gap = f"gap {step.gap_before:.4g} to {step.gap_after:.4g} {unit}"
+    gap = f"gap {step.gap_before:.4g} -> {step.gap_after:.4g} {unit}"
     if step.confirm_after is not None:
-        gap += f", on the confirm logs {step.confirm_before:.4g} to {step.confirm_after:.4g} {unit}"
+        gap += f", on the confirm logs {step.confirm_before:.4g} -> {step.confirm_after:.4g} {unit}"
     return f"added   {step.name}: {gap}; {step.reason}"
 
 
 def limit_lines(limits: Mapping[str, Limit]) -> list[str]:
-    """The detection limits, a line an effect, then those that have none."""
+    """Return the detection limits, one line per effect, and the effects without one."""
     shown = {name: limit for name, limit in limits.items() if limit.value is not None}
     unseen = [name for name in limits if name not in shown]
     lines = []
     if shown:
-        lines.append("would have been shown with 95 % chance, from this size on:")
+        lines.append("detection limits (probability 95 %):")
         wide = max(len(name) for name in shown)
         lines += [f"  {name:<{wide}}  {limit_text(limit)}" for name, limit in shown.items()]
     if unseen:
@@ -64,14 +64,14 @@ def limit_lines(limits: Mapping[str, Limit]) -> list[str]:
 
 
 def limit_text(limit: Limit) -> str:
-    """Size, unit and shape of a detection limit."""
+    """Return size, unit and shape of a detection limit."""
     unit, held = "" if limit.unit == "1" else limit.unit, shape_words(limit)
     size = f"{limit.parameter} {numbers(limit.value)} {unit}".rstrip() + (" or less" if limit.smaller_shows else "")
     return f"{size} ({held})" if held else size
 
 
 def shape_words(limit: Limit) -> str:
-    """The shape for which a detection limit holds, as words."""
+    """Return the shape parameters for which a detection limit holds."""
     return ", ".join(
         f"{field} {value[0]:.3g} to {value[1]:.3g}" if isinstance(value, list) else f"{field} {value:.3g}"
         for field, value in limit.shape.items()
@@ -79,19 +79,19 @@ def shape_words(limit: Limit) -> str:
 
 
 def plain(name: str) -> str:
-    """A name of the vocabulary as words."""
+    """Return a name of the vocabulary as words."""
     return name.replace("_", " ")
 
 
 def law(vocabulary: Mapping[str, Effect], name: str) -> str:
-    """The formula of an effect as it states it; of a change, what changed."""
+    """Return the formula of an effect, or a clause for a change of the axis."""
     if name in vocabulary:
         return vocabulary[name].LAW
-    return f"{plain(name.removesuffix('_change'))} of the axis differs from what the model states"
+    return f"{plain(name.removesuffix('_change'))} of the axis differs from its stated value"
 
 
 def numbers(value: Any) -> str:
-    """A number, or a list of numbers, for a table; a dash where it is not known."""
+    """Return a number or a list of numbers for a table; a dash for an unknown one."""
     if value is None:
         return "–"
     if isinstance(value, int | float):
@@ -100,7 +100,7 @@ def numbers(value: Any) -> str:
 
 
 def where_words(where: Mapping[str, Any], units: Units) -> str:
-    """Coordinate and range as words."""
+    """Return coordinate and range as words."""
     span, coordinate = where.get("range"), where.get("coordinate", "")
     if not coordinate:
         return "everywhere"
@@ -111,8 +111,8 @@ def where_words(where: Mapping[str, Any], units: Units) -> str:
 
 
 def unlisted_advice(coordinate: str) -> str:
-    """What to measure next where a gap of no known effect depends on a coordinate."""
+    """Return advice on a measurement for a gap that depends on a coordinate and has no known cause."""
     return (
-        f"What no known effect explains depends on {coordinate}: repeat the motion with that alone changed, and see "
-        "whether the gap follows."
+        f"The unexplained force depends on {coordinate}: repeat the motion with only that changed, and check whether "
+        "the gap follows."
     )
