@@ -187,7 +187,7 @@ def _robust_terms(show: Callable[[str], None]) -> None:
 
 
 def counts_by_seed(joint: Conditions, seeds: Iterable[int]) -> list[tuple[int, int]]:
-    """How many of 36 numbers lie within 15 %, and of 9 errors of the ARC below the PID's, by seed of the noise."""
+    """How many of 30 numbers lie within 15 %, and of 9 errors of the ARC below the PID's, by seed of the noise."""
     found = []
     for seed in seeds:
         table = table_1(joint.all_logs(seed), fitted=ALL)
@@ -201,7 +201,7 @@ def _towards_the_joint(unknowns: Unknowns, show: Callable[[str], None]) -> None:
     for name, size in explore_conditions(unknowns, joint, joint.logs("ARC")).items():
         show(f"{'':4}{name:<36}{size:12.3f}")
     show(conditions_table().text())
-    show("Joint conditions, ten other seeds of the noise: numbers within 15 % (of 36), errors below the PID's (of 9)")
+    show("Joint conditions, ten other seeds of the noise: numbers within 15 % (of 30), errors below the PID's (of 9)")
     show(f"{'':4}" + "  ".join(f"{near} {smaller}" for near, smaller in counts_by_seed(joint, range(100, 1100, 100))))
 
 

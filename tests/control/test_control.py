@@ -200,6 +200,7 @@ def random_parameters(rng, **changes):
         "error_gain": float(rng.uniform(20, 300)),
         "feedback_gain": float(rng.uniform(5, 100)),
         "coulomb_width": float(rng.choice([0.0, 10 ** rng.uniform(-4, -1)])),
+        "error_difference": bool(rng.integers(2)),
     }
     for name in NAMES:
         low = float(rng.uniform(0.05, 0.3)) - (name == "disturbance") * 0.5
@@ -243,7 +244,7 @@ class LiteralAdaptiveRobust:
         gains = [q[n + "_adaptation"] for n in NAMES[:3]] + [q.get("cogging_adaptation", 0.0)] * count
         self.gamma = np.array([*gains, q["disturbance_adaptation"]])
         self.theta = np.array([q["mass"], q["viscous"], q["coulomb"], *initial, -q["disturbance"]])
-        self.Ts, self.y_prev = 1 / q["sample_rate"], None
+        self.Ts, self.y_prev, self.e_prev = 1 / q["sample_rate"], None, None
 
     def S_r(self, x):
         P = self.q.get("cogging_pitch", 0.05)
@@ -264,6 +265,9 @@ class LiteralAdaptiveRobust:
         self.y_prev = y
         k_1 = self.q["error_gain"]
         e, e_dot = y - x_d, x_2 - v_d
+        if self.q["error_difference"]:
+            e_dot = 0.0 if self.e_prev is None else (e - self.e_prev) / self.Ts
+        self.e_prev = e
         self.p = e_dot + k_1 * e
         x_2eq_dot = a_d - k_1 * e_dot
         a, v, x = (a_d, v_d, x_d) if self.desired else (x_2eq_dot, x_2, y)

@@ -52,6 +52,7 @@ struct AdaptiveRobustParameters {
   double epsilon = 0.0;            // V m/s
   double disturbance_bound = 0.0;  // V
   double command_limit = 0.0;      // V
+  bool error_difference = false;
 
   static constexpr auto fields() {
     using P = AdaptiveRobustParameters;
@@ -85,7 +86,9 @@ struct AdaptiveRobustParameters {
                                       "initial A_r, one control point after the other; empty = zeros"},
         Field<P, double>{"epsilon", &P::epsilon, "V m/s", "of the robust term u_s2 (eq. 20, 30); 0 = no such term"},
         Field<P, double>{"disturbance_bound", &P::disturbance_bound, "V", "delta_d of eq. 12, for u_s2"},
-        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
+        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"},
+        Field<P, bool>{"error_difference", &P::error_difference, "",
+                       "e' of p is the difference of e; false = that of the reading, minus the reference's velocity"}};
   }
 
   SplineHarmonics cogging_basis() const {
@@ -145,7 +148,8 @@ struct AdaptiveRobustParameters {
 ///
 /// The two laws differ in where the regressor phi is evaluated: ARC at the measured state (eq. 16), DCARC on
 /// the reference (eq. 24 to 28). The velocity is the backward difference of the readings, 0 in the first
-/// sample.
+/// sample. It is half a sample old: where the reference accelerates by a, p is wrong by a T / 2 if e' is this velocity
+/// minus the reference's. With error_difference e' is the difference of e itself, 0 in the first sample.
 ///
 /// u_s2 = -h tanh(0.2785 h p / epsilon), h = theta_range^T |phi| + delta_d, is smooth and satisfies (20) and
 /// (30): |s| - s tanh(0.2785 s / epsilon) <= epsilon for every s.
@@ -192,7 +196,7 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
     return std::tie(guard_, estimates_, active_.spline.first, active_.spline.weight, active_.harmonic, regressor_,
-                    reading_previous_, p_);
+                    reading_previous_, error_previous_, p_);
   }
 
   Scalar command(const ReferencePoint& reference, Scalar reading) noexcept {
@@ -228,7 +232,9 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
     sample.set(reading_previous_, reading);
 
     const Scalar error = reading - reference.position;
-    const Scalar error_rate = velocity - reference.velocity;
+    const Scalar error_rate = parameters_.error_difference ? sample.per_sample(error - error_previous_) / sample_time_
+                                                           : velocity - reference.velocity;
+    sample.set(error_previous_, error);
     const Scalar p = error_rate + parameters_.error_gain * error;
     sample.set(p_, p);
     if constexpr (desired_compensation) {
@@ -278,7 +284,7 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
   std::vector<Scalar> estimates_;
   SplineHarmonics::Active<Scalar> active_{};
   std::array<Scalar, plain> regressor_{};
-  Scalar reading_previous_ = 0.0, p_ = 0.0;
+  Scalar reading_previous_ = 0.0, error_previous_ = 0.0, p_ = 0.0;
 };
 
 template <class Scalar = double>

@@ -27,7 +27,8 @@ class Row:
         unit: SI.
         paper: the printed number, or None.
         simulated: ours.
-        status: "calibrated" (the setup was fitted to it), "predicted" or "exploratory".
+        status: "calibrated" (the setup was fitted to it), "predicted", "derived" (follows from others of the same
+            table, and is counted nowhere) or "exploratory".
         labels: further columns of the result file, such as the set or the motor.
     """
 

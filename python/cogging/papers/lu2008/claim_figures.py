@@ -83,7 +83,7 @@ def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         axes.set_ylim(0.0, 1.08 * largest)
     panels[0].set_ylabel("ratio of errors, below 1: better")
     legend(panels[-1], LEGEND_COLUMNS)
-    figure.suptitle("C3 before C2 before C1 on random cogging maps")
+    figure.suptitle("C3 before C2 before C1 on random cogging maps with lines beside the harmonics")
     return figure
 
 

@@ -1,7 +1,7 @@
 """The setup of Lu, Chen, Yao, Wang 2008: two axes of a gantry, their DCARC with a B-spline cogging model, the moves.
 
 Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the cogging
-maps are fitted to the tables within the printed bound (calibration.py).
+maps are fitted to the tables within the printed bound (studies.lu2008.calibration).
 """
 
 from __future__ import annotations
@@ -41,15 +41,17 @@ HARMONICS = (1, 2, 3, 6, 12)  # those that the FFT of the measured maps shows (s
 ORDER = 3  # third-order B-splines (same section)
 CONTROL_POINTS = 13  # m for 0.51 m at one pitch and order 3: m - k + 1 >= 10.2 spans
 
-# Not reported, assumed: which knob does what is shown by study.py.
+# Not reported, assumed: which knob does what is shown by studies.lu2008.study.
 COULOMB_WIDTH = 1.0 / 900.0  # m/s: S_f = (2/pi) atan(900 v), as in Xu and Yao 2001, of the same group
 DWELL = 0.1  # s
 START = 0.055  # m: centres the 0.4 m move in the travel
+ERROR_DIFFERENCE = True  # e' of p (15) is the difference of e; with that of the reading minus x_d', which is half a
+# sample younger, p is wrong by a T / 2 on ramps, and the largest errors on X lie there: not whole counts, as printed
 
 CONTROLLERS = ("C1", "C2", "C3")
 
-#: Conditions that come with the package: those assumed at first, those of the tables, and fitted to C1 and C2 alone.
-FIRST, PRESENT, WITHOUT_C3 = "first", "present", "without_c3"
+#: Fits that come with the package: that of the tables, and the same family with the other reading of e'.
+PRESENT, LATE = "present", "late"
 
 
 @dataclass(frozen=True)
@@ -156,19 +158,20 @@ def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
 
 
 @functools.cache
-def _shipped() -> dict[str, Any]:
+def shipped() -> dict[str, Any]:
+    """What maps.toml holds (written by studies.lu2008.calibration)."""
     text = importlib.resources.files("cogging.papers.lu2008").joinpath("maps.toml").read_text(encoding="utf-8")
     return parse_toml(text)
 
 
-def shipped_shape(conditions: str = PRESENT) -> MapShape:
-    """The shape of both maps that comes with the package (written by calibration.py)."""
-    return MapShape(**_shipped()[conditions]["shape"])
+def shipped_shape() -> MapShape:
+    """The shape of both maps."""
+    return MapShape(**shipped()["shape"])
 
 
-def shipped_amplitudes(axis: GantryAxis, conditions: str = PRESENT) -> Amplitudes:
-    """The calibrated amplitudes that come with the package, V (written by calibration.py)."""
-    part = _shipped()[conditions][axis.name]
+def shipped_amplitudes(axis: GantryAxis, fit: str = PRESENT) -> Amplitudes:
+    """The calibrated amplitudes of a fit, V."""
+    part = shipped()[fit][axis.name]
     return part["periodic"], part["modulated"], part["uncompensated"]
 
 
@@ -217,6 +220,7 @@ def controller_parameters(
         "coulomb_bounds": coulomb_bounds,
         "coulomb_adaptation": 10.0,
         "coulomb_width": COULOMB_WIDTH,
+        "error_difference": ERROR_DIFFERENCE,
         "disturbance_bounds": disturbance_bounds,
         "disturbance_adaptation": 1000.0,
     }
@@ -296,13 +300,6 @@ def last_errors(
         raise DivergedError(failure.reason)
     found = [batch.indexes[name].reshape(len(controllers), len(machines)) for name in ("error_max", "error_rms")]
     return np.array(found).transpose(2, 1, 0)
-
-
-def last_rms(
-    axis: GantryAxis, machines: Sequence[Plant], motion: PointToPoint | None = None, **setup: Any
-) -> FloatArray:
-    """e_2 (m) of C1, C2 and C3 on each machine, (machines, 3); `setup` goes to last_errors."""
-    return np.asarray(last_errors(axis, machines, motion, **setup)[..., 1])
 
 
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:

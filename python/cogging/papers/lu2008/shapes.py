@@ -35,10 +35,6 @@ class MapShape:
     shift: float
 
 
-#: Assumed at first: 1/h, one half-wave, all sines zero at the first magnet.
-FIRST_SHAPE = MapShape(decay=1.0, half_waves=1.0, begin=0.0, shift=0.0)
-
-
 def control_points(
     shape: MapShape, amplitudes: Amplitudes, harmonics: Sequence[int], compensated: Sequence[int], count: int
 ) -> tuple[FloatArray, FloatArray]:

@@ -17,8 +17,8 @@ with z = (p, e), where Q is (29) with M k_1^3 in the lower corner: (29) keeps ha
 z^T Q z >= lambda V, lambda being its smallest eigenvalue relative to diag(M, M k_1^2) / 2, and (23) holds for this V.
 The estimates appear in neither bound: they only have to stay within theirs, which (14) sees to.
 
-The paper proves this in continuous time. Here the controllers run at 20 kHz on an ideal encoder; epsilon and delta_d
-are not reported, ours are assumed.
+The paper proves this in continuous time. Here the controllers run at 20 kHz on an ideal encoder, with e' as the
+reading's difference minus the velocity of x_d; epsilon and delta_d are not reported, ours are assumed.
 """
 
 from __future__ import annotations
@@ -195,6 +195,7 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
         "epsilon": EPSILON,
         "disturbance_bound": DISTURBANCE,
         "coulomb_width": width,
+        "error_difference": False,
     }
     parameters = controller_parameters(axis, "C3", **changes, **estimates, **gains)
     start = START + float(rng.uniform(-1.0, 1.0) * rng.choice([0.0, 1e-4, 1e-3]))
