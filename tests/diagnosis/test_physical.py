@@ -44,7 +44,7 @@ def test_no_limit_is_below_commands_that_were_obeyed(seed):
     largest = float(np.abs(free.command).max())
     law = VOCABULARY["command_saturation"]
     assert obeyed_command([free]) > 0.5 * largest
-    assert "limit runs to" in at_end(law.replace(limit=0.5 * largest), [free])
+    assert "limit is " in at_end(law.replace(limit=0.5 * largest), [free])
     cut = record(seed, speed=20.0, limit=0.6 * largest)
     assert ends([cut], law.ROLES["limit"])[0] < 0.6 * largest
 
@@ -52,7 +52,7 @@ def test_no_limit_is_below_commands_that_were_obeyed(seed):
 def test_no_tone_and_no_resonance_is_slower_than_three_periods():
     log, least = record(0, seconds=3.5), 3.0 / 3.5
     slow = cogging.EFFECTS["flexible_mode"](frequency=least, damping_ratio=0.1, mass_ratio=0.3)
-    assert "frequency runs to 0.857" in at_end(slow, [log])
+    assert "frequency is 0.857" in at_end(slow, [log])
     assert at_end(slow.replace(frequency=20.0), [log]) == ""
 
 
@@ -62,7 +62,7 @@ def test_no_friction_is_above_the_command_that_moved_the_axis():
     assert np.abs(log.command).max() >= most
     for name in ("stribeck_friction", "coulomb_asymmetry"):
         field = next(iter(VOCABULARY[name].ROLES))
-        assert at_end(VOCABULARY[name].replace(**{field: most}), [log]).startswith(f"its {field} runs to")
+        assert at_end(VOCABULARY[name].replace(**{field: most}), [log]).startswith(f"its {field} is")
 
 
 def test_no_friction_pushes():
