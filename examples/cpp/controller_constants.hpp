@@ -39,6 +39,7 @@ inline Controller::Parameters controller() {
   q.epsilon = 0.0;
   q.disturbance_bound = 0.0;
   q.command_limit = 10.0;
+  q.error_difference = false;
   return q;
 }
 

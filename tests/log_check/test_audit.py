@@ -187,7 +187,7 @@ def test_a_stated_controller_that_did_not():
     check = cogging.check_controller(amperes, make())
     assert check.reproduces is False
     assert check.ratio == pytest.approx(0.5)
-    assert any("is it in another unit" in note for note in check.notes)
+    assert any("in another unit" in note for note in check.notes)
 
 
 def test_what_cannot_be_told():

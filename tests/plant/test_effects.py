@@ -163,16 +163,15 @@ SECTION = {"pitch", "order", "origin", "periods", *COGGING}  # keys of [cogging]
 EXCEPTIONS = {
     "model/": {"levels", *SECTION},  # and an example of a path
     "file_schema.py": {"start", "stop", *SECTION},  # of a window of time
-    "diagnosis/balance/candidates.py": {"center", "width"},  # each law that is tried stands there with its fields
+    "diagnosis/balance/candidates.py": {"center", "width", "pitch", "order", "origin"},  # each law that is tried stands there with its fields
     "diagnosis/balance/evidence.py": COGGING,
     "diagnosis/report/figures.py": {"center"},  # of a text in a figure
     "design/": {"periods", "start", "stop"},  # of an observer; a window of time
     "simulation/sweep": {"start", "stop"},  # the same
     "simulation/varied.py": {"start", "stop"},
     "simulation/reductions.py": {"start", "stop", "period"},  # the same, and of a wave that is asked for
-    "mapping/fit.py": {"pitch", "order", "origin"},  # arguments of fit_map
-    "mapping/result.py": {"order"},  # of the splines
-    "mapping/request.py": {"pitch", "order", "origin"},  # the same
+    "mapping/fit_map.py": {"pitch", "order", "origin"},  # arguments of fit_map
+    "mapping/map_fit.py": {"order"},  # of the splines
     "simulation/reference.py": {"sine"},  # of a motion
     "values.py": SECTION,  # what classes of the core are made of
     "cli/parser.py": {"width"},  # of a terminal

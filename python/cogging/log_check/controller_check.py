@@ -479,7 +479,7 @@ def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
         metadata=log.metadata,
     )
     return whole, (
-        f"{int(added.sum())} samples lack a row: readings drawn through their neighbours, commands as the "
+        f"{int(added.sum())} samples lack a row: readings filled by interpolation, commands as the "
         f"{check.type} gives them"
     )
 

@@ -74,8 +74,8 @@ def _effect_line(result: Diagnosis, effect: NamedEffect) -> str:
             parameters.append(f"{name} {len(quantity.value)} values")
         else:
             parameters.append(f"{name} {quantity.value:.4g}{unit}{_interval(*quantity.ci95)}")
-    more = f" (and {len(effect.further)} more terms)" if effect.further else ""
-    return f"  {effect.name}: {', '.join(parameters)}{more}"
+    more = f" (and {len(effect.further)} more)" if effect.further else ""
+    return f"  {effect.name}: {', '.join(parameters) or 'a curve, in the report'}{more}"
 
 
 def _interval(low: Any, high: Any) -> str:
