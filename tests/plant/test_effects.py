@@ -163,7 +163,8 @@ SECTION = {"pitch", "order", "origin", "periods", *COGGING}  # keys of [cogging]
 EXCEPTIONS = {
     "model/": {"levels", *SECTION},  # and an example of a path
     "file_schema.py": {"start", "stop", *SECTION},  # of a window of time
-    "diagnosis/balance/candidates.py": {"center", "width", "pitch", "order", "origin"},  # each law that is tried stands there with its fields
+    # each law that is tried stands there with its fields
+    "diagnosis/balance/candidates.py": {"center", "width", "pitch", "order", "origin"},
     "diagnosis/balance/evidence.py": COGGING,
     "diagnosis/report/figures.py": {"center"},  # of a text in a figure
     "design/": {"periods", "start", "stop"},  # of an observer; a window of time
