@@ -131,7 +131,7 @@ def laws_table(machines: Mapping[str, Plant]) -> Table:
 def _errors(axis: GantryAxis, fit: str, **changes: bool) -> FloatArray:
     """e_inf and e_2 (m) of the controllers on the map of a fit that comes with the package, (3, 2)."""
     machine = plant(axis, cogging_map(axis, shipped_amplitudes(axis, fit)))
-    return np.asarray(last_errors(axis, [machine], **changes)[0])
+    return np.asarray(last_errors(axis, [machine], None, **changes)[0])
 
 
 def _rows(
