@@ -18,8 +18,8 @@ import cogging
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import search_once
+from cogging.diagnosis.balance.differenced_balance import ForceBalance
 from cogging.diagnosis.balance.evidence import Evidence
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.diagnosis.detection_limits import size_of
 from cogging.effects.effect import VOCABULARY, Effect, Knots, SplineKnots, Window, kind_of
 

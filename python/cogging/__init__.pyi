@@ -33,7 +33,7 @@ from cogging.log_check.log_audit import check_against_model
 from cogging.design.bounds import Bounds
 from cogging.log_check.controller_check import ControllerCheck, check_controller
 from cogging.log_check.controller_recovery import RecoveredController, recover_controller
-from cogging.diagnosis.result import Diagnosis
+from cogging.diagnosis.diagnosis_result import Diagnosis
 from cogging.diagnosis.location import Location
 from cogging.diagnosis.diagnose import diagnose
 from cogging.design.experiment_plan import ExperimentPlan

@@ -10,8 +10,8 @@ import cogging
 from cogging.design.experiment_motion import SURVEY, Look, Machine, shapes
 from cogging.design.experiment_plan import detect, explained, fit, found_in, frequency, separate
 from cogging.diagnosis.balance.decision import THRESHOLD, score_of
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import VOCABULARY
 from cogging.files import FieldError
 from tests.fixtures.pid_axis import MODEL
@@ -70,7 +70,7 @@ def look(survey):
 
 def evidence_of(log, model=SMALL, corner=None):
     """As the engine has it, of one log."""
-    balance = ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution)
+    balance = DifferencedBalance(log, model.axis.coulomb_width, model.encoder.resolution)
     balance.set_corner(balance.residual(model), model.axis.mass)
     if corner is not None:
         balance.corner = corner
@@ -88,7 +88,7 @@ def test_an_effect_adds_to_the_balance_what_it_adds_in_a_loop(name, look, survey
     left = []
     for model in (quiet.replace(effects=(effect,)), quiet):
         log = MACHINE.log(model, survey.motion)
-        left.append(ForceBalance(log, SMALL.axis.coulomb_width, 0.5e-6).residual(SMALL))
+        left.append(DifferencedBalance(log, SMALL.axis.coulomb_width, 0.5e-6).residual(SMALL))
     rows = np.array([look.force(effect), left[0] - left[1]])
     made, seen = look.evidence.project([look.balance.rows(rows)])[0]
     assert np.linalg.norm(seen) > 1.0

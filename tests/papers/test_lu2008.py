@@ -30,6 +30,8 @@ LATE = {
 LATE_WITHIN = {"X": (1, 5, 6), "Y": (3, 6, 6)}
 #: Of the numbers that took no part: how many, and how many of the model and of the rule lie within 15 %.
 HELD_OUT = {"from_rms": (6, 4, 4), "from_table1": (3, 3, 2), "from_table2": (3, 1, 2), "without_c3": (4, 1, 0)}
+#: Largest relative miss among the numbers that took part.
+LARGEST_MISS = {"from_rms": 0.081, "from_table1": 0.152, "from_table2": 0.125, "without_c3": 0.110}
 RESOLUTION = 0.5  # um
 
 
@@ -76,9 +78,8 @@ def test_what_took_no_part_is_as_near_as_committed_beside_the_rule(split):
     assert (table.counts().predicted_within[1], table.before.counts().within[1]) == (model, rule)
     for row, guess in zip(predicted, table.before.rows, strict=True):
         assert (row.controller, row.index, row.paper) == (guess.controller, guess.index, guess.paper)
-    for row in table.rows:
-        if row.status == "calibrated":
-            assert row.simulated == pytest.approx(row.paper, rel=0.16)
+    fitted = [abs(row.simulated / row.paper - 1.0) for row in table.rows if row.status == "calibrated"]
+    assert max(fitted) == pytest.approx(LARGEST_MISS[split], abs=0.005)
 
 
 def test_the_rule_is_the_other_tables_ratio_or_c2():

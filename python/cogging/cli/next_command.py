@@ -21,8 +21,8 @@ from cogging.outputs import AnyPath
 from cogging.shown import printable
 
 if TYPE_CHECKING:
+    from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.next_step import NextStep
-    from cogging.diagnosis.result import Diagnosis
     from cogging.identification.identification_result import Identification
     from cogging.model.model import Model
 

@@ -14,8 +14,8 @@ from scipy.signal import lfilter
 from cogging._core import DivergedError, PointToPoint, PointToPointParameters, Sampled, closed_loop
 from cogging.arrays import FloatArray
 from cogging.design.motion_limits import MotionLimits, taken_of
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, deviation, noise_filter
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect, Knots, Place, SplineKnots, Travel, Wave, kind_of
 from cogging.estimation.residuals import quiet
 from cogging.logs.log import Log
@@ -242,7 +242,7 @@ class Machine:
         controller: controller; None: the model's.
         limits: with travel and jerk (MotionLimits.of).
         seed: of the noise.
-        corner: of the balance, Hz (ForceBalance.corner).
+        corner: of the balance, Hz (DifferencedBalance.corner).
         taps: filter that makes the noise of the balance white.
     """
 
@@ -256,7 +256,7 @@ class Machine:
         """The machine with the noise of its balance, estimated from copies of the survey."""
         logs = [survey.log, *(replace(self, seed=self.seed + n).log(model, survey.motion) for n in range(1, NOISES))]
         width, resolution = model.axis.coulomb_width, model.encoder.resolution
-        balances = [ForceBalance(log, width, resolution) for log in logs if log is not None]
+        balances = [DifferencedBalance(log, width, resolution) for log in logs if log is not None]
         balances[0].set_corner(balances[0].residual(model), model.axis.mass)
         for balance in balances[1:]:
             balance.corner = balances[0].corner
@@ -303,7 +303,7 @@ class Look:
 
     def __init__(self, machine: Machine, run: Run, given: Model, model: Model) -> None:
         self.machine, self.run, self.model = machine, run, model
-        self.balance = ForceBalance(run.log, model.axis.coulomb_width, model.encoder.resolution)
+        self.balance = DifferencedBalance(run.log, model.axis.coulomb_width, model.encoder.resolution)
         self.balance.corner = machine.corner
         self.evidence = Evidence([self.balance], given, model).prepare()
         assert machine.taps is not None
@@ -343,7 +343,7 @@ class Look:
         if log is None:
             return np.zeros(len(self.balance.time))
         width, resolution = self.model.axis.coulomb_width, self.model.encoder.resolution
-        return np.asarray(ForceBalance(log, width, resolution).residual(self.model))
+        return np.asarray(DifferencedBalance(log, width, resolution).residual(self.model))
 
 
 def shapes(law: Effect | str, model: Model, limits: MotionLimits, near: Effect | None = None) -> list[Shape]:

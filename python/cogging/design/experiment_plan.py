@@ -30,7 +30,7 @@ from cogging.design.motion_limits import MotionLimits
 from cogging.design.pid import pid_gains
 from cogging.diagnosis.balance.decision import BLOCK, THRESHOLD, score_of
 from cogging.diagnosis.balance.evidence import orthonormal
-from cogging.diagnosis.result import Diagnosis
+from cogging.diagnosis.diagnosis_result import Diagnosis
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect, Travel, Turn, kind_of
 from cogging.files import FieldError, InputError, read_text

@@ -14,6 +14,7 @@ from cogging.calls import check_arguments
 from cogging.diagnosis.balance.decision import Outcome, search
 from cogging.diagnosis.balance.evidence import TooLittleMotion
 from cogging.diagnosis.detection_limits import limits, unmeasured
+from cogging.diagnosis.diagnosis_result import Diagnosis
 from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
@@ -22,7 +23,6 @@ from cogging.diagnosis.patched_model import Term, merged, terms_of, with_interva
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
-from cogging.diagnosis.result import Diagnosis
 from cogging.diagnosis.running_controller import running_controller
 from cogging.diagnosis.separating import separating
 from cogging.diagnosis.yardstick import REPLAYED, Discrepancy, Yardstick, growth, replayable

@@ -11,8 +11,8 @@ from cogging.calls import check_arguments
 from cogging.diagnosis.balance.candidates import Search, sharpen, wave_scan
 from cogging.diagnosis.balance.cells import hats
 from cogging.diagnosis.balance.decision import Outcome
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.diagnosis.generic_force import Predicted, predicted
 from cogging.diagnosis.location import SIGNIFICANT, Location, Wave
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape
@@ -65,7 +65,7 @@ def locate_gap(
         raise ValueError("logs: must be at least 1, got 0")
     for name, log in zip(names, read, strict=True):
         check_against_model(log, model, name)
-    balances = [ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution) for log in read]
+    balances = [DifferencedBalance(log, model.axis.coulomb_width, model.encoder.resolution) for log in read]
     evidence = Evidence(balances, model, model).prepare(ROUNDS, listen=True)
     found = Outcome(evidence, evidence, evidence, [], [], [])
     gap = Yardstick(found, read, (), model, replay=False).on_given(evidence.model)

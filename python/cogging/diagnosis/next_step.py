@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from cogging.diagnosis.places import empirical_term
 
 if TYPE_CHECKING:
-    from cogging.diagnosis.result import Diagnosis
+    from cogging.diagnosis.diagnosis_result import Diagnosis
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.residuals import quiet_plant
 
@@ -115,17 +115,17 @@ class Found:
         return float(self.T - self.k * np.log1p(self.T / max(self.k, 1)) - 2 * np.log(max(self.N, 1)))
 
 
-def along(make: Callable[[ForceBalance], Any]) -> Columns:
+def along(make: Callable[[DifferencedBalance], Any]) -> Columns:
     """Return columns made from each balance."""
     return lambda c: [np.atleast_2d(make(b)) for b in c.balances]
 
 
-def driven(make: Callable[[ForceBalance, FloatArray], Any]) -> Columns:
+def driven(make: Callable[[DifferencedBalance, FloatArray], Any]) -> Columns:
     """Return columns made from each balance and its drive."""
     return lambda c: [np.atleast_2d(make(b, d)) for b, d in zip(c.balances, c.drives, strict=True)]
 
 
-def accelerated(make: Callable[[Evidence, ForceBalance, FloatArray], Any]) -> Columns:
+def accelerated(make: Callable[[Evidence, DifferencedBalance, FloatArray], Any]) -> Columns:
     """Return columns made from the evidence, each balance and its acceleration."""
     return lambda c: [np.atleast_2d(make(c, b, a)) for b, a in zip(c.balances, c.accelerations, strict=True)]
 
@@ -247,12 +247,12 @@ def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
     return np.asarray(np.abs(h) ** 2 / ctx.screen.variance * b.power(frequency))
 
 
-def direction(b: ForceBalance) -> FloatArray:
+def direction(b: DifferencedBalance) -> FloatArray:
     """Return the sign of the speed, linear within its noise, (n,)."""
     return np.asarray(np.sign(b.velocity) * np.minimum(np.abs(b.velocity) / max(b.speed_noise, 1e-12) / 3, 1.0))
 
 
-def speed_hats(b: ForceBalance, speeds: FloatArray) -> FloatArray:
+def speed_hats(b: DifferencedBalance, speeds: FloatArray) -> FloatArray:
     """Return hat functions of the logarithm of the speed, (k, n)."""
     return hats(np.log(np.maximum(np.abs(b.velocity), speeds[0])), np.log(speeds))
 
@@ -397,7 +397,7 @@ def friction(s: Search) -> None:
     for p in (1.5, 3.0):
         s.put("quadratic_drag", Shape(f"power {p}", powers(p)), 3)
 
-    def bristle(c: Evidence, b: ForceBalance, length: float) -> FloatArray:
+    def bristle(c: Evidence, b: DifferencedBalance, length: float) -> FloatArray:
         axis = c.model.axis
         rising = np.tanh(b.velocity / max(axis.coulomb_width, 1e-6))
         return -(axis.coulomb * (dahl(b.position, length) - rising))
@@ -480,7 +480,7 @@ Function = Callable[[FloatArray], Any]
 
 
 def reading_error(
-    c: Evidence, b: ForceBalance, a: FloatArray, error: Function, slope: Function, bend: Function
+    c: Evidence, b: DifferencedBalance, a: FloatArray, error: Function, slope: Function, bend: Function
 ) -> FloatArray:
     """Return the apparent force of a reading error e(x), V, (n,): M (e' a + e'' v^2) plus the change of the forces.
 
@@ -621,7 +621,7 @@ def best_tones(s: Search) -> tuple[list[float], int]:
 
 
 #: Kinds of waves along the travel, with the factor of the wave: a function of balance, drive and largest command.
-WAVES: dict[str, Callable[[ForceBalance, FloatArray, float], FloatArray]] = {
+WAVES: dict[str, Callable[[DifferencedBalance, FloatArray, float], FloatArray]] = {
     "cogging_harmonic": lambda b, d, peak: np.ones(len(b.time)),
     "force_constant_ripple": lambda b, d, peak: d,
     "encoder_periodic_error": lambda b, d, peak: b.velocity**2,
@@ -732,7 +732,7 @@ def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
 def modulated_wave(s: Search, kappa: float, count: int) -> Shape:
     """Return cogging of a wavenumber (1/m) whose amplitudes are `count` splines along the travel."""
 
-    def make(b: ForceBalance) -> FloatArray:
+    def make(b: DifferencedBalance) -> FloatArray:
         amplitude, angle = splines(b.position, s.low, s.high, count), 2 * np.pi * kappa * b.position
         return np.vstack([amplitude * np.sin(angle), amplitude * np.cos(angle)])
 
@@ -748,7 +748,7 @@ def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
     """Return the apparent force of a periodic reading error of multiples of a wavenumber (1/m), per unit error."""
     size = 1e-4 / kappa
 
-    def feigned(c: Evidence, b: ForceBalance, a: FloatArray, k: float, turned: float) -> FloatArray:
+    def feigned(c: Evidence, b: DifferencedBalance, a: FloatArray, k: float, turned: float) -> FloatArray:
         def error(x: FloatArray) -> Any:
             return size * np.sin(k * x + turned)
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, LATE, NESTED, UNNAMED, Found, search_once
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -133,8 +133,8 @@ def search(
         TooLittleMotion: the given logs, or the confirm logs, have too few valid rows.
     """
     width, quantum = model.axis.coulomb_width, model.encoder.resolution
-    balances = [ForceBalance(log, width, quantum) for log in given]
-    others = [ForceBalance(log, width, quantum) for log in confirm]
+    balances = [DifferencedBalance(log, width, quantum) for log in given]
+    others = [DifferencedBalance(log, width, quantum) for log in confirm]
     extra: list[Found] = []
     free: list[str] = []
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}

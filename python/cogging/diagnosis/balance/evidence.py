@@ -18,7 +18,7 @@ from scipy.signal import butter, oaconvolve, sosfiltfilt
 from cogging._core import Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
-from cogging.diagnosis.balance.force_balance import ForceBalance
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.model import Model
@@ -198,7 +198,7 @@ class Evidence:
         theta: their amplitudes, (q,).
     """
 
-    balances: list[ForceBalance]
+    balances: list[DifferencedBalance]
     given: Model
     model: Model
     extra: list[Any] = field(default_factory=list)
@@ -445,6 +445,7 @@ class Evidence:
         moved = self.null.solved(free, moved)
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
         moved, gap, least = np.where(beside, 0.0, moved), self.unfiltered, np.inf
+        best = model
         width = self.model.axis.coulomb_width
         for factor in WIDER if width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0 else (1.0,):
             wider = with_values(self.model, {"axis.coulomb_width": factor * width})
@@ -635,7 +636,7 @@ def orthonormal(rows: FloatArray) -> FloatArray:
     return np.asarray((vector[:, good] / np.sqrt(value[good])).T @ rows)
 
 
-def drive(b: ForceBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
+def drive(b: DifferencedBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the instruments of a log: drive (V), acceleration (m/s^2) and blur (V), (n,) each.
 
     The loop feeds its own noise back into the command and into later rows, so that a column made of the command raises
@@ -719,7 +720,7 @@ def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
 class Nuisances:
     """Columns of several logs with their parameter paths and normal priors."""
 
-    def __init__(self, balances: list[ForceBalance]) -> None:
+    def __init__(self, balances: list[DifferencedBalance]) -> None:
         self.balances = balances
         self.largest = max(float(np.max(np.abs(b.command))) for b in balances)  # V
         self.paths: list[str] = []

@@ -26,8 +26,8 @@ from cogging.model.units import Units
 from cogging.outputs import to_toml
 
 if TYPE_CHECKING:
+    from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.entries import NamedEffect, Value
-    from cogging.diagnosis.result import Diagnosis
 
 TEMPLATE = Path(__file__).with_name("page.html.j2")
 STYLE = Path(__file__).with_name("page.css")

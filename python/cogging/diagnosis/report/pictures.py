@@ -28,8 +28,8 @@ from cogging.diagnosis.report.words import other_shape_text, plain
 from cogging.model.units import Units
 
 if TYPE_CHECKING:
+    from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.entries import NamedEffect
-    from cogging.diagnosis.result import Diagnosis
 
 PERIODS, SHAPES = 3, 6  # maximum number of folded periods and of coordinates on a page
 

@@ -16,8 +16,8 @@ from cogging.diagnosis.report.sentences import headline, percent, shared_text
 from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
 
 if TYPE_CHECKING:
+    from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.entries import NamedEffect
-    from cogging.diagnosis.result import Diagnosis
 
 LINES, WIDTH = 13, 100  # of the printed answer; written files and the next command take two more lines
 

@@ -16,8 +16,8 @@ from cogging.effects.effect import Effect
 from cogging.shown import shortened
 
 if TYPE_CHECKING:
+    from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.entries import Gap, NamedEffect
-    from cogging.diagnosis.result import Diagnosis
 
 PLAIN_HEADLINES = {
     "no_gap": "Nothing is missing: the model explains these logs",

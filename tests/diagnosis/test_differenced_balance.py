@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 import cogging
 from cogging.diagnosis.balance.candidates import Search, best_tones, wave_scan
 from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, orthonormal
-from cogging.diagnosis.balance.force_balance import ForceBalance
 from cogging.effects.effect import VOCABULARY as E
 
 RATE = 5000.0  # Hz
@@ -69,7 +69,7 @@ FORCES = {
 def test_nothing_is_left_of_a_known_force_and_all_of_a_missing_one(name):
     fields, law = FORCES[name]
     effect, log = E[name].replace(**fields), moved(law)
-    b = ForceBalance(log, 5e-3)
+    b = DifferencedBalance(log, 5e-3)
     inner = slice(20, -20)
     expected = law(b.time, b.position, b.velocity)[inner]
     scale = np.max(np.abs(expected))
@@ -119,7 +119,7 @@ def test_the_balance_of_a_simulated_run_is_zero(name):
     )
     move = {"type": "point_to_point", "start": -0.1, "distance": 0.2, "velocity": 0.4, "acceleration": 8.0}
     log = cogging.simulate(model, {**move, "jerk": 200.0, "dwell": 0.0, "repeats": 1})
-    b = ForceBalance(log, 0.02)
+    b = DifferencedBalance(log, 0.02)
     rows = slice(len(b.rows(b.command)[0]) // 5, None)
     left, without = (b.rows(b.residual(m))[0][rows] for m in (model, model.replace(effects=())))
     limit = 5e-3 * np.sqrt(np.mean(without**2)) + 5e-5 * np.sqrt(np.mean(b.command**2))
@@ -130,7 +130,7 @@ def test_the_balance_of_a_simulated_run_is_zero(name):
 def test_rows_and_adjoint_are_transposes(rate):
     rng = np.random.default_rng(1)
     t = np.arange(0.0, 1.0, 1.0 / rate)
-    b = ForceBalance(cogging.Log(time=t, position=0.1 * np.sin(9 * t), command=np.cos(9 * t)), 1e-3)
+    b = DifferencedBalance(cogging.Log(time=t, position=0.1 * np.sin(9 * t), command=np.cos(9 * t)), 1e-3)
     for corner in (20.0, 250.0):
         b.corner = corner
         column = rng.standard_normal(len(b.time))
@@ -140,7 +140,7 @@ def test_rows_and_adjoint_are_transposes(rate):
 
 
 def test_a_moved_balance_has_its_positions_elsewhere():
-    b = ForceBalance(moved(), 5e-3)
+    b = DifferencedBalance(moved(), 5e-3)
     spring = machine(E["cable_spring"].replace(stiffness=2.0))
     np.testing.assert_allclose(b.moved(0.01).residual(spring) - b.residual(spring), 0.02, rtol=1e-9)
 
@@ -252,7 +252,7 @@ def test_bases_sum_to_one():
 def searched(force):
     """A search in a log with a force that its model lacks."""
     model = machine().replace(uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
-    b = ForceBalance(moved(force, rate_noise=0.02), 5e-3)
+    b = DifferencedBalance(moved(force, rate_noise=0.02), 5e-3)
     return Search(Evidence([b], model, model).prepare())
 
 
@@ -278,7 +278,7 @@ def test_a_model_alone_leaves_no_more_than_the_one_it_was_fitted_beside(width):
     log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
     axis = cogging.AxisParameters(mass=0.13, viscous=0.2, coulomb=0.04, coulomb_width=width)
     model = cogging.Model(axis=axis, uncertainty={"mass": 0.2, "viscous": 0.5, "coulomb": 0.5})
-    balance = ForceBalance(log, width)
+    balance = DifferencedBalance(log, width)
     evidence = Evidence([balance], model, model).prepare(2, listen=True)
 
     def left(one):
@@ -301,7 +301,7 @@ def test_a_model_alone_without_an_effect_moves_the_others_to_where_they_are_like
     log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
     spring, offset = E["cable_spring"].replace(stiffness=2.0, center=0.05), E["constant_force"].replace(force=0.3)
     plain = machine()
-    evidence = Evidence([ForceBalance(log, 5e-3)], plain, plain.replace(effects=(spring, offset))).prepare()
+    evidence = Evidence([DifferencedBalance(log, 5e-3)], plain, plain.replace(effects=(spring, offset))).prepare()
     less = evidence.settled(evidence.model, ["effects.cable_spring"])
     assert [e.NAME for e in less.effects] == ["constant_force"]
     assert less.effects[0].force == pytest.approx(0.3 + 2.0 * (0.05 - np.mean(x)), abs=0.02)

@@ -91,7 +91,7 @@ def row_filter(every: int, rate: float, corner: float) -> tuple[FloatArray, Floa
     return taps, butter(2, min(corner / (0.5 * rate), 0.8), output="sos")
 
 
-class ForceBalance:
+class DifferencedBalance:
     """Force balance of one log, for any model.
 
     Row k is M a_k = mean force over the adjacent steps, weighted by their lengths, with
@@ -178,7 +178,7 @@ class ForceBalance:
         """Valid decimated rows behind a whitening filter."""
         return np.asarray(lfilter(np.ones(GAP), 1.0, (~self.mask).astype(float)) < 0.5)
 
-    def moved(self, distance: float) -> ForceBalance:
+    def moved(self, distance: float) -> DifferencedBalance:
         """Return a copy with positions shifted by a distance (m): another zero of the encoder."""
         other = copy(self)
         other.cache = {}
@@ -188,7 +188,7 @@ class ForceBalance:
             other.reference = self.reference + np.array([[distance], [0.0], [0.0]])
         return other
 
-    def earlier(self, seconds: float) -> ForceBalance:
+    def earlier(self, seconds: float) -> DifferencedBalance:
         """Return a copy whose command acts `seconds` before it was logged."""
         other = copy(self)
         other.cache = {}
