@@ -18,7 +18,7 @@ import cogging
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import search_once
-from cogging.diagnosis.balance.differenced_balance import ForceBalance
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.detection_limits import size_of
 from cogging.effects.effect import VOCABULARY, Effect, Knots, SplineKnots, Window, kind_of
@@ -79,7 +79,7 @@ def _confused(effect: Effect, name: str) -> Confusion:
     """What else explains what an effect leaves along a motion."""
     model = machine()
     log = cogging.simulate(model.replace(effects=(effect,)), motion(name), seed=1)
-    balance = ForceBalance(log, model.axis.coulomb_width, model.encoder.resolution)
+    balance = DifferencedBalance(log, model.axis.coulomb_width, model.encoder.resolution)
     evidence = Evidence([balance], model, model).prepare(2, listen=True)
     root, _, free = evidence.basis
     left = max(float(free @ free), 1e-300)
