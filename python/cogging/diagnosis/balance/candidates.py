@@ -13,14 +13,16 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.evidence import Evidence, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.residuals import quiet_plant
+from cogging.logs.log import Log
 
 E = VOCABULARY
 Columns = Callable[[Evidence], list[FloatArray]]  # columns (k, n) of each log along its motion
@@ -56,6 +58,9 @@ ROWS_PER_WAVE = 2.2  # minimum rows in the shortest wave at the highest speed; f
 BAND_SHARE = 1e-3  # of the largest gain: waves with less power in the band are skipped
 TONE_SHARE = 0.38  # of the sample rate: highest frequency of a tone, below the stop band of the decimation
 WINDOW_SPACING = 48  # grid of start and stop of a step in the longest log, before refinement
+FAST = 0.05  # of the top speed: slower motion is close to a reversal
+APART = 0.02  # s: minimum time between two jumps of the reading, and from slow motion
+MOST_JUMPS = 8  # jumps that are fitted together
 STEP = 0.2  # first step of the refinement, in the logarithm of the shape
 REFINED = 40.0  # difference from the best score up to which shapes are refined
 CERTAIN_ZERO = 5.0  # minimum score of a shape that is refined
@@ -95,7 +100,7 @@ class Found:
     label: str
     T: float
     k: int
-    N: int
+    N: float
     amplitudes: Any
     columns: Any
     effect: Any = None
@@ -147,7 +152,7 @@ class Search:
         self.top = max(np.abs(b.velocity).max() for b in bs)  # m/s
         self.duration = max(b.time[-1] for b in bs)  # s
         self.force = max(np.abs(b.command).max() for b in bs)  # V
-        self.weights = adjoint(ctx, ctx.basis[2])
+        self.weights = adjoint(ctx, ctx.basis[0], ctx.basis[2])
         self.found: dict[str, Found] = {}
         self.least: dict[str, float] = {}  # smallest value of a shape; below half of it the effect vanishes
         self.most: dict[str, float] = {}  # largest value of a shape; beyond it the law is that of another effect
@@ -227,9 +232,15 @@ def added(effects: Sequence[Effect], sizes: Sequence[float]) -> Columns:
     ]
 
 
-def adjoint(ctx: Evidence, e: FloatArray) -> list[FloatArray]:
-    """Return the weight of each row of the motion in the score of a column for the residual e, (n,) of each log."""
-    root, out, at = ctx.basis[0], [], 0
+def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
+    """Return the weight of each row of the motion in the score of a column, (n,) of each log.
+
+    Args:
+        ctx: evidence.
+        root: square root of the weight of each whitened row.
+        e: residual of these rows, which pseudo-observations of the priors may follow.
+    """
+    out, at = [], 0
     weighed = root * e[: len(root)]
     for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps, strict=True):
         full = np.zeros(len(counted))
@@ -281,6 +292,7 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
     reading(s)
     motor_and_load(s)
     time(s)
+    jumps(s)
     waves(s)
     scales = {"velocity": s.top, "distance": s.length, "time": s.duration, "force": s.force}
     for name, effect in also.items():
@@ -620,6 +632,58 @@ def best_tones(s: Search) -> tuple[list[float], int]:
     return best, int(duration * TONE_SHARE * b.rate)
 
 
+def jumps(s: Search) -> None:
+    """Try jumps of the reading, as of lost counts, a slip of the scale or a late clock, at the likeliest instants.
+
+    A jump e between two rows adds M e'' to the balance. A fit with heavy tails takes it for an outlier, so its filter is
+    matched to rows of equal weight. Friction is least certain near a reversal: only rows in fast motion count.
+    """
+    ctx = s.ctx
+    even = np.full(len(ctx.screen.rest), 1.0 / np.sqrt(ctx.screen.variance))
+    scores, fast = [], []
+    for b, w in zip(s.balances, adjoint(ctx, even, even * ctx.screen.rest), strict=True):
+        f = np.linspace(0.0, 0.5 / b.step, 4096)
+        size = np.sqrt(np.mean((2.0 * np.sin(np.pi * f * b.step)) ** 2 * gain_of(ctx, f)))
+        scores.append(np.diff(w, prepend=w[0]) / size)
+        slow = (np.abs(b.velocity) < FAST * s.top) | (b.keep == 0)
+        fast.append(maximum_filter1d(slow.astype(np.uint8), 2 * round(APART / b.step) + 1) == 0)
+    rows = sum(int(np.sum(ok)) for ok in fast)
+    if not rows:
+        return
+    noise = deviation(np.concatenate([z[ok] for z, ok in zip(scores, fast, strict=True)]))
+    peaks: list[tuple[float, Log, int]] = []
+    for b, z, ok in zip(s.balances, scores, fast, strict=True):
+        left, apart = np.where(ok, (z / noise) ** 2, 0.0), round(APART / b.step)
+        for _ in range(MOST_JUMPS):
+            at = int(np.argmax(left))
+            if left[at] - np.log1p(left[at]) < 2.0 * np.log(rows):
+                break
+            peaks.append((float(left[at]), b.log, at))
+            left[max(0, at - apart) : at + apart] = 0.0
+    peaks.sort(key=lambda peak: -peak[0])
+    cost = np.sum(student_cost(ctx.screen.rest, ctx.screen.variance))
+    for count in range(1, min(len(peaks), MOST_JUMPS) + 1):
+        instants = [(log, at) for _, log, at in peaks[:count]]
+        columns = partial(jumped, instants)
+        c = ctx.filtered([b.rows(x) for b, x in zip(s.balances, columns(ctx), strict=True)], ctx.screen.taps)
+        amplitudes = np.linalg.lstsq(c.T, ctx.screen.rest)[0]
+        T = float(cost - np.sum(student_cost(ctx.screen.rest - amplitudes @ c, ctx.screen.variance)))
+        label = ", ".join(f"{log.time[at * s.balances[0].thinning]:.4g} s" for log, at in instants)
+        one = Found(JUMPS, label, T, count, float(rows) ** count, amplitudes, columns)
+        if JUMPS not in s.found or one.score > s.found[JUMPS].score:
+            s.found[JUMPS] = one
+
+
+def jumped(instants: Sequence[tuple[Log, int]], c: Evidence) -> list[FloatArray]:
+    """Return the apparent force of a jump of the reading at each instant, a log and a row of its motion."""
+    tables = [np.zeros((len(instants), len(b.time))) for b in c.balances]
+    for table, b in zip(tables, c.balances, strict=True):
+        for row, (log, at) in zip(table, instants, strict=True):
+            if b.log is log:
+                row[at - 1 : at + 1] = np.array([1.0, -1.0]) * c.model.axis.mass * UNIT / b.step**2
+    return tables
+
+
 #: Kinds of waves along the travel, with the factor of the wave: a function of balance, drive and largest command.
 WAVES: dict[str, Callable[[DifferencedBalance, FloatArray, float], FloatArray]] = {
     "cogging_harmonic": lambda b, d, peak: np.ones(len(b.time)),
@@ -689,7 +753,7 @@ def several_waves(s: Search) -> None:
     for count in range(2, MOST_WAVES + 1):
         made = several(s, kappas)
         c, _ = s.ctx.project([b.rows(x) for b, x in zip(s.balances, made(s.ctx), strict=True)])
-        left = adjoint(s.ctx, e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
+        left = adjoint(s.ctx, s.ctx.basis[0], e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
         peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances], left)
         peaks = [peak for peak in peaks if peak[0] * s.length > FAMILY_TURNS]
         if not peaks:
@@ -908,6 +972,7 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
     return Shape(label, columns, law)
 
 
+JUMPS = "~jump of the reading in time"
 LATE = "~command logged late"  # a fault of the log: its amplitude is the negative time shift, s
 #: Generic forces along a coordinate, and the effects whose law may have such a shape.
 CELLS = {

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import CELLS, LATE, NESTED, UNNAMED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, UNNAMED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.effects.effect import Effect
@@ -315,7 +315,7 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
 
     @np.errstate(all="ignore")
     def worth(f: Found) -> float:
-        if f.columns is None:
+        if f.columns is None or f.name == JUMPS:  # a jump is in one log only
             return f.score
         tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
         return score_of(evidence.quick_ratio(tables), max(f.k, 1), f.N, blocks)
