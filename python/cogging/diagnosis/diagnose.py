@@ -25,7 +25,7 @@ from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
 from cogging.diagnosis.running_controller import running_controller
 from cogging.diagnosis.separating import separating
-from cogging.diagnosis.yardstick import REPLAYED, Discrepancy, Yardstick, growth, replayable
+from cogging.diagnosis.yardstick import Discrepancy, Yardstick, growth, replayable
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading import misreading
@@ -178,16 +178,18 @@ def _result(
         models = [nominal, without(whole, terms, gone, found), *less]
         replayed, doubt = _replayed(yardstick, models) if replay else (None, "")
         balanced = _gaps(yardstick.by_balance(), models)
-        harm, why = _harm([balanced] if replayed is None else [balanced, replayed], units)
+        shown = replayed is not None and not any(one and two and growth(one, two) for one, two, *_ in replayed)
+        given, confirm = replayed if replayed is not None and shown else balanced
+        harm, why = _harm(given, confirm, units)
         if harmed := any(harm):
             worst = int(np.argmax(harm))
             held_out |= dict.fromkeys(set(families.pop(worst)) - {*held_out, *refused}, why[worst])
-    shown = replayed is not None and not any(one and two and growth(one, two) for one, two, *_ in replayed)
-    if replay and (replayed is None or (not shown and families)):
+    if replayed is not None and not families:
+        given, confirm = replayed
+    elif replay and not shown:
         notes.append(f"{doubt}: the gap is that of the force balance")
         yardstick = yardstick.by_balance()
     noise = replayed is not None and bool(held_out) and predicted(replayed[0][0], replayed[1][0]).share < NOISE
-    given, confirm = balanced if replayed is None or not yardstick.replay else replayed
     contradicted = held_out if noise else {}  # the replayed loop agrees with the model without these terms
     out = {**held_out, **refused}
     enters = any(term.path and place not in out for place, term in enumerate(terms))
@@ -295,26 +297,24 @@ def _objections(terms: Sequence[Term], logs: Prepared, stated: Model) -> tuple[d
     return dict.fromkeys(uncertain, "its interval includes zero"), refused
 
 
-def _harm(gaps: Sequence[Gaps], units: Units) -> tuple[list[float], list[str]]:
+def _harm(
+    given: Sequence[Discrepancy], confirm: Sequence[Discrepancy | None], units: Units
+) -> tuple[list[float], list[str]]:
     """Return the relative growth of the gap's power with each family (0 within chance), and a clause on it.
 
     Args:
-        gaps: gaps of the nominal model, the patched one and the latter without each family; by the force balance and
-            by replay, where growth up to CONTRADICTED is chance because friction about every reversal counts.
+        given: gaps of the nominal model, the patched one and the latter without each family.
+        confirm: the same of the confirm logs. On the given logs, an inexact friction law lets the gap grow by chance.
         units: labels.
     """
-    count = len(gaps[0][0]) - 2
+    count = len(given) - 2
     harm, why = [0.0] * count, [""] * count
-    measured: list[tuple[str, Sequence[Discrepancy | None]]] = []
-    for given, confirm in gaps:
-        measured += [("", given), (" on the other motion", confirm)]
-    for which, (_, full, *less) in measured:
+    for which, (_, full, *less) in (("", given), (" on the other motion", confirm)):
         for place, one in enumerate(less):
             if one is None or full is None:
                 continue
             more = (full.rms**2 - one.rms**2) / max(one.rms**2, 1e-300)
-            # on the given logs, an inexact friction law lets the gap grow by chance
-            harmful = growth(one, full) if which and full.signal != REPLAYED else more > CONTRADICTED - 1.0
+            harmful = growth(one, full) if which else more > CONTRADICTED - 1.0
             if harmful and more > harm[place]:
                 change = f"({full.signal}) grows from {one.rms:.4g} to {full.rms:.4g} {units.command}"
                 harm[place], why[place] = more, f"with it the gap{which} {change}"

@@ -453,19 +453,25 @@ def command(s: Search) -> None:
             proportional("command_delay", "delay", t, f"{t:.3g}", delayed(t), 3)
             proportional("actuator_lag", "time_constant", t, f"{t:.3g}", lagged(t), 3)
 
+    # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
-        columns = driven(lambda b, d: np.clip(d, -limit, limit) - d)
+        columns = along(lambda b: np.clip(b.command, -limit, limit) - b.command)
         return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
 
     def dead_zone(width: float) -> Shape:
-        columns = driven(lambda b, d: -np.clip(d, -width, width))
+        columns = along(lambda b: -np.clip(b.command, -width, width))
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
 
-    peak = max(float(np.abs(d).max()) for d in s.ctx.drives)
+    for power in (2, 4, 8):
+
+        def soft(b: DifferencedBalance, power: int = power) -> FloatArray:
+            return np.asarray(-b.command * np.abs(b.command / s.force) ** power)
+
+        s.put("command_saturation", Shape(f"power {power}", along(soft)), 3, lambda a: bool(a[0] > 0))
     for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, 0.3):
-        s.varied("command_saturation", share * peak, saturation, 7, within(WHOLE))
+        s.varied("command_saturation", share * s.force, saturation, 7, within(WHOLE))
     for share in np.geomspace(3e-4, 0.3, 8):
-        s.varied("command_dead_zone", share * peak, dead_zone, 8, within(WHOLE))
+        s.varied("command_dead_zone", share * s.force, dead_zone, 8, within(WHOLE))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         fields = {"time_constant": float(tau)}
         s.law("force_constant_drift", fields, {"change": UNIT}, 5, f"{tau:.3g}", vary="time_constant")
@@ -635,8 +641,8 @@ def best_tones(s: Search) -> tuple[list[float], int]:
 def jumps(s: Search) -> None:
     """Try jumps of the reading, as of lost counts, a slip of the scale or a late clock, at the likeliest instants.
 
-    A jump e between two rows adds M e'' to the balance. A fit with heavy tails takes it for an outlier, so its filter is
-    matched to rows of equal weight. Friction is least certain near a reversal: only rows in fast motion count.
+    A jump e between two rows adds M e'' to the balance. A fit with heavy tails takes it for an outlier, so its filter
+    is matched to rows of equal weight. Friction is least certain near a reversal: only rows in fast motion count.
     """
     ctx = s.ctx
     even = np.full(len(ctx.screen.rest), 1.0 / np.sqrt(ctx.screen.variance))
@@ -982,9 +988,7 @@ CELLS = {
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
 }
-LIKE = 0.45  # minimum share of a generic force's T that the best law explains, to give it the name of that law
-NESTED = 0.7  # minimum share of the gain of another shape that a law explains, to be preferred to it
-UNNAMED = 0.6  # the same against a generic force without a name
+NESTED = 0.7  # minimum share of the gain of a wider family that a law explains, to be preferred or to give its name
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:
@@ -993,7 +997,7 @@ def with_cells(found: Sequence[Found]) -> list[Found]:
     out = {(f.name, f.label): f for f in found}
     for cell, names in CELLS.items():
         members = sorted((by[n] for n in names if n in by and n != "constant_force"), key=lambda f: -f.T)
-        if cell not in by or not members or members[0].T < LIKE * by[cell].T:
+        if cell not in by or not members or members[0].T - members[0].k < NESTED * (by[cell].T - by[cell].k):
             continue
         del out[cell, by[cell].label]
         best = members[0]

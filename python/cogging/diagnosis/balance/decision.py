@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, UNNAMED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.effects.effect import Effect
@@ -178,6 +178,9 @@ def search(
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
+        # a mixture of friction laws that is only nearly right leaves a force like friction
+        inexact = COLUMN_ERROR * evidence.friction_gain()
+        contenders = [c for c in contenders if not c.found.name.startswith("~friction") or c.score > inexact]
         contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         least = max([THRESHOLD, *(MINOR * one.score for one in outcome.accepted)])
@@ -209,14 +212,14 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
     Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others.
     """
     lawful = [c for c in contenders if c.found.columns is None or c.found.effect is not None]
-    named = max((c.ratio for c in contenders if not c.found.name.startswith("~")), default=0.0)
+    named = max((c.ratio - c.found.k for c in contenders if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
         name, has_law = c.found.name, c in lawful
         along = {name}.union(*(names for names in CELLS.values() if name in names))
-        most = max((other.ratio for other in lawful if other.found.name in along), default=0.0)
-        enough = named / UNNAMED if name.startswith("~") else most / NESTED
-        if c.found.k > 1 and not has_law and enough >= c.ratio:
+        most = max((other.ratio - other.found.k for other in lawful if other.found.name in along), default=0.0)
+        rival = named if name.startswith("~") else most
+        if c.found.k > 1 and not has_law and rival >= NESTED * (c.ratio - c.found.k):
             continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)

@@ -518,6 +518,13 @@ class Evidence:
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
         self.nuisances = [t[kept] for t in self.nuisances]
 
+    def friction_gain(self) -> float:
+        """Return the gain in 2 ln likelihood of the mixture of friction laws over the model's own law."""
+        fit = self.null
+        own = [k for k, path in enumerate(self.paths) if path.startswith(("width.", "friction."))]
+        block = np.linalg.inv(fit.gram)[np.ix_(own, own)] * fit.variance
+        return float(fit.w[own] @ np.linalg.solve(block, fit.w[own]))
+
     @property
     def bases(self) -> tuple[Maximum, Maximum, Maximum]:
         """Fits of the nuisance parameters without a filter, with their own, and with the screening filter."""
