@@ -18,6 +18,7 @@ AVERAGED = (1, 2, 4, 8, 16, 32)  # rows over which commands and readings are ave
 FEWEST = 40  # minimum number of averaged rows in a log
 OBEYED = 0.5  # minimum gain of the command beyond a level, relative to the gain below it
 CERTAIN = 8.0  # minimum standard deviations of that gain
+REACHED = 0.01  # of the force of an effect: less within the motion says nothing about it
 AT_END = 1e-3  # relative distance at which a parameter is at a bound
 PLACES = 60  # positions at which the level of friction is checked
 PUSHES = 0.02  # of the largest command: tolerance of a negative friction level
@@ -61,6 +62,18 @@ def at_end(effect: Effect, logs: Sequence[Log]) -> str:
     return ""
 
 
+def out_of_reach(effect: Effect, logs: Sequence[Log]) -> str:
+    """Return a clause on an effect of which the logs reach only a hundredth of its force or less; else empty."""
+    sizes = [np.ravel(getattr(effect, name)) for name, role in effect.ROLES.items() if role["quantity"] == "force"]
+    if "force" not in effect.HOOKS or not sizes:
+        return ""
+    size, reached = float(np.max(np.abs(np.concatenate(sizes)))), 0.0
+    for log in logs:
+        rows = {"position": log.position, "velocity": np.gradient(log.position, log.time), "time": log.time}
+        reached = max(reached, float(np.max(np.abs(laws_of(effect).force_at(**rows)))))
+    return f"its force is {size:.4g}, of which the motion reaches {reached:.4g}" if reached < REACHED * size else ""
+
+
 def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
     """Return a clause on what is unphysical in a fitted model; empty if nothing is.
 
@@ -69,7 +82,8 @@ def unphysical(model: Model, given: int, logs: Sequence[Log]) -> str:
         given: number of its effects that were given.
         logs: logs that it was fitted to.
     """
-    reason = next((reason for effect in model.effects[given:] if (reason := at_end(effect, logs))), "")
+    new = model.effects[given:]
+    reason = next((reason for effect in new if (reason := at_end(effect, logs) or out_of_reach(effect, logs))), "")
     laws = [laws_of(effect) for effect in model.effects if "friction_level" in effect.HOOKS]
     if reason or not laws:
         return reason

@@ -50,6 +50,7 @@ UNIT = 9.0  # ratio of the commands from which the unit is doubted rather than a
 FURTHEST = 0.1  # of the rows: largest shift of the command
 
 # The force balance: factors by which mass and friction may differ from the model's
+ONE_SIGN = 0.01  # of the rows: a command that changes its sign less often is a magnitude, or holds a load
 WIDE = 9.0  # before a reading is doubted: a payload and a wrong model together
 NARROWER = 4.0  # for a swap or a shift
 SHOWN = 2  # of mass, viscous and Coulomb friction, at least, must be needed to tell a unit
@@ -554,7 +555,8 @@ class BalanceCase:
 
     def signs(self) -> Winners:
         """Another sign of command or position."""
-        if self.balance.work > 0.0 or self.any_size.ratio < SIGN.unexplained:
+        alone = min(float(np.mean(self.log.command > 0.0)), float(np.mean(self.log.command < 0.0))) < ONE_SIGN
+        if alone or self.balance.work > 0.0 or self.any_size.ratio < SIGN.unexplained:
             return [], np.inf
         others = dict.fromkeys(REFERENCES if _follows(self.log) > 0.0 else (), -1.0)
         command = Reading("command", "sign", "has the opposite sign: it pushes back", {"command": -1.0})

@@ -17,7 +17,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.signal import freqz, lfilter, oaconvolve
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.cells import hats, load_response, lost_motion, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
@@ -33,7 +33,9 @@ SMALL = 1e-2  # of the largest command: amplitude at which the column of a force
 UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effects are evaluated
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.4, 2.5)  # allowed amplitude of a command limit, whose column is the complete effect
+LOWEST_LIMIT = 0.3  # of the largest command; far below it a limit is nearly the sign of the command
 BRISTLE = (0.5, 2.0)  # allowed amplitude of presliding, which replaces all of Coulomb friction
+LONGEST = 0.1  # of the travel: longest presliding and widest gap
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 GAINS = (  # candidates that reduce the command
@@ -48,7 +50,7 @@ PLACES = 1001  # grid of the centre of a local force
 # Scans
 PEAKS = 4  # peaks of a position spectrum that are tried for each kind of wave; 3 for tones
 LEAST_PEAK = 12.0  # minimum score of a peak: noise exceeds it in a few hundred of 100,000 lines
-LEAST_TURNS = 0.7  # minimum periods in the travel: a longer wave is a spring or an offset
+LEAST_TURNS = 1.0  # minimum periods in the travel: a longer wave is a spring or an offset
 FAMILY_TURNS = 1.5  # minimum periods of a wave with harmonics
 WAVE_GRID = 1e-4  # m: grid of the position spectrum, a quarter of the shortest wave
 MODULATIONS = (4, 6)  # splines of the amplitude of a modulated wave along the travel
@@ -409,19 +411,14 @@ def friction(s: Search) -> None:
     for p in (1.5, 3.0):
         s.put("quadratic_drag", Shape(f"power {p}", powers(p)), 3)
 
-    def bristle(c: Evidence, b: DifferencedBalance, length: float) -> FloatArray:
-        axis = c.model.axis
-        rising = np.tanh(b.velocity / max(axis.coulomb_width, 1e-6))
-        return -(axis.coulomb * (dahl(b.position, length) - rising))
-
     def presliding(length: float) -> Shape:
         law = E["presliding_friction"].replace(stiffness=max(float(s.model.axis.coulomb), 1e-12) / length)
-        return Shape(f"{length:.4g}", accelerated(lambda c, b, a: bristle(c, b, length)), lambda a: law)
+        return Shape(f"{length:.4g}", accelerated(lambda c, b, a: b.bristle(c.model.axis, length)), lambda a: law)
 
-    lengths = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in s.balances)), 3e-3, 8)
+    lengths = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in s.balances)), LONGEST * s.length, 10)
     s.least["presliding_friction"] = lengths[0]
     for length in lengths:
-        s.varied("presliding_friction", length, presliding, 8, within(BRISTLE))
+        s.varied("presliding_friction", length, presliding, 10, within(BRISTLE))
 
 
 def friction_profile(s: Search, count: int, size: float) -> Shape:
@@ -455,26 +452,32 @@ def command(s: Search) -> None:
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
-        columns = along(lambda b: np.clip(b.command, -limit, limit) - b.command)
+        columns = driven(lambda b, d: np.clip(exact(b, d), -limit, limit) - exact(b, d))
         return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
 
     def dead_zone(width: float) -> Shape:
-        columns = along(lambda b: -np.clip(b.command, -width, width))
+        columns = driven(lambda b, d: -np.clip(exact(b, d), -width, width))
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
 
     for power in (2, 4, 8):
 
-        def soft(b: DifferencedBalance, power: int = power) -> FloatArray:
-            return np.asarray(-b.command * np.abs(b.command / s.force) ** power)
+        def soft(b: DifferencedBalance, d: FloatArray, power: int = power) -> FloatArray:
+            return np.asarray(-exact(b, d) * np.abs(exact(b, d) / s.force) ** power)
 
-        s.put("command_saturation", Shape(f"power {power}", along(soft)), 3, lambda a: bool(a[0] > 0))
-    for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, 0.3):
+        s.put("command_saturation", Shape(f"power {power}", driven(soft)), 3, lambda a: bool(a[0] > 0))
+    s.least["command_saturation"] = LOWEST_LIMIT * s.force
+    for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, LOWEST_LIMIT):
         s.varied("command_saturation", share * s.force, saturation, 7, within(WHOLE))
     for share in np.geomspace(3e-4, 0.3, 8):
         s.varied("command_dead_zone", share * s.force, dead_zone, 8, within(WHOLE))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         fields = {"time_constant": float(tau)}
         s.law("force_constant_drift", fields, {"change": UNIT}, 5, f"{tau:.3g}", vary="time_constant")
+
+
+def exact(b: DifferencedBalance, d: FloatArray) -> FloatArray:
+    """Return the logged command beside a reference, as a controller computes it; else the drive: it may be measured."""
+    return d if b.reference is None else b.command
 
 
 def delayed(time: float) -> Columns:
@@ -552,7 +555,7 @@ def motor_and_load(s: Search) -> None:
         )
         return Shape(f"{gap:.4g}", columns, lambda a: E["backlash"].replace(gap=float(gap), mass_ratio=float(a[0])))
 
-    gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), 3e-3, 12)
+    gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), LONGEST * s.length, 12)
     s.least["backlash"] = gaps[0]
     for gap in gaps:
         s.varied("backlash", gap, play, 12, within(LOAD))

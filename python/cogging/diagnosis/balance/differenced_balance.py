@@ -14,6 +14,7 @@ from scipy.signal import butter, firwin, freqz, lfilter, sosfilt, sosfiltfilt, s
 
 from cogging._core import AxisParameters, Plant, Predictor
 from cogging.arrays import FloatArray, Mask
+from cogging.diagnosis.balance.cells import dahl
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.force_balance import mean_held
 from cogging.estimation.residuals import quiet_plant
@@ -316,7 +317,16 @@ class DifferencedBalance:
             a = a - np.gradient(np.gradient(coarse, self.step), self.step)
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
+        # the plant's force is that of sliding friction: a bristle has a state
+        for stiffness in (getattr(e, "stiffness", 0.0) for e in model.effects if e.NAME == "presliding_friction"):
+            if 0.0 < stiffness < np.inf and model.axis.coulomb > 0.0:
+                force = force + self.bristle(model.axis, model.axis.coulomb / stiffness)
         return np.asarray(model.axis.mass * a - force - (0.0 if shaped else command))
+
+    def bristle(self, axis: AxisParameters, length: float) -> FloatArray:
+        """Return the force of a Dahl contact with a presliding length (m) less that of Coulomb friction, V, (n,)."""
+        sliding = np.tanh(self.velocity / max(axis.coulomb_width, 1e-6))
+        return np.asarray(-axis.coulomb * (dahl(self.position, length) - sliding))
 
     def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
         """Return the force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).
