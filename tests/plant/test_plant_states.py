@@ -2,7 +2,6 @@
 event-driven integration by scipy, balances of momentum and energy."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,14 +10,14 @@ from scipy.linalg import expm
 
 import cogging
 from tests.fixtures.log_columns import columns_of
-from tests.fixtures.plants_by_hand import driven, effect, exact_axis, free, pid, sine
+from tests.fixtures.plants_by_hand import driven, effect, exact_axis, free
 
 TWO_PI = 2 * np.pi
 
 # Presliding friction ---------------------------------------------------------------------------------------
 
 
-def radau(commands, rate, mass, viscous, level, stiffness, damping):
+def stiff(commands, rate, mass, viscous, level, stiffness, damping):
     """Positions at the samples, by a stiff integrator, sample by sample."""
 
     def rhs(_, state, u):
@@ -29,7 +28,7 @@ def radau(commands, rate, mass, viscous, level, stiffness, damping):
 
     states = [np.zeros(3)]
     for u in commands[:-1]:
-        solved = solve_ivp(rhs, (0, 1 / rate), states[-1], "Radau", args=(u,), rtol=1e-11, atol=1e-16)
+        solved = solve_ivp(rhs, (0, 1 / rate), states[-1], "LSODA", args=(u,), rtol=1e-11, atol=1e-16)
         assert solved.success
         states.append(solved.y[:, -1])
     return np.array(states)
@@ -45,7 +44,7 @@ def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
     def level(v):
         return 0.15 + 0.06 * np.exp(-((v / 0.02) ** 2))
 
-    expected = radau(commands, rate, mass, viscous, level, stiffness, damping)
+    expected = stiff(commands, rate, mass, viscous, level, stiffness, damping)
     assert stiffness * np.abs(expected[:, 1]).max() / 0.15 > 1e4
     plant = cogging.Plant(
         cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=0.15, coulomb_width=1e-3),
@@ -60,7 +59,7 @@ def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
         assert np.abs(x - expected[:, 0]).max() < 2e-6 * np.ptp(expected[:, 0])
 
 
-@pytest.mark.parametrize("stiffness", 10.0 ** np.arange(2, 11))
+@pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e6, 1e9])
 def test_it_is_stable_however_stiff_and_tends_to_the_exact_form(stiffness):
     commands = 1.5 * np.sin(TWO_PI * 2 * np.arange(1001) / 1000.0)
     axis = exact_axis(viscous=0.3)
@@ -167,37 +166,6 @@ def test_a_flexible_mode_is_the_linear_system(frequency, mass_ratio, damping_rat
     expected = two_masses(commands, 1000.0, 0.4, 0.7, mode)
     for column, values in (("true_position", expected[:, 0]), ("true_velocity", expected[:, 1])):
         np.testing.assert_allclose(getattr(log, column), values, rtol=0, atol=2e-4 * np.abs(values).max())
-
-
-def test_the_frequency_and_the_decay_are_those_of_the_ring_down():
-    """One step a sample: free-free frequency within 1e-4, damping within 1 %."""
-    mode = effect("flexible_mode", frequency=37.0, damping_ratio=0.01, mass_ratio=0.4)
-    hit = effect("disturbance_step", force=5.0, start=0.0, stop=0.002)
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.5), effects=[mode, hit])
-    log = free(plant, 1.0, 5000.0)
-    t, v = log.time, log.true_velocity - 5.0 * 0.002 / 0.5  # momentum: the mean of both masses
-    up = np.flatnonzero((v[20:-1] < 0) & (v[21:] >= 0)) + 20
-    crossings = t[up] - v[up] * (t[up + 1] - t[up]) / (v[up + 1] - v[up])
-    periods = np.diff(crossings)
-    assert len(periods) > 30
-    frequency = 1 / periods.mean() / math.sqrt(1 - 0.01**2)
-    assert frequency == pytest.approx(37.0, rel=1e-4)
-    peaks = [v[i:j].max() for i, j in pairwise(up)]
-    decay = np.log(peaks[0] / peaks[-1]) / (len(peaks) - 1) / TWO_PI
-    assert decay == pytest.approx(0.01, rel=0.01)
-
-
-def test_a_stiff_mode_is_the_rigid_axis():
-    commands = np.random.default_rng(7).normal(size=100)
-    axis = cogging.AxisParameters(mass=0.4, viscous=0.7)
-    rigid = driven(cogging.Plant(axis), commands, 1000.0).true_position
-    errors = []
-    for frequency in (100.0, 1000.0, 10_000.0):
-        mode = effect("flexible_mode", frequency=frequency, damping_ratio=0.3, mass_ratio=0.4)
-        x = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0).true_position
-        errors.append(np.abs(x - rigid).max())
-    assert errors[1] < 0.05 * errors[0]
-    assert errors[2] < 0.05 * errors[1]
 
 
 @pytest.mark.parametrize(
@@ -351,24 +319,6 @@ def test_the_motor_moves_through_the_gap_before_the_load_follows():
     assert q[settled].max() < -0.99 * gap / 2  # the load is pushed from behind
 
 
-def test_the_load_is_free_in_the_gap_and_crosses_all_of_it():
-    mass, ratio, gap = 0.5, 0.4, 4e-3
-    lost = effect("backlash", gap=gap, mass_ratio=ratio)
-    commands = 0.6 * np.sign(np.sin(TWO_PI * 2.0 * (np.arange(10_001) + 0.5) / 5000.0))
-    log = driven(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[lost]), commands, 5000.0, steps_per_sample=2)
-    q, r = load_from_momentum(log, commands, mass, ratio)
-    load_velocity = log.true_velocity + r
-    inside = np.abs(q) < gap / 2 - 1e-9
-    assert inside.mean() > 0.05
-    both = inside[1:] & inside[:-1]
-    assert np.abs(np.diff(load_velocity)[both]).max() < 1e-9
-    assert q.min() < -gap / 2
-    assert q.max() > gap / 2
-    # A contact of 200 Hz bends by the speed of the impact over 2 pi 200 Hz, and by what the load is pushed with.
-    stiffness = (TWO_PI * 200.0) ** 2 * mass * ratio * (1 - ratio)
-    assert np.abs(q).max() < gap / 2 + np.abs(r).max() / (TWO_PI * 200.0) + 0.6 * ratio / stiffness
-
-
 @pytest.mark.parametrize("frequency", [50.0, 200.0, 3000.0])
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.3, 2.0])
 def test_bounces_take_energy_and_never_give_any(frequency, zeta):
@@ -393,34 +343,3 @@ def test_bounces_take_energy_and_never_give_any(frequency, zeta):
         assert energy[-1] == pytest.approx(energy[0], abs=tolerance)
     else:
         assert energy[-1] - least < 0.5 * (energy[0] - least)
-
-
-def test_backlash_converges_with_the_step():
-    lost = effect("backlash", gap=1e-3, mass_ratio=0.4, contact_damping_ratio=0.2)
-    commands = 0.8 * np.sin(TWO_PI * 5 * np.arange(501) / 1000.0)
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.3, viscous=1.0), effects=[lost])
-    x = {n: driven(plant, commands, 1000.0, steps_per_sample=n).true_position for n in (8, 32, 128, 512)}
-    errors = [np.abs(x[n] - x[512]).max() for n in (8, 32, 128)]
-    assert errors[1] < 0.3 * errors[0]
-    assert errors[2] < 0.3 * errors[1]
-    assert errors[2] < 1e-5 * np.ptp(x[512])
-
-
-# All of them -----------------------------------------------------------------------------------------------
-
-
-def test_a_batch_gives_the_bits_of_single_runs():
-    loads = [
-        [effect("backlash", gap=1e-3, mass_ratio=0.3)],
-        [effect("flexible_mode", frequency=30.0, mass_ratio=0.3), effect("presliding_friction", stiffness=1e5)],
-        [effect("presliding_friction", stiffness=1e4, damping=1.0), effect("force_constant_ripple", cosine=0.1)],
-    ]
-    plants = [cogging.Plant(exact_axis(viscous=0.5), effects=effects) for effects in loads]
-    controllers = [pid(2000.0, kp=500.0, kd=10.0)] * 3
-    reference = sine(amplitude=0.02, frequency=2.0)
-    logs = cogging.closed_loop_batch(plants, controllers, reference, duration=0.5, threads=3, logs=True)
-    for plant, controller, log in zip(plants, controllers, logs, strict=True):
-        alone = cogging.closed_loop(plant, controller, reference, duration=0.5)
-        for column, values in columns_of(alone).items():
-            np.testing.assert_array_equal(getattr(log, column), values)
-        assert np.ptp(log.true_position) > 0.01
