@@ -56,7 +56,7 @@ def plain_model(model, x, derivative=False):
 
 @pytest.mark.parametrize(("origin", "pitch"), KNOTS)
 @pytest.mark.parametrize("order", [*range(1, 7), 11, 16])
-def test_design_matrix_is_scipys(order, origin, pitch):
+def test_design_matrix_is_scipys_and_the_printed_recursion(order, origin, pitch):
     for control_points in {max(order, 2), order + 1, order + 10}:
         spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=control_points)
         t = knots(order, origin, pitch, control_points)
@@ -68,6 +68,9 @@ def test_design_matrix_is_scipys(order, origin, pitch):
             x = np.concatenate([x, t[order - 1 : control_points + 1]]).clip(origin, end)
         expected = ScipySpline.design_matrix(x, t, order - 1).toarray()
         np.testing.assert_allclose(spline.design_matrix(x), expected, rtol=0, atol=1e-12)
+        if order <= 6:
+            printed = [printed_recursion(x[:50], j, order, t) for j in range(control_points)]
+            np.testing.assert_allclose(spline.design_matrix(x[:50]), np.transpose(printed), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("order", range(1, 7))

@@ -120,13 +120,7 @@ def test_velocity_and_acceleration_are_the_derivatives():
 def test_there_and_back_mirror_each_other(distance, sign, dwell, jerk, fraction):
     start = 0.25
     reference = point_to_point(
-        start=start,
-        distance=sign * distance,
-        velocity=0.3,
-        acceleration=4.0,
-        jerk=jerk,
-        dwell=dwell,
-        repeats=3,
+        start=start, distance=sign * distance, velocity=0.3, acceleration=4.0, jerk=jerk, dwell=dwell, repeats=3
     )
     T, half = reference.move_time, reference.period / 2
     t = fraction * T
@@ -220,10 +214,7 @@ def test_missing_derivatives_are_of_second_order():
         t = np.linspace(0, 1, count)
         _, v, a = cogging.Sampled(t, np.sin(5 * t)).sample(t)
         inner = slice(2, -2)
-        return (
-            np.abs(v - 5 * np.cos(5 * t)).max(),
-            np.abs(a + 25 * np.sin(5 * t))[inner].max(),
-        )
+        return (np.abs(v - 5 * np.cos(5 * t)).max(), np.abs(a + 25 * np.sin(5 * t))[inner].max())
 
     coarse, fine = np.array(worst(101)), np.array(worst(201))
     assert (np.log2(coarse / fine) > 1.8).all()
