@@ -194,9 +194,13 @@ def test_rotation_by_the_measured_position_works_too():
     assert malaize2009_setup.accuracy(malaize2009_setup.run(machine, controller, motor), motor) < 0.5e-6
 
 
-def test_the_design_is_certified_by_its_inequalities():
+@pytest.fixture(scope="module")
+def design():
+    return cogging.design_observer(problem())
+
+
+def test_the_design_is_certified_by_its_inequalities(design):
     task = problem()
-    design = cogging.design_observer(task)
     assert design.inequality_margin < 0
     assert design.slowest_pole < -task.decay_rate
     assert design.slowest_pole_at_rest < 0
@@ -212,10 +216,9 @@ def test_the_design_is_certified_by_its_inequalities():
     assert design.lambda_alone * inverse.max() == pytest.approx(design.gamma_n, rel=1e-12)
 
 
-def test_the_frozen_observer_has_the_certified_gain():
+def test_the_frozen_observer_has_the_certified_gain(design):
     # gamma_o bounds the gain from B_o u to z_o = (L_nu nu~ + C_N zeta~) at any frozen velocity, with the decay rate.
     task = problem()
-    design = cogging.design_observer(task)
     n = len(PERIODS)
     for velocity in (0.1, 0.23, 0.4):
         a = np.zeros((2 * n + 3, 2 * n + 3))
@@ -237,14 +240,13 @@ def test_the_frozen_observer_has_the_certified_gain():
         assert np.abs(np.linalg.eigvals(a)).max() < task.pole_radius * (1 + 1e-9)
 
 
-def test_a_gain_that_grows_with_velocity_certifies_more():
-    constant, affine = cogging.design_observer(problem()), cogging.design_observer(problem(affine=True))
-    assert affine.lambda_equal > 1.2 * constant.lambda_equal
+def test_a_gain_that_grows_with_velocity_certifies_more(design):
+    affine = cogging.design_observer(problem(affine=True))
+    assert affine.lambda_equal > 1.2 * design.lambda_equal
     assert affine.observer_gain_slope.size == 9
 
 
-def test_random_machines_decay_as_certified():
-    design = cogging.design_observer(problem())
+def test_random_machines_decay_as_certified(design):
     rates = [malaize2009_study.decay(MOTORS["ironcore"], design, seed) for seed in range(4)]
     print(f"\ndecay of 4 random machines inside the certificate: {np.round(rates, 1)} 1/s, certified 3")
     assert min(rates) > 3.0
