@@ -3,15 +3,12 @@
 Whole runs with every effect beside an independent integrator: test_fast_plants.py.
 """
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 import cogging
 from tests.fixtures.log_columns import columns_of
@@ -226,45 +223,6 @@ def test_the_closed_loop_is_the_independent_one_step_by_step():
 # Amplifier -------------------------------------------------------------------------------------------------
 
 
-def linear_axis(commands, sample_time, mass, viscous, delay=0.0, time_constant=0.0):
-    """States (x, v, f) at the samples by matrix exponentials: M v' = f - B v, tau f' = u(t - delay) - f."""
-    if time_constant > 0:
-        A = np.array([[0, 1, 0], [0, -viscous / mass, 1 / mass], [0, 0, -1 / time_constant]])
-        b = np.array([0, 0, 1 / time_constant])
-    else:  # f = u is no state
-        A = np.array([[0, 1, 0], [0, -viscous / mass, 0], [0, 0, 0]], dtype=float)
-        b = np.array([0, 1 / mass, 0])
-    whole, part = divmod(delay / sample_time, 1.0)
-    held = np.concatenate([np.zeros(int(whole) + 1), commands])
-
-    def move(state, u, duration):
-        block = np.zeros((4, 4))
-        block[:3, :3], block[:3, 3] = A, b * u
-        return (expm(block * duration) @ np.append(state, 1.0))[:3]
-
-    states = [np.zeros(3)]
-    for k in range(len(commands) - 1):
-        state = move(states[-1], held[k], part * sample_time)  # the command before
-        states.append(move(state, held[k + 1], (1 - part) * sample_time))
-    return np.array(states)
-
-
-@pytest.mark.parametrize("samples", [0.0, 0.25, 0.999, 1.0, 1.7, 3.0, 12.4375])
-@pytest.mark.parametrize("time_constant", [0.0, 0.0004, 0.02])
-def test_delay_and_lag_are_exact(samples, time_constant):
-    rate = 1000.0
-    commands = np.random.default_rng(4).normal(size=40)
-    effects = [effect("command_delay", delay=samples / rate), effect("actuator_lag", time_constant=time_constant)]
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.2, viscous=0.7), effects=effects)
-    log = driven(plant, commands, rate, steps_per_sample=64)
-    expected = linear_axis(commands, 1 / rate, 0.2, 0.7, samples / rate, time_constant)
-    # The current loop itself is exact; Runge-Kutta integrates its exponential as Simpson's rule does.
-    decay = 1 / (64 * rate * time_constant) if time_constant else 0.0
-    tolerance = (1e-11 + decay**4 / 2880) * np.abs(expected).max(axis=0)
-    np.testing.assert_allclose(log.true_position, expected[:, 0], rtol=0, atol=tolerance[0])
-    np.testing.assert_allclose(log.true_velocity, expected[:, 1], rtol=0, atol=tolerance[1])
-
-
 def test_delays_add_and_the_order_of_effects_is_free():
     commands = np.random.default_rng(5).normal(size=60)
     axis = cogging.AxisParameters(mass=0.2, viscous=0.7)
@@ -319,26 +277,6 @@ def test_the_gain_acts_on_the_amplifiers_output_alone(width):
     np.testing.assert_allclose(added.true_position, same.true_position, rtol=0, atol=1e-8)
 
 
-# Disturbances ----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("steps", [1, 3])
-@pytest.mark.parametrize("rate", [10.0, 37.0, 1000.0])
-@pytest.mark.parametrize(
-    ("start", "stop"), [(0.1234567, 0.7654321), (0.3, math.inf), (-1.0, 0.05), (0.0, 0.9999), (0.50001, 0.50002)]
-)
-def test_a_step_off_the_sample_grid_moves_a_free_mass_by_the_parabola(start, stop, rate, steps):
-    mass, force = 0.3, 1.7
-    step = effect("disturbance_step", force=force, start=start, stop=stop)
-    log = free(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[step]), 1.0, rate, steps_per_sample=steps)
-    on, off = max(start, 0.0), min(stop, 1e9)
-    t = log.time
-    pushed, since = np.clip(t - on, 0, off - on), np.clip(t - off, 0, None)
-    v = force / mass * pushed
-    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(log.true_position, 0.5 * v * pushed + v * since, rtol=0, atol=1e-12)
-
-
 # Exact Coulomb friction ------------------------------------------------------------------------------------
 
 
@@ -386,29 +324,6 @@ def test_it_breaks_away_at_the_level(effects, levels, direction):
     # The command of sample first - 1 was the first above the level.
     assert abs(ramp[first - 2]) <= level * (1 + 1e-12)
     assert abs(ramp[first - 1]) >= level * (1 - 1e-12)
-
-
-@pytest.mark.parametrize("steps", [1, 2, 7])
-@pytest.mark.parametrize("rate", [20.0, 333.0, 5000.0])
-@pytest.mark.parametrize("viscous", [0.0, 0.9])
-def test_a_free_mass_stops_at_the_analytic_time_and_place(rate, steps, viscous):
-    """M v' = -B v - Fc: t = M / B ln(1 + B v0 / Fc), x = M / B (v0 - Fc t / M), or their limits."""
-    m, fc = 0.5, 0.8
-    for v0 in (0.7, -0.31):
-        log = free(cogging.Plant(exact_axis(viscous=viscous)), 1.0, rate, v0=v0, steps_per_sample=steps)
-        speed = abs(v0)
-        if viscous:
-            stop = m / viscous * np.log(1 + viscous * speed / fc)
-            place = m / viscous * (speed - fc * stop / m)
-        else:
-            stop, place = m * speed / fc, 0.5 * m * speed**2 / fc
-        t, rests = log.time, log.true_velocity == 0.0
-        np.testing.assert_array_equal(rests, t >= stop)  # at rest from the stop on and not before
-        still = log.true_position[rests]
-        assert (still == still[0]).all()
-        # RK4 with B h / M: its own error is far below 1e-9 but at 20 Hz.
-        coarse = (viscous / m / rate / steps) ** 5 * speed
-        assert still[0] == pytest.approx(np.sign(v0) * place, abs=1e-12 + coarse)
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -1,12 +1,11 @@
-"""Effects with a state of their own: presliding friction, backlash, flexible mode. Against closed forms, stiff and
-event-driven integration by scipy, balances of momentum and energy."""
+"""Effects with a state of their own: presliding friction, backlash, flexible mode. Against closed forms, stiff
+integration by scipy, balances of momentum and energy; in drawn plants: test_fast_plants.py."""
 
 import math
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 import cogging
 from tests.fixtures.log_columns import columns_of
@@ -94,23 +93,6 @@ def test_presliding_follows_the_hysteresis_of_dahl():
     assert (np.diff(x[8001:]) <= 0).all()
 
 
-@pytest.mark.parametrize("damping", [0.0, 5.0])
-def test_steady_sliding_feels_the_level(damping):
-    """The damping of the bristle is gone; asymmetry, Stribeck and level along the travel are in it."""
-    viscous = 3.0
-    effects = [
-        effect("presliding_friction", stiffness=1e4, damping=damping),
-        effect("coulomb_asymmetry", difference=0.2),
-        effect("stribeck_friction", static_excess=0.3, velocity=0.5, exponent=1.0),
-        effect("position_dependent_friction", nodes=[0.0], levels=[0.1]),
-    ]
-    plant = cogging.Plant(exact_axis(viscous=viscous, coulomb_width=0.01), effects=effects)
-    for u in (2.5, -2.5):
-        v = driven(plant, np.full(6001, u), 1000.0, steps_per_sample=2).true_velocity[-1]
-        level = 0.8 + 0.1 * np.sign(u) + 0.3 * np.exp(-abs(v) / 0.5) + 0.1
-        assert u - viscous * v == pytest.approx(np.sign(u) * level, rel=1e-8)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_a_bristle_gives_no_energy(seed):
     """On a spring: energy never above its start, and rest is where the contact can hold the spring."""
@@ -135,37 +117,6 @@ def test_a_bristle_gives_no_energy(seed):
 
 
 # Flexible mode ---------------------------------------------------------------------------------------------
-
-
-def two_masses(commands, rate, mass, viscous, mode):
-    """States (x, v, q, q') at the samples by matrix exponentials."""
-    m1, m2 = (1 - mode.mass_ratio) * mass, mode.mass_ratio * mass
-    w, reduced = TWO_PI * mode.frequency, m1 * m2 / mass
-    k, c = w**2 * reduced, 2 * mode.damping_ratio * w * reduced
-    motor = np.array([0, -viscous / m1, k / m1, c / m1])
-    block = np.zeros((5, 5))
-    block[0, 1] = block[2, 3] = 1.0
-    block[1, :4] = motor
-    block[3, :4] = np.array([0, 0, -k / m2, -c / m2]) - motor
-    block[1, 4], block[3, 4] = 1 / m1, -1 / m1
-    move = expm(block / rate)
-    states = [np.zeros(4)]
-    for u in commands[:-1]:
-        states.append((move @ np.append(states[-1], u))[:4])
-    return np.array(states)
-
-
-@pytest.mark.parametrize("frequency", [3.0, 60.0, 900.0, 20_000.0])
-@pytest.mark.parametrize(("mass_ratio", "damping_ratio"), [(0.3, 0.02), (0.8, 0.4), (0.5, 3.0)])
-def test_a_flexible_mode_is_the_linear_system(frequency, mass_ratio, damping_ratio):
-    """Also far above the sample rate: the step is divided as the vibration needs it."""
-    mode = effect("flexible_mode", frequency=frequency, damping_ratio=damping_ratio, mass_ratio=mass_ratio)
-    axis = cogging.AxisParameters(mass=0.4, viscous=0.7)
-    commands = np.random.default_rng(6).normal(size=200)
-    log = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0, steps_per_sample=4)
-    expected = two_masses(commands, 1000.0, 0.4, 0.7, mode)
-    for column, values in (("true_position", expected[:, 0]), ("true_velocity", expected[:, 1])):
-        np.testing.assert_allclose(getattr(log, column), values, rtol=0, atol=2e-4 * np.abs(values).max())
 
 
 @pytest.mark.parametrize(
@@ -195,95 +146,6 @@ def test_one_load_and_one_bristle_an_axis():
         with pytest.raises(ValueError, match=rf"^{name}: may not join another of its kind"):
             cogging.Plant(axis, effects=pair)
     cogging.Plant(axis, effects=[load[0], bristle])
-
-
-# Sticking with a load --------------------------------------------------------------------------------------
-
-
-def stick_and_slip(duration, mass, level, pull, ratio, start, push):
-    """(t, x, v) of a motor with exact Coulomb friction, its load on `pull`(q, q'); events located by scipy."""
-    m1, m2 = (1 - ratio) * mass, ratio * mass
-
-    def rates(t, state, direction):
-        _, v, q, r = state
-        if direction == 0:
-            return [0.0, 0.0, r, -pull(q, r) / m2]
-        a = (push(t) + pull(q, r) - level * direction) / m1
-        return [v, a, r, -pull(q, r) / m2 - a]
-
-    t, state, pieces = 0.0, np.array(start), []
-    while t < duration:
-        force = push(t) + pull(state[2], state[3])
-        direction = np.sign(state[1]) or np.sign(force) * (abs(force) > level)
-
-        def stops(_, s, d):
-            return s[1] * d if d else 1.0
-
-        def breaks(time, s, d):
-            return abs(push(time) + pull(s[2], s[3])) - level if d == 0 else -1.0
-
-        stops.terminal, stops.direction = True, -1
-        breaks.terminal, breaks.direction = True, 1
-        if state[1] == 0.0 and direction:  # off the event
-            state = state + 1e-9 * np.array(rates(t, state, direction))
-            t += 1e-9
-        solved = solve_ivp(
-            rates, (t, duration), state, "DOP853", args=(direction,), events=[stops, breaks],
-            rtol=1e-10, atol=1e-13, dense_output=True,
-        )  # fmt: skip
-        pieces.append((t, solved.t[-1], solved.sol))
-        t, state = solved.t[-1], solved.y[:, -1].copy()
-        if solved.t_events[0].size:
-            state[1] = 0.0
-        elif solved.t_events[1].size:
-            force = push(t) + pull(state[2], state[3])
-            state = state + 1e-9 * np.array(rates(t, state, np.sign(force)))
-            t += 1e-9
-
-    def at(times):
-        out = np.empty((4, len(times)))
-        for begin, end, solution in pieces:
-            inside = (times >= begin - 1e-8) & (times <= end + 1e-8)
-            if inside.any():
-                out[:, inside] = solution(times[inside])
-        return out
-
-    return at
-
-
-@pytest.mark.parametrize("kind", ["flexible_mode", "backlash"])
-@pytest.mark.parametrize("seed", range(4))
-def test_a_motor_that_sticks_while_its_load_rings(kind, seed):
-    """The pull of the load is in the balance of the resting motor; it tears it loose again."""
-    rng = np.random.default_rng(seed)
-    mass, level, ratio = 0.5, 0.8, rng.uniform(0.3, 0.7)
-    frequency, zeta, gap = rng.uniform(4, 12), rng.uniform(0.005, 0.05), 2e-3
-    w, reduced = TWO_PI * frequency, mass * ratio * (1 - ratio)
-    k, c = w**2 * reduced, 2 * zeta * w * reduced
-    if kind == "flexible_mode":
-        load = effect(kind, frequency=frequency, damping_ratio=zeta, mass_ratio=ratio)
-
-        def pull(q, r):
-            return k * q + c * r
-    else:
-        load = effect(kind, gap=gap, mass_ratio=ratio, contact_frequency=frequency, contact_damping_ratio=zeta)
-
-        def pull(q, r):
-            spring = k * (q - min(max(q, -gap / 2), gap / 2))
-            return spring + min(max(c * r, -abs(spring)), abs(spring))
-
-    tone = effect("disturbance_tone", frequency=1.3, sine=0.7)
-    log = free(cogging.Plant(exact_axis(), effects=[load, tone]), 2.0, 1000.0, v0=0.9, steps_per_sample=4)
-    x, v, *_ = stick_and_slip(
-        2.0, mass, level, pull, ratio, [0.0, 0.9, 0.0, 0.0], lambda t: 0.7 * np.sin(TWO_PI * 1.3 * t)
-    )(log.time)
-    rests = log.true_velocity == 0.0
-    changes = np.count_nonzero(np.diff(rests.astype(int)))
-    assert changes >= 2  # it stops, and is torn loose
-    assert (np.diff(log.true_position)[rests[1:] & rests[:-1]] == 0.0).all()
-    tolerance = 1e-9 if kind == "flexible_mode" else 1e-6  # a contact has kinks
-    np.testing.assert_allclose(log.true_position, x, rtol=0, atol=tolerance)
-    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=30 * tolerance)
 
 
 # Backlash --------------------------------------------------------------------------------------------------
