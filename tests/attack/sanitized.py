@@ -30,21 +30,12 @@ RUNS = [
 ROOMS = (("control", "estimation"), ("basis", "plant", "reference"), tuple(RUNS))
 #: Long runs, which take two thirds of the time there and go where shorter ones go: left out, but for `--long`.
 LONG = (
-    "control/test_control.py::test_arc_stays_under_23",
-    "control/test_control.py::test_dcarc_stays_under_its_own_bound",
-    "control/test_control.py::test_with_parametric_uncertainty_only_the_error_goes_to_the_sampling_floor",
     "control/test_observer_based.py::test_too_much_decay_is_refused_with_an_offer",
-    "control/test_observer_based.py::test_what_smooth_friction_costs",
-    "control/test_output_feedback.py::test_the_deterministic_robust_law_keeps_the_error_bound",
-    "control/test_output_feedback.py::test_the_error_vanishes_with_parametric_uncertainty_only",
-    "control/test_output_feedback.py::test_v_theta_falls_with_ideal_sensing",
     "estimation/test_added.py::test_a_loose_load_does_on_average_what_single_trajectories_do",
     "plant/test_fast_plants.py::test_more_steps_give_no_other_result",
     "plant/test_fast_plants.py::test_random_plants_are_those_of_scipy",
     "plant/test_plant_states.py::test_a_stiff_bristle_is_that_of_the_stiff_integrator",
     "plant/test_plant_states.py::test_it_is_stable_however_stiff_and_tends_to_the_exact_form",
-    "simulation/test_batch.py::test_memory_does_not_grow_with_rows",
-    "simulation/test_simulation.py::test_a_million_samples_fit_in_200_megabytes",
     "simulation/test_simulation.py::test_another_thread_runs_meanwhile",
 )
 #: Packs of runs have their tests among the rooms; `lanes` would take two minutes for them.

@@ -4,8 +4,6 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.interpolate import BSpline as ScipySpline
 
 import cogging
@@ -57,9 +55,9 @@ def plain_model(model, x, derivative=False):
 
 
 @pytest.mark.parametrize(("origin", "pitch"), KNOTS)
-@pytest.mark.parametrize("order", range(1, 7))
-def test_design_matrix_is_scipys(order, origin, pitch):
-    for control_points in {max(order, 2), order + 1, 13}:
+@pytest.mark.parametrize("order", [*range(1, 7), 11, 16])
+def test_design_matrix_is_scipys_and_the_printed_recursion(order, origin, pitch):
+    for control_points in {max(order, 2), order + 1, order + 10}:
         spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=control_points)
         t = knots(order, origin, pitch, control_points)
         end = t[control_points]
@@ -70,57 +68,9 @@ def test_design_matrix_is_scipys(order, origin, pitch):
             x = np.concatenate([x, t[order - 1 : control_points + 1]]).clip(origin, end)
         expected = ScipySpline.design_matrix(x, t, order - 1).toarray()
         np.testing.assert_allclose(spline.design_matrix(x), expected, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("order", range(1, 7))
-def test_design_matrix_is_the_printed_recursion(order):
-    origin, pitch, m = 0.01, 0.05, 9
-    X = knots(order, origin, pitch, m)
-    x = np.random.default_rng(1).uniform(origin, X[m], 300)
-    expected = np.stack([printed_recursion(x, j, order, X) for j in range(m)], axis=1)
-    spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=m)
-    np.testing.assert_allclose(spline.design_matrix(x), expected, rtol=0, atol=1e-12)
-
-
-@given(
-    order=st.integers(1, 16),
-    extra=st.integers(0, 20),
-    origin=st.floats(-10, 10),
-    pitch=st.floats(1e-3, 10),
-    where=st.lists(st.floats(-2, 3), min_size=1, max_size=20),
-)
-@settings(deadline=None, derandomize=True, max_examples=200)
-def test_partition_of_unity_and_local_support(order, extra, origin, pitch, where):
-    m = max(order + extra, 2)
-    spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=m)
-    x = origin + np.array(where) * (spline.end - origin)  # also beyond both ends
-    weights = spline.design_matrix(x)
-    assert weights.shape == (len(x), m)
-    assert (weights >= -1e-15).all()
-    np.testing.assert_allclose(weights.sum(axis=1), 1.0, rtol=0, atol=1e-14)
-    inside = (x > origin) & (x < spline.end)
-    slack = 1e-9 * (abs(origin) + m * pitch)
-    for c in range(m):
-        starts, stops = origin + (c + 1 - order) * pitch, origin + (c + 1) * pitch
-        outside_support = inside & ((x < starts - slack) | (x > stops + slack))
-        assert (weights[outside_support, c] == 0.0).all()
-    assert ((weights != 0.0).sum(axis=1) <= order).all()
-
-
-@pytest.mark.parametrize("order", range(1, 7))
-def test_support_of_a_control_point_is_exactly_the_stated_interval(order):
-    origin, pitch, m = 0.0, 0.25, 16  # knots that are exact in binary
-    spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=m)
-    for c in range(order, m - order):  # those whose support lies within the knots
-        starts, stops = origin + (c + 1 - order) * pitch, origin + (c + 1) * pitch
-        just = 1e-4 * pitch
-        before, first, last, after = spline.design_matrix(
-            np.array([starts - just, starts + just, stops - just, stops])
-        )[:, c]
-        assert before == 0.0
-        assert first > 0.0
-        assert last > 0.0
-        assert after == 0.0
+        if order <= 6:
+            printed = [printed_recursion(x[:50], j, order, t) for j in range(control_points)]
+            np.testing.assert_allclose(spline.design_matrix(x[:50]), np.transpose(printed), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("order", range(1, 7))
@@ -135,12 +85,6 @@ def test_beyond_the_knots_the_end_value_is_held(order):
         for end, row in zip((spline.origin, spline.end), ends, strict=True):
             near = spline.design_matrix(np.array([end - 1e-13, end + 1e-13]))
             np.testing.assert_allclose(near, [row, row], rtol=0, atol=1e-11)
-
-
-def test_one_control_point_is_a_constant_whatever_the_order():
-    for order in (1, 3, 5):
-        spline = cogging.BSpline(order=order, origin=0.3, pitch=0.1, control_points=1)
-        assert (spline.design_matrix(np.linspace(-5, 5, 11)) == 1.0).all()
 
 
 def test_spline_reports_what_it_was_made_of():
@@ -177,20 +121,6 @@ def test_force_and_slope_are_the_plain_sums(terms, order, control_points):
     )
 
 
-@pytest.mark.parametrize("terms", TERMS, ids=str)
-def test_slope_is_the_central_difference_also_beyond_the_knots(terms):
-    model = model_of(5, order=4, control_points=12, **terms)
-    x = np.random.default_rng(6).uniform(-0.2, 0.65, 300)
-    breaks = np.array([0.0, model.basis.spline.end])
-    h = 1e-7
-    x = x[np.abs(x[:, None] - breaks).min(axis=1) > 2 * h]
-    difference = (model.force(x + h) - model.force(x - h)) / (2 * h)
-    curvature = np.square(max(model.basis.wavenumbers)) * 6 * model.basis.terms
-    # h^2/6 times the third derivative, and the rounding of two forces over 2h.
-    tolerance = h**2 * curvature * max(model.basis.wavenumbers) + 1e-14 * 6 * model.basis.terms / h
-    np.testing.assert_allclose(model.slope(x), difference, rtol=0, atol=tolerance)
-
-
 def test_beyond_the_knots_amplitudes_are_held_and_harmonics_go_on():
     model = model_of(7, order=3, control_points=6, harmonics=[1, 2])
     end = model.basis.spline.end
@@ -201,31 +131,6 @@ def test_beyond_the_knots_amplitudes_are_held_and_harmonics_go_on():
         np.testing.assert_allclose(model.force(x), np.sin(angle) @ f_s + np.cos(angle) @ f_c, atol=1e-12)
         w = model.basis.wavenumbers
         np.testing.assert_allclose(model.slope(x), np.cos(angle) @ (w * f_s) - np.sin(angle) @ (w * f_c), atol=1e-10)
-
-
-def test_a_spline_alone_has_zero_slope_beyond_its_knots():
-    # A period of 1e9 m: the cosine is 1 and its slope 0, what is left is the spline.
-    basis = cogging.SplineHarmonics(periods=[1e9], pitch=0.1, order=3, control_points=5)
-    model = cogging.CoggingModel(basis, np.zeros((1, 5)), np.array([[1.0, 3.0, -2.0, 0.5, 2.0]]))
-    assert abs(model.slope(0.15)) > 1.0
-    np.testing.assert_allclose(model.slope(np.array([-1.0, -1e-6, 0.3 + 1e-6, 2.0])), 0.0, atol=1e-12)
-
-
-def test_periods_are_harmonics_by_another_name():
-    by_harmonics = model_of(8, order=3, control_points=7, harmonics=[1, 3, 5])
-    by_periods = model_of(8, order=3, control_points=7, periods=[0.05, 0.05 / 3, 0.01])
-    x = np.linspace(-0.1, 0.5, 200)
-    np.testing.assert_allclose(by_periods.force(x), by_harmonics.force(x), rtol=0, atol=1e-12)
-    np.testing.assert_allclose(by_periods.slope(x), by_harmonics.slope(x), rtol=0, atol=1e-9)
-
-
-def test_periodic_is_one_control_point():
-    model = model_of(9, order=3, control_points=1, harmonics=[1, 2, 6])
-    x = np.random.default_rng(10).uniform(-0.3, 0.3, 100)
-    np.testing.assert_allclose(model.force(x + 7 * 0.05), model.force(x), rtol=0, atol=1e-11)
-    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2, 6], order=3, origin=0.02, control_points=9)
-    many = cogging.CoggingModel(basis, np.repeat(model.sine, 9, axis=1), np.repeat(model.cosine, 9, axis=1))
-    np.testing.assert_allclose(many.force(x), model.force(x), rtol=0, atol=1e-12)  # equal control points
 
 
 def test_periodic_periods_need_no_pitch():
@@ -295,80 +200,3 @@ def test_model_survives_a_pickle():
         np.testing.assert_array_equal(twin.slope(x), model.slope(x))
     periodic = cogging.CoggingModel(cogging.SplineHarmonics(periods=[0.024]), [[0.3]], [[-0.2]])
     assert pickle.loads(pickle.dumps(periodic)).force(0.01) == periodic.force(0.01)
-
-
-# Rules -----------------------------------------------------------------------------------------------------
-
-SPLINE = {"order": 3, "origin": 0.0, "pitch": 0.05, "control_points": 5}
-BASIS = {"pitch": 0.05, "harmonics": [1, 2]}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"order": 0}, "order: must be from 1 to 16, got 0"),
-        ({"order": -2}, "order: must be from 1 to 16, got -2"),
-        ({"order": 17, "control_points": 20}, "order: must be from 1 to 16, got 17"),
-        ({"pitch": 0.0}, "pitch: must be finite and above 0, got 0"),
-        ({"pitch": -0.05}, "pitch: must be finite and above 0, got -0.05"),
-        ({"pitch": np.nan}, "pitch: must be finite and above 0, got nan"),
-        ({"pitch": np.inf}, "pitch: must be finite and above 0, got inf"),
-        ({"origin": np.nan}, "origin: must be a finite number, got nan"),
-        ({"origin": -np.inf}, "origin: must be a finite number, got -inf"),
-        ({"control_points": 0}, "control_points: must be at least 1, got 0"),
-        ({"control_points": 2}, "control_points: more than one must be at least the order 3, got 2"),
-    ],
-)
-def test_spline_rules(change, message):
-    with pytest.raises(ValueError, match="^" + message + "$"):
-        cogging.BSpline(**SPLINE | change)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"harmonics": [1, 0]}, "harmonics: each must be at least 1, got 0"),
-        ({"harmonics": [-3]}, "harmonics: each must be at least 1, got -3"),
-        ({"harmonics": []}, "harmonics: must list 1 to 32 terms, got 0"),
-        ({"harmonics": list(range(1, 34))}, "harmonics: must list 1 to 32 terms, got 33"),
-        ({"harmonics": [2, 1, 2]}, "harmonics: each may stand once, got 2"),
-        ({"pitch": 0.0}, "pitch: must be finite and above 0, got 0"),
-        ({"pitch": np.nan}, "pitch: must be finite and above 0, got nan"),
-        ({"pitch": None}, "pitch: must be given, got nothing"),
-        ({"periods": [0.02]}, "harmonics, periods: exactly one of them must be given, got both"),
-        ({"harmonics": None}, "harmonics, periods: exactly one of them must be given, got neither"),
-        ({"harmonics": None, "periods": [0.02, 0.0]}, "periods: must be finite and above 0, got 0"),
-        ({"harmonics": None, "periods": [np.nan]}, "periods: must be finite and above 0, got nan"),
-        ({"harmonics": None, "periods": []}, "periods: must list 1 to 32 terms, got 0"),
-        ({"harmonics": None, "periods": [0.02, 0.02]}, "periods: each may stand once, got 0.02"),
-        (
-            {"harmonics": None, "periods": [0.02], "pitch": None, "control_points": 4},
-            "pitch: must be given, got nothing",
-        ),
-        ({"order": 0}, "order: must be from 1 to 16, got 0"),
-        (
-            {"order": 4, "control_points": 3},
-            "control_points: more than one must be at least the order 4, got 3",
-        ),
-        ({"origin": np.nan, "control_points": 5}, "origin: must be a finite number, got nan"),
-    ],
-)
-def test_basis_rules(change, message):
-    with pytest.raises(ValueError, match="^" + message + "$"):
-        cogging.SplineHarmonics(**BASIS | change)
-
-
-@pytest.mark.parametrize(
-    ("sine", "cosine", "message"),
-    [
-        (np.zeros((1, 5)), np.zeros((2, 5)), "sine: must have 2 rows .* of 5 .*, got 1 rows of 5"),
-        (np.zeros((2, 5)), np.zeros((2, 4)), "cosine: must have 2 rows .* of 5 .*, got 2 rows of 4"),
-        (np.zeros((5, 2)), np.zeros((2, 5)), "sine: must have 2 rows .* of 5 .*, got 5 rows of 2"),
-        (np.full((2, 5), np.nan), np.zeros((2, 5)), "sine: must be a finite number, got nan"),
-        (np.zeros((2, 5)), np.full((2, 5), -np.inf), "cosine: must be a finite number, got -inf"),
-    ],
-)
-def test_model_rules(sine, cosine, message):
-    basis = cogging.SplineHarmonics(**BASIS, order=3, control_points=5)
-    with pytest.raises(ValueError, match="^" + message + "$"):
-        cogging.CoggingModel(basis, sine, cosine)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cogging.model.model import CONTROLLERS
+from tests.fixtures.covering import covering
 from tests.golden.logs import CONTROLLERS as FIELDS
 
 RATE, RESOLUTION = 5000.0, 0.5e-6
@@ -39,9 +40,7 @@ def step(controller, point, reading):
     controller.update(command)
 
 
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("start", [0.0, 0.2])
-@pytest.mark.parametrize("kind", FIELDS)
+@pytest.mark.parametrize(("kind", "start", "seed"), covering(FIELDS, [0.0, 0.2], range(3), rounds=2))
 def test_no_state_is_denormal(kind, start, seed):
     size = np.abs(states_at_rest(kind, start, seed))
     assert np.isfinite(size).all()

@@ -80,6 +80,12 @@ def test_a_size_is_one_number_of_the_effect():
 # How they scale -------------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def null():
+    """Nothing hidden, with other motion and an effect of the user's own."""
+    return cogging.diagnose(record(machine(), 3), machine(), confirm=record(machine(), 4), also=[own_drag()])
+
+
 def test_a_limit_goes_with_the_noise():
     """Half of the noise shows half of a force; what the encoder's noise hides does not follow."""
     loud, quiet = (cogging.diagnose(record(machine(force=one), 7), machine()).limits for one in (0.08, 0.04))
@@ -87,25 +93,19 @@ def test_a_limit_goes_with_the_noise():
         assert 0.4 * loud[name].value < quiet[name].value < 0.75 * loud[name].value, name
 
 
-def test_one_way_motion_shows_no_difference_of_directions():
+def test_one_way_motion_shows_no_difference_of_directions(null):
     """A force that goes with the direction is then friction, which is re-tuned."""
     time = np.arange(4001) / 1000.0
     s = np.clip((time - 0.05) / 3.9, 0.0, 1.0)
     reference = cogging.Sampled(time, 0.3 * s**3 * (10 - 15 * s + 6 * s * s) - 0.15, None, None)
     log = cogging.simulate(machine(), reference, seed=5, duration=4.0, steps_per_sample=4)
-    never, turning = (cogging.diagnose(one, machine()).limits for one in (log, record(machine(), 3)))
+    never, turning = cogging.diagnose(log, machine()).limits, null.limits
     for name in ("coulomb_asymmetry", "viscous_asymmetry"):
         assert turning[name].value is not None
         assert never[name].value is None or never[name].value > 5.0 * turning[name].value, name
 
 
 # The check ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def null():
-    """Nothing hidden, with other motion and an effect of the user's own."""
-    return cogging.diagnose(record(machine(), 3), machine(), confirm=record(machine(), 4), also=[own_drag()])
 
 
 def test_own_effects_have_limits_too(null):

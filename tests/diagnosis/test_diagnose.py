@@ -45,11 +45,7 @@ def test_a_strong_effect_is_named_up_to_its_look_alikes(hidden, tmp_path):
     result.model.write(tmp_path / "patched.toml")
     patched = cogging.Model.read(tmp_path / "patched.toml")
     assert [e.NAME for e in patched.effects] == [e.NAME for e in result.model.effects]
-    motion = cogging.Sampled(
-        time=log.time,
-        position=log.reference,
-        velocity=np.gradient(log.reference, log.time),
-    )
+    motion = cogging.Sampled(time=log.time, position=log.reference, velocity=np.gradient(log.reference, log.time))
     assert len(cogging.simulate(patched, motion, duration=0.2)) == 401
 
 
@@ -65,34 +61,7 @@ def test_the_asymmetry_is_named_and_confirmed(found):
     assert found.model.controller == MODEL.controller
 
 
-def test_nothing_is_missing_where_nothing_is():
-    result = cogging.diagnose(run(), MODEL)
-    assert result.verdict == "no_gap"
-    assert result.effects == ()
-    assert result.unlisted is None
-
-
-def test_the_same_twice():
-    hidden = effects.DisturbanceTone(frequency=17.0, sine=0.03)
-    log = run(hidden, duration=1.5)
-    first, second = (cogging.diagnose(log, MODEL).to_dict() for _ in range(2))
-    assert json.dumps(first) == json.dumps(second)
-
-
 # No effect is known by name -------------------------------------------------------------------------------------------
-
-
-def test_no_effect_is_named_but_where_its_columns_are():
-    """What shows, measures and names a result knows no effect: only the candidates of the balance do."""
-    hooks = {hook for effect in cogging.EFFECTS.values() for hook in effect.HOOKS}  # one hook bears an effect's name
-    known = re.compile(r"\b(" + "|".join(set(cogging.EFFECTS) - hooks) + r")\b")
-    classes = re.compile(r"\b(" + "|".join(e.__name__ for e in cogging.EFFECTS.values()) + r")\b")
-    sources = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.j2")]
-    sources = [path for path in sources if path.parent.name != "balance"]
-    assert len(sources) > 10
-    for path in sources:
-        for pattern in (known, classes):
-            assert not pattern.findall(path.read_text()), path.name
 
 
 def test_every_effect_is_looked_for():
@@ -197,25 +166,3 @@ def test_the_command_writes_result_report_and_model(folder, capsys):
     assert "disturbance tone" in page
     assert page.count("data:image/png;base64,") >= 2
     assert not re.findall(r"(?:src|href)=\"(?!data:|#)", page)  # nothing is loaded from elsewhere
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["log.csv", "--model", "model.toml", "--confirm", "gone.csv"], "gone.csv: cannot be read"),
-        (["log.csv", "--model", "gone.toml"], "gone.toml: cannot be read"),
-        (
-            ["log.csv", "--model", "model.toml", "--rows", "0:100"],
-            "rows: must be at least 500 to be diagnosed, got 100",
-        ),
-        (["log.csv", "--model", "model.toml", "--report", "out.json"], "must be different files"),
-    ],
-    ids=["confirm", "model", "rows", "twice"],
-)
-def test_a_bad_call_is_one_line_and_writes_nothing(arguments, message, folder, capsys):
-    before = sorted(folder.iterdir())
-    assert main(["diagnose", *arguments, "--json", "out.json"]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert message in said
-    assert sorted(folder.iterdir()) == before

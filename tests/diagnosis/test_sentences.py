@@ -26,8 +26,6 @@ from cogging.effects.effect import VOCABULARY
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
 from tests.fixtures.laws_by_symbol import SHAPED, of_the_law
 
-FOUND = ("named", "ambiguous", "unlisted")
-
 
 @pytest.fixture(scope="module")
 def results():

@@ -282,14 +282,6 @@ def test_autoregression_leaves_out_rows_that_do_not_count():
     assert autoregression(row, counts, order=2) == pytest.approx([1.5, -0.7], abs=0.03)
 
 
-def test_whiten_is_the_filter_of_scipy_and_leaves_white_noise():
-    rows = np.array([coloured(), coloured()[::-1]])
-    a = [1.5, -0.7]
-    white = whiten(rows, a)
-    assert white == pytest.approx(lfilter([1.0, -1.5, 0.7], [1.0], rows, axis=1), abs=1e-12)
-    assert np.std(white[0]) == pytest.approx(1.0, abs=0.05)
-
-
 @pytest.mark.parametrize("order", [1, 4, 7, 12, 48])
 @pytest.mark.parametrize("length", [50, 1024, 1030, 3333])
 def test_whiten_is_the_filter_of_scipy_at_any_order_and_length(order, length):

@@ -10,21 +10,11 @@ from cogging.estimation.replay import Replay
 from cogging.model.model import CONTROLLERS
 from cogging.model.parameters import central, parameters_of, with_values
 from tests.fixtures.plants_by_hand import EXAMPLES, effect
+from tests.golden.logs import CONTROLLERS as FIELDS
 
 SETS = ["none", *_core.instruction_sets()]
-RATE, SECONDS, MASS = 2000.0, 0.3, 0.3
+SECONDS, MASS = 0.12, 0.12
 MOVE = cogging.Sine(cogging.SineParameters(center=0.05, amplitude=0.03, frequency=6.0))
-#: Settings of each controller that hold a small axis on its motion.
-LEARNS = {"mass": MASS, "mass_bounds": [0.1, 0.6], "mass_adaptation": 1.0, "epsilon": 0.1}
-TUNED = {
-    "pid": {"kp": 2000.0, "ki": 2e4, "kd": 20.0},
-    "cascade": {"kp": 50.0, "kv": 20.0},
-    "speed": {"kp": 10.0},
-    "arc": LEARNS,
-    "dcarc": LEARNS,
-    "output_feedback_arc": {"theta": [8.4, 2.5, 0.0], "coulomb": 0.1},
-    "observer_based": {"periods": [0.05], "observer_gain": [200.0, 1.2e4, 2e5, 0.0, 0.0], "mass": MASS},
-}
 EFFECTS = sorted(name for name in EXAMPLES if name not in {"presliding_friction", "backlash", "flexible_mode"})
 READING = sorted(name for name in EFFECTS if "reading" in cogging.EFFECTS[name].HOOKS)
 
@@ -41,7 +31,7 @@ def drawn(kind, seed):
             coulomb_width=0.003 * rng.uniform(0.3, 3.0),
         ),
         effects=tuple(effect(name, **EXAMPLES[name][0]) for name in sorted(names)),
-        controller=CONTROLLERS[kind][0](sample_rate=RATE, **TUNED[kind]),
+        controller=CONTROLLERS[kind][0](**FIELDS[kind] | {"command_limit": 0.0}),
         controller_type=kind,
     )
     log = cogging.simulate(model, MOVE, seed=seed, duration=SECONDS)

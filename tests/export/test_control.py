@@ -222,10 +222,7 @@ def test_a_model_without_a_controller_is_a_plant_alone():
             "controller: must be linear in the error, got observer_based: its observer turns with the motion",
         ),
         (
-            {
-                "controller": cogging.OutputFeedbackArcParameters(),
-                "controller_type": "output_feedback_arc",
-            },
+            {"controller": cogging.OutputFeedbackArcParameters(), "controller_type": "output_feedback_arc"},
             {},
             "controller: must be linear in the error, got output_feedback_arc: its filters and gains",
         ),

@@ -1,4 +1,7 @@
-"""What leaves for a drive, read back by a small model of that drive: it removes what the drive's resolution allows."""
+"""What leaves for a drive, read back by a small model of that drive: it removes what the drive's resolution allows.
+
+And at work: on a simulated axis, whose controller then has less to do.
+"""
 
 import dataclasses
 import re
@@ -10,6 +13,7 @@ import pytest
 import cogging
 from cogging import effects
 from cogging.cli.main import main
+from tests.fixtures.covering import covering
 from tests.fixtures.drives import READERS
 
 #: Where each form may go, and how it reads: linear between entries, or held.
@@ -138,33 +142,6 @@ def test_the_drive_removes_what_its_resolution_allows(form, kind, seed):
     assert told == pytest.approx(100 * (1 - left / rms(force)), abs=0.05 * 100 * left / rms(force) + 1e-3)
 
 
-@pytest.mark.parametrize(("form", "kind", "seed"), CASES[1::4])
-def test_a_wrong_sign_doubles_the_cogging(form, kind, seed):
-    machine = drawn(form, kind, seed)
-    drive = READERS[form](made(form, machine, sign=-machine.options["sign"]), machine)
-    x = machine.positions()
-    force = machine.model.cogging.force(x)
-    assert rms(force - machine.feedforward(drive, x)) == pytest.approx(2 * rms(force), rel=0.05)
-
-
-SHIFTED = [case for case in CASES[2::4] if case[1] == "rotary" or case[0] not in ("csv", "akd")]  # of one range
-
-
-@pytest.mark.parametrize(("form", "kind", "seed"), SHIFTED)
-def test_a_zero_that_is_off_is_seen(form, kind, seed):
-    """Off by d, the drive leaves F(x) - F(x + d)."""
-    machine = drawn(form, kind, seed)
-    off = 0.11 * 2 * np.pi / max(machine.model.cogging.basis.wavenumbers)
-    drive = READERS[form](made(form, machine, zero=machine.options["zero"] + off), machine)
-    x = machine.positions()
-    low, high = machine.model.axis.travel
-    x = x[(x > low + off) & (x < high - off)]
-    force = machine.model.cogging.force
-    expected = rms(force(x) - force(x + off))
-    assert rms(force(x) - machine.feedforward(drive, x)) == pytest.approx(expected, rel=0.1)
-    assert expected > 0.05 * rms(force(x))
-
-
 def modulated(seed):
     """A linear motor whose cogging changes along the travel."""
     machine = drawn("novanta", "linear", seed)
@@ -245,6 +222,7 @@ def test_a_period_that_does_not_close_on_a_turn(form, tmp_path, capsys):
         ("novanta", {"entries": 1}, "entries: must be a whole number from 2"),
         ("akd", {"entries": 8193}, "entries: must be a whole number from 2 to 8192, got 8193"),
         ("akd", {"quantum": 0.0}, "quantum: must be finite and above 0"),
+        ("nothing", {}, "form: must be one of "),
         ("csv", {"entries": 2.5}, "entries: must be a whole number"),
         ("sinamics", {"scale": 1e39}, "scale: must keep entries within 32-bit numbers"),
         ("csv", {"sign": 2}, "sign: must be 1 or -1, got 2"),
@@ -337,19 +315,12 @@ def test_a_long_motion_of_many_periods():
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_a_map_of_nothing(form):
-    cog = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[3]), [[0.0]], [[0.0]])
-    model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)
-    with pytest.raises(ValueError, match="cogging: must have an amplitude other than 0"):
-        cogging.export.to(model, form, turn=1.0, **{"entries": 9} if form == "novanta" else {})
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_a_model_without_a_map(form):
-    with pytest.raises(ValueError, match=r"cogging: must be given to export a map"):
-        cogging.export.to(
-            cogging.Model(cogging.AxisParameters(mass=1.0)), form, **{"entries": 9} if form == "novanta" else {}
-        )
+def test_a_model_without_a_map_or_with_one_of_nothing(form):
+    nothing = cogging.CoggingModel(cogging.SplineHarmonics(pitch=1.0, harmonics=[3]), [[0.0]], [[0.0]])
+    for cog, rule in ((None, "must be given to export a map"), (nothing, "must have an amplitude other than 0")):
+        model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=cog)
+        with pytest.raises(ValueError, match=f"cogging: {rule}"):
+            cogging.export.to(model, form, turn=1.0, **{"entries": 9} if form == "novanta" else {})
 
 
 def test_travel_must_be_known_where_a_table_covers_it():
@@ -384,10 +355,101 @@ def test_the_command_takes_what_map_wrote(tmp_path, monkeypatch, capsys):
     assert 0.003 < rms(left) < 0.005
 
 
-def test_the_sheet_stands_beside_the_file():
-    for form in FORMS:
-        kinds, _ = FORMS[form]
-        text = made(form, drawn(form, kinds[0], 0)).beside[".txt"].decode()
-        for title in ("takes:", "entries:", "sign:", "zero and direction:", "loaded by:", "source:"):
-            assert title in text, (form, title)
-        assert "removes " in text
+# The table at work ----------------------------------------------------------------------------------------------------
+
+RATE = 5000.0
+
+
+class UnderADrive:
+    """A PID whose drive adds its table to the command: of what is applied, `own` is the PID's part."""
+
+    sample_rate = RATE
+
+    def __init__(self, feedforward, gain, rows=8000):
+        self.feedforward, self.gain = feedforward, gain
+        self.own = np.zeros(rows)
+        self.reset()
+
+    def __deepcopy__(self, memo):
+        return self  # what its PID did is read after the run
+
+    def reset(self):
+        self.total, self.before, self.row = 0.0, None, 0
+
+    def command(self, reference, reading):
+        bandwidth = 2 * np.pi * 150.0
+        error = reading - reference.position
+        self.total += error / RATE
+        rate = 0.0 if self.before is None else (error - self.before) * RATE
+        self.before = error
+        pid = -self.gain * (bandwidth**2 * error + 0.3 * bandwidth**3 * self.total + 1.8 * bandwidth * rate)
+        self.own[self.row] = pid
+        self.row += 1
+        return pid + float(self.feedforward(reading))
+
+
+def under_way(form, seed):
+    """A motor and a motion: slow, over as much as shows the shape of the map."""
+    rng = np.random.default_rng([seed, len(form)])
+    size = 10 ** rng.uniform(-1.0, 1.0)
+    turn = 0.0 if "linear" in FORMS[form][0] else 2 * np.pi
+    pitch = turn or float(rng.uniform(0.02, 0.06))
+    times = [7 * int(rng.integers(3, 6)), 84] if turn else [1, int(rng.integers(2, 4))]
+    span = 0.4 if turn else 2.0 * pitch
+    start = float(rng.uniform(0.1, 0.3))
+    basis = cogging.SplineHarmonics(pitch=pitch, harmonics=times)
+    sine, cosine = size * rng.normal(size=(2, 2, 1)) * [[1.0], [0.3]]
+    travel = [-np.inf, np.inf] if turn else [start - 0.2 * pitch, start + span + 0.2 * pitch]
+    axis = cogging.AxisParameters(mass=0.01 * size / span, travel=travel)
+    model = cogging.Model(axis, cogging=cogging.CoggingModel(basis, sine, cosine))
+    if seed == 2:  # as a diagnosis patches it
+        found = cogging.effects.CoggingHarmonic(period=pitch / (35 if turn else 4), sine=0.2 * size, cosine=0.1 * size)
+        model = model.replace(effects=[found])
+    options = {"scale": 1.0 / size, "sign": int(rng.choice([-1, 1])), "zero": float(rng.uniform(-0.1, 0.1))}
+    options["reverse"] = bool(rng.integers(2))
+    options |= {"turn": turn} if turn else {}
+    options |= {"entries": 256} if form == "novanta" else {}
+    motion = {"type": "point_to_point", "start": start, "distance": span, "velocity": 0.8 * span, "dwell": 0.05}
+    motion |= {"acceleration": 16.0 * span, "jerk": 1000.0 * span, "repeats": 1}
+    return Machine(model, turn, 1, pitch, options), motion
+
+
+def work(model, motion, feedforward):
+    """What the PID did, V, the position and the error, row by row of the motion."""
+    mine = UnderADrive(feedforward, model.axis.mass)
+    log = cogging.simulate(model, motion, controller=mine, duration=1.2)
+    rows = (log.time > 0.1) & (log.time < 1.15)
+    return mine.own[: len(log)][rows], log.position[rows], log.error[rows]
+
+
+def force_of(model):
+    """F_cogging with what an effect adds to it."""
+    return lambda x: model.cogging.force(x) - sum(one.force_at(position=x) for one in model.effects)
+
+
+@pytest.mark.parametrize(("form", "seed"), covering(FORMS, range(3)))
+def test_the_controller_is_left_with_what_the_drive_cannot_hold(form, seed):
+    """Beside the same axis without cogging, the PID makes up for the cogging less what the drive adds."""
+    machine, motion = under_way(form, seed)
+    model = machine.model
+    drive = READERS[form](cogging.export.to(model, form, **machine.options), machine)
+
+    def right(position):
+        return machine.feedforward(drive, position)
+
+    smooth, _, error_smooth = work(model.replace(cogging=None, effects=[]), motion, lambda _: 0.0)
+
+    alone, positions, error_alone = work(model, motion, lambda _: 0.0)
+    force = force_of(model)
+    assert rms(alone - smooth) == pytest.approx(rms(force(positions)), rel=0.1)
+
+    helped, positions, error_helped = work(model, motion, right)
+    # What was read at the start of a sample acts until its end: half a sample late.
+    left = rms(force(0.5 * (positions[1:] + positions[:-1])) - right(positions[:-1]))
+    assert 0.7 * left < rms(helped - smooth) < 1.3 * left
+    assert rms(helped - smooth) < 0.05 * rms(alone - smooth)
+    # Steps of held entries are quicker than the cogging: the loop forgives them less.
+    assert rms(error_helped - error_smooth) < 0.3 * rms(error_alone - error_smooth)
+
+    wrong, *_ = work(model, motion, lambda position: -right(position))
+    assert rms(wrong - smooth) == pytest.approx(2.0 * rms(alone - smooth), rel=0.05)

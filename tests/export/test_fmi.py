@@ -139,25 +139,6 @@ def test_a_delay_of_any_length_has_the_bits_of_the_run(seed):
     assert_the_same(got, expected)
 
 
-def test_by_the_importer_s_own_loop(tmp_path):
-    """FMPy as its user calls it, with the commands as a signal."""
-    model, log, expected = simulated("flexible_mode", 4)
-    out = tmp_path / "axis.fmu"
-    out.write_bytes(cogging.export.to(model, "fmi").content)
-    signal = np.array(list(zip(log.time, log.command, strict=True)), dtype=[("time", float), ("command", float)])
-    result = fmpy.simulate_fmu(
-        str(out),
-        start_values=start_of(log, 4),
-        input=signal,
-        output=["reading", "position", "velocity"],
-        stop_time=log.time[-1],
-        output_interval=1 / model.controller.sample_rate,
-    )
-    assert len(result) == len(log)
-    got = np.column_stack([result[name] for name in ("reading", "position", "velocity")])
-    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-9 * LENGTH)
-
-
 def test_the_guide_s_lines_run(tmp_path, monkeypatch, capsys):
     model, log, _ = simulated("constant_force", 1)
     (lines,) = re.findall(r"```python\n(.*?)```", (SOURCES.parent / "docs" / "fmi.md").read_text(), re.DOTALL)

@@ -1,13 +1,10 @@
 """From the measured log of a ball-screw axis to its model, and from there to a motion that took no part in the fit."""
 
-import numpy as np
 import pytest
 
-from cogging.cli.main import main
 from cogging.datasets import emps
 from cogging.identification.identification import identify
 from cogging.identification.logged_run import LoggedRun
-from cogging.model.model import Model
 from tests.fixtures.emps import prior, read
 from tests.fixtures.measured import FOLDER
 
@@ -103,18 +100,3 @@ def test_direction_explains_most_of_the_offset(found):
     assert difference.value == pytest.approx(166.0 - 240.0, rel=0.2)
     assert not difference.ci95[0] < 0.0 < difference.ci95[1]
     assert richer.logs[0].residual_after < 0.9 * found.logs[0].residual_after
-
-
-def test_command(tmp_path, capsys):
-    guess, out = tmp_path / "prior.toml", tmp_path / "fitted.toml"
-    prior().write(guess)
-    columns = ",".join(f"{ours}={theirs}" for ours, theirs in emps.COLUMNS.items())
-    log = str(emps.files(FOLDER)["DATA_EMPS"])
-    arguments = ["identify", log, "--model", str(guess), "--columns", columns, "--out", str(out)]
-    assert main([*arguments, "--scale", f"command={emps.FORCE_CONSTANT}"]) == 0
-    print(capsys.readouterr().out)
-    fitted = Model.read(out)
-    assert fitted.axis.mass == pytest.approx(95.11, rel=0.015)
-    low, high = fitted.intervals["axis.mass"]
-    assert low < fitted.axis.mass < high
-    assert np.isfinite([low, high]).all()

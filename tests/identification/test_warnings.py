@@ -8,12 +8,7 @@ import pytest
 
 from cogging import Log
 from cogging.identification.identification import identify
-from cogging.identification.identification_result import (
-    LogFit,
-    ParameterEstimate,
-    percent,
-    warnings_of,
-)
+from cogging.identification.identification_result import LogFit, ParameterEstimate, percent, warnings_of
 from cogging.identification.parameter_fit import moved_beyond, thinned
 from tests.fixtures.identify_coverage import Case, draw, draw_hidden, draw_thinned, outcome_of
 

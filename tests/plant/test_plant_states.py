@@ -1,24 +1,22 @@
-"""Effects with a state of their own: presliding friction, backlash, flexible mode. Against closed forms, stiff and
-event-driven integration by scipy, balances of momentum and energy."""
+"""Effects with a state of their own: presliding friction, backlash, flexible mode. Against closed forms, stiff
+integration by scipy, balances of momentum and energy; in drawn plants: test_fast_plants.py."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 import cogging
 from tests.fixtures.log_columns import columns_of
-from tests.fixtures.plants_by_hand import driven, effect, exact_axis, free, pid, sine
+from tests.fixtures.plants_by_hand import driven, effect, exact_axis, free
 
 TWO_PI = 2 * np.pi
 
 # Presliding friction ---------------------------------------------------------------------------------------
 
 
-def radau(commands, rate, mass, viscous, level, stiffness, damping):
+def stiff(commands, rate, mass, viscous, level, stiffness, damping):
     """Positions at the samples, by a stiff integrator, sample by sample."""
 
     def rhs(_, state, u):
@@ -29,7 +27,7 @@ def radau(commands, rate, mass, viscous, level, stiffness, damping):
 
     states = [np.zeros(3)]
     for u in commands[:-1]:
-        solved = solve_ivp(rhs, (0, 1 / rate), states[-1], "Radau", args=(u,), rtol=1e-11, atol=1e-16)
+        solved = solve_ivp(rhs, (0, 1 / rate), states[-1], "LSODA", args=(u,), rtol=1e-11, atol=1e-16)
         assert solved.success
         states.append(solved.y[:, -1])
     return np.array(states)
@@ -45,7 +43,7 @@ def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
     def level(v):
         return 0.15 + 0.06 * np.exp(-((v / 0.02) ** 2))
 
-    expected = radau(commands, rate, mass, viscous, level, stiffness, damping)
+    expected = stiff(commands, rate, mass, viscous, level, stiffness, damping)
     assert stiffness * np.abs(expected[:, 1]).max() / 0.15 > 1e4
     plant = cogging.Plant(
         cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=0.15, coulomb_width=1e-3),
@@ -60,7 +58,7 @@ def test_a_stiff_bristle_is_that_of_the_stiff_integrator(stiffness, damping):
         assert np.abs(x - expected[:, 0]).max() < 2e-6 * np.ptp(expected[:, 0])
 
 
-@pytest.mark.parametrize("stiffness", 10.0 ** np.arange(2, 11))
+@pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e6, 1e9])
 def test_it_is_stable_however_stiff_and_tends_to_the_exact_form(stiffness):
     commands = 1.5 * np.sin(TWO_PI * 2 * np.arange(1001) / 1000.0)
     axis = exact_axis(viscous=0.3)
@@ -95,23 +93,6 @@ def test_presliding_follows_the_hysteresis_of_dahl():
     assert (np.diff(x[8001:]) <= 0).all()
 
 
-@pytest.mark.parametrize("damping", [0.0, 5.0])
-def test_steady_sliding_feels_the_level(damping):
-    """The damping of the bristle is gone; asymmetry, Stribeck and level along the travel are in it."""
-    viscous = 3.0
-    effects = [
-        effect("presliding_friction", stiffness=1e4, damping=damping),
-        effect("coulomb_asymmetry", difference=0.2),
-        effect("stribeck_friction", static_excess=0.3, velocity=0.5, exponent=1.0),
-        effect("position_dependent_friction", nodes=[0.0], levels=[0.1]),
-    ]
-    plant = cogging.Plant(exact_axis(viscous=viscous, coulomb_width=0.01), effects=effects)
-    for u in (2.5, -2.5):
-        v = driven(plant, np.full(6001, u), 1000.0, steps_per_sample=2).true_velocity[-1]
-        level = 0.8 + 0.1 * np.sign(u) + 0.3 * np.exp(-abs(v) / 0.5) + 0.1
-        assert u - viscous * v == pytest.approx(np.sign(u) * level, rel=1e-8)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_a_bristle_gives_no_energy(seed):
     """On a spring: energy never above its start, and rest is where the contact can hold the spring."""
@@ -136,68 +117,6 @@ def test_a_bristle_gives_no_energy(seed):
 
 
 # Flexible mode ---------------------------------------------------------------------------------------------
-
-
-def two_masses(commands, rate, mass, viscous, mode):
-    """States (x, v, q, q') at the samples by matrix exponentials."""
-    m1, m2 = (1 - mode.mass_ratio) * mass, mode.mass_ratio * mass
-    w, reduced = TWO_PI * mode.frequency, m1 * m2 / mass
-    k, c = w**2 * reduced, 2 * mode.damping_ratio * w * reduced
-    motor = np.array([0, -viscous / m1, k / m1, c / m1])
-    block = np.zeros((5, 5))
-    block[0, 1] = block[2, 3] = 1.0
-    block[1, :4] = motor
-    block[3, :4] = np.array([0, 0, -k / m2, -c / m2]) - motor
-    block[1, 4], block[3, 4] = 1 / m1, -1 / m1
-    move = expm(block / rate)
-    states = [np.zeros(4)]
-    for u in commands[:-1]:
-        states.append((move @ np.append(states[-1], u))[:4])
-    return np.array(states)
-
-
-@pytest.mark.parametrize("frequency", [3.0, 60.0, 900.0, 20_000.0])
-@pytest.mark.parametrize(("mass_ratio", "damping_ratio"), [(0.3, 0.02), (0.8, 0.4), (0.5, 3.0)])
-def test_a_flexible_mode_is_the_linear_system(frequency, mass_ratio, damping_ratio):
-    """Also far above the sample rate: the step is divided as the vibration needs it."""
-    mode = effect("flexible_mode", frequency=frequency, damping_ratio=damping_ratio, mass_ratio=mass_ratio)
-    axis = cogging.AxisParameters(mass=0.4, viscous=0.7)
-    commands = np.random.default_rng(6).normal(size=200)
-    log = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0, steps_per_sample=4)
-    expected = two_masses(commands, 1000.0, 0.4, 0.7, mode)
-    for column, values in (("true_position", expected[:, 0]), ("true_velocity", expected[:, 1])):
-        np.testing.assert_allclose(getattr(log, column), values, rtol=0, atol=2e-4 * np.abs(values).max())
-
-
-def test_the_frequency_and_the_decay_are_those_of_the_ring_down():
-    """One step a sample: free-free frequency within 1e-4, damping within 1 %."""
-    mode = effect("flexible_mode", frequency=37.0, damping_ratio=0.01, mass_ratio=0.4)
-    hit = effect("disturbance_step", force=5.0, start=0.0, stop=0.002)
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.5), effects=[mode, hit])
-    log = free(plant, 1.0, 5000.0)
-    t, v = log.time, log.true_velocity - 5.0 * 0.002 / 0.5  # momentum: the mean of both masses
-    up = np.flatnonzero((v[20:-1] < 0) & (v[21:] >= 0)) + 20
-    crossings = t[up] - v[up] * (t[up + 1] - t[up]) / (v[up + 1] - v[up])
-    periods = np.diff(crossings)
-    assert len(periods) > 30
-    frequency = 1 / periods.mean() / math.sqrt(1 - 0.01**2)
-    assert frequency == pytest.approx(37.0, rel=1e-4)
-    peaks = [v[i:j].max() for i, j in pairwise(up)]
-    decay = np.log(peaks[0] / peaks[-1]) / (len(peaks) - 1) / TWO_PI
-    assert decay == pytest.approx(0.01, rel=0.01)
-
-
-def test_a_stiff_mode_is_the_rigid_axis():
-    commands = np.random.default_rng(7).normal(size=100)
-    axis = cogging.AxisParameters(mass=0.4, viscous=0.7)
-    rigid = driven(cogging.Plant(axis), commands, 1000.0).true_position
-    errors = []
-    for frequency in (100.0, 1000.0, 10_000.0):
-        mode = effect("flexible_mode", frequency=frequency, damping_ratio=0.3, mass_ratio=0.4)
-        x = driven(cogging.Plant(axis, effects=[mode]), commands, 1000.0).true_position
-        errors.append(np.abs(x - rigid).max())
-    assert errors[1] < 0.05 * errors[0]
-    assert errors[2] < 0.05 * errors[1]
 
 
 @pytest.mark.parametrize(
@@ -227,95 +146,6 @@ def test_one_load_and_one_bristle_an_axis():
         with pytest.raises(ValueError, match=rf"^{name}: may not join another of its kind"):
             cogging.Plant(axis, effects=pair)
     cogging.Plant(axis, effects=[load[0], bristle])
-
-
-# Sticking with a load --------------------------------------------------------------------------------------
-
-
-def stick_and_slip(duration, mass, level, pull, ratio, start, push):
-    """(t, x, v) of a motor with exact Coulomb friction, its load on `pull`(q, q'); events located by scipy."""
-    m1, m2 = (1 - ratio) * mass, ratio * mass
-
-    def rates(t, state, direction):
-        _, v, q, r = state
-        if direction == 0:
-            return [0.0, 0.0, r, -pull(q, r) / m2]
-        a = (push(t) + pull(q, r) - level * direction) / m1
-        return [v, a, r, -pull(q, r) / m2 - a]
-
-    t, state, pieces = 0.0, np.array(start), []
-    while t < duration:
-        force = push(t) + pull(state[2], state[3])
-        direction = np.sign(state[1]) or np.sign(force) * (abs(force) > level)
-
-        def stops(_, s, d):
-            return s[1] * d if d else 1.0
-
-        def breaks(time, s, d):
-            return abs(push(time) + pull(s[2], s[3])) - level if d == 0 else -1.0
-
-        stops.terminal, stops.direction = True, -1
-        breaks.terminal, breaks.direction = True, 1
-        if state[1] == 0.0 and direction:  # off the event
-            state = state + 1e-9 * np.array(rates(t, state, direction))
-            t += 1e-9
-        solved = solve_ivp(
-            rates, (t, duration), state, "DOP853", args=(direction,), events=[stops, breaks],
-            rtol=1e-10, atol=1e-13, dense_output=True,
-        )  # fmt: skip
-        pieces.append((t, solved.t[-1], solved.sol))
-        t, state = solved.t[-1], solved.y[:, -1].copy()
-        if solved.t_events[0].size:
-            state[1] = 0.0
-        elif solved.t_events[1].size:
-            force = push(t) + pull(state[2], state[3])
-            state = state + 1e-9 * np.array(rates(t, state, np.sign(force)))
-            t += 1e-9
-
-    def at(times):
-        out = np.empty((4, len(times)))
-        for begin, end, solution in pieces:
-            inside = (times >= begin - 1e-8) & (times <= end + 1e-8)
-            if inside.any():
-                out[:, inside] = solution(times[inside])
-        return out
-
-    return at
-
-
-@pytest.mark.parametrize("kind", ["flexible_mode", "backlash"])
-@pytest.mark.parametrize("seed", range(4))
-def test_a_motor_that_sticks_while_its_load_rings(kind, seed):
-    """The pull of the load is in the balance of the resting motor; it tears it loose again."""
-    rng = np.random.default_rng(seed)
-    mass, level, ratio = 0.5, 0.8, rng.uniform(0.3, 0.7)
-    frequency, zeta, gap = rng.uniform(4, 12), rng.uniform(0.005, 0.05), 2e-3
-    w, reduced = TWO_PI * frequency, mass * ratio * (1 - ratio)
-    k, c = w**2 * reduced, 2 * zeta * w * reduced
-    if kind == "flexible_mode":
-        load = effect(kind, frequency=frequency, damping_ratio=zeta, mass_ratio=ratio)
-
-        def pull(q, r):
-            return k * q + c * r
-    else:
-        load = effect(kind, gap=gap, mass_ratio=ratio, contact_frequency=frequency, contact_damping_ratio=zeta)
-
-        def pull(q, r):
-            spring = k * (q - min(max(q, -gap / 2), gap / 2))
-            return spring + min(max(c * r, -abs(spring)), abs(spring))
-
-    tone = effect("disturbance_tone", frequency=1.3, sine=0.7)
-    log = free(cogging.Plant(exact_axis(), effects=[load, tone]), 2.0, 1000.0, v0=0.9, steps_per_sample=4)
-    x, v, *_ = stick_and_slip(
-        2.0, mass, level, pull, ratio, [0.0, 0.9, 0.0, 0.0], lambda t: 0.7 * np.sin(TWO_PI * 1.3 * t)
-    )(log.time)
-    rests = log.true_velocity == 0.0
-    changes = np.count_nonzero(np.diff(rests.astype(int)))
-    assert changes >= 2  # it stops, and is torn loose
-    assert (np.diff(log.true_position)[rests[1:] & rests[:-1]] == 0.0).all()
-    tolerance = 1e-9 if kind == "flexible_mode" else 1e-6  # a contact has kinks
-    np.testing.assert_allclose(log.true_position, x, rtol=0, atol=tolerance)
-    np.testing.assert_allclose(log.true_velocity, v, rtol=0, atol=30 * tolerance)
 
 
 # Backlash --------------------------------------------------------------------------------------------------
@@ -351,24 +181,6 @@ def test_the_motor_moves_through_the_gap_before_the_load_follows():
     assert q[settled].max() < -0.99 * gap / 2  # the load is pushed from behind
 
 
-def test_the_load_is_free_in_the_gap_and_crosses_all_of_it():
-    mass, ratio, gap = 0.5, 0.4, 4e-3
-    lost = effect("backlash", gap=gap, mass_ratio=ratio)
-    commands = 0.6 * np.sign(np.sin(TWO_PI * 2.0 * (np.arange(10_001) + 0.5) / 5000.0))
-    log = driven(cogging.Plant(cogging.AxisParameters(mass=mass), effects=[lost]), commands, 5000.0, steps_per_sample=2)
-    q, r = load_from_momentum(log, commands, mass, ratio)
-    load_velocity = log.true_velocity + r
-    inside = np.abs(q) < gap / 2 - 1e-9
-    assert inside.mean() > 0.05
-    both = inside[1:] & inside[:-1]
-    assert np.abs(np.diff(load_velocity)[both]).max() < 1e-9
-    assert q.min() < -gap / 2
-    assert q.max() > gap / 2
-    # A contact of 200 Hz bends by the speed of the impact over 2 pi 200 Hz, and by what the load is pushed with.
-    stiffness = (TWO_PI * 200.0) ** 2 * mass * ratio * (1 - ratio)
-    assert np.abs(q).max() < gap / 2 + np.abs(r).max() / (TWO_PI * 200.0) + 0.6 * ratio / stiffness
-
-
 @pytest.mark.parametrize("frequency", [50.0, 200.0, 3000.0])
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.3, 2.0])
 def test_bounces_take_energy_and_never_give_any(frequency, zeta):
@@ -393,34 +205,3 @@ def test_bounces_take_energy_and_never_give_any(frequency, zeta):
         assert energy[-1] == pytest.approx(energy[0], abs=tolerance)
     else:
         assert energy[-1] - least < 0.5 * (energy[0] - least)
-
-
-def test_backlash_converges_with_the_step():
-    lost = effect("backlash", gap=1e-3, mass_ratio=0.4, contact_damping_ratio=0.2)
-    commands = 0.8 * np.sin(TWO_PI * 5 * np.arange(501) / 1000.0)
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.3, viscous=1.0), effects=[lost])
-    x = {n: driven(plant, commands, 1000.0, steps_per_sample=n).true_position for n in (8, 32, 128, 512)}
-    errors = [np.abs(x[n] - x[512]).max() for n in (8, 32, 128)]
-    assert errors[1] < 0.3 * errors[0]
-    assert errors[2] < 0.3 * errors[1]
-    assert errors[2] < 1e-5 * np.ptp(x[512])
-
-
-# All of them -----------------------------------------------------------------------------------------------
-
-
-def test_a_batch_gives_the_bits_of_single_runs():
-    loads = [
-        [effect("backlash", gap=1e-3, mass_ratio=0.3)],
-        [effect("flexible_mode", frequency=30.0, mass_ratio=0.3), effect("presliding_friction", stiffness=1e5)],
-        [effect("presliding_friction", stiffness=1e4, damping=1.0), effect("force_constant_ripple", cosine=0.1)],
-    ]
-    plants = [cogging.Plant(exact_axis(viscous=0.5), effects=effects) for effects in loads]
-    controllers = [pid(2000.0, kp=500.0, kd=10.0)] * 3
-    reference = sine(amplitude=0.02, frequency=2.0)
-    logs = cogging.closed_loop_batch(plants, controllers, reference, duration=0.5, threads=3, logs=True)
-    for plant, controller, log in zip(plants, controllers, logs, strict=True):
-        alone = cogging.closed_loop(plant, controller, reference, duration=0.5)
-        for column, values in columns_of(alone).items():
-            np.testing.assert_array_equal(getattr(log, column), values)
-        assert np.ptp(log.true_position) > 0.01

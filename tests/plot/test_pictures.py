@@ -21,21 +21,9 @@ from cogging.plot.traces import UNITS, gaps, trace
 from tests.fixtures.covering import covering
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
-FACTORS = {
-    "ns": 1e9,
-    "m": 1.0,
-    "mm": 1e3,
-    "µm": 1e6,
-    "nm": 1e9,
-    "s": 1.0,
-    "ms": 1e3,
-    "µs": 1e6,
-    "V": 1.0,
-    "mV": 1e3,
-    "µV": 1e6,
-}
-FACTORS |= {"nV": 1e9, "m/s": 1.0, "mm/s": 1e3, "µm/s": 1e6, "nm/s": 1e9}
-FACTORS |= {"rad": 1.0, "mrad": 1e3, "µrad": 1e6, "A": 1.0, "mA": 1e3, "µA": 1e6, "m/s²": 1.0, "V/(m/s²)": 1.0}
+PREFIXES = {"": 1.0, "m": 1e3, "µ": 1e6, "n": 1e9}
+FACTORS = {p + unit: f for unit in ("m", "s", "V", "m/s", "rad", "A") for p, f in PREFIXES.items()}
+FACTORS |= {"m/s²": 1.0, "V/(m/s²)": 1.0}
 AMPERES = cogging.Units(command="A", position="rad")
 
 

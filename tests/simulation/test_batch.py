@@ -1,16 +1,12 @@
 """Batches that keep no rows: the numbers of the logs, memory that does not grow with rows, failures as rows."""
 
 import math
-import subprocess
-import sys
-import textwrap
 
 import numpy as np
 import pytest
 
 import cogging
 from cogging.simulation.reductions import INDEXES
-from tests.fixtures.sweeps import read_table
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.2, coulomb=0.15, coulomb_width=1e-3, travel=[-1.0, 1.0])
 
@@ -87,29 +83,6 @@ def test_an_axis_that_stands_still_has_no_wave():
     assert batch.indexes["error_tone(5)"] == 0.0
 
 
-def test_a_failed_run_is_a_row(tmp_path):
-    rng = np.random.default_rng(2)
-    plants, controllers, seeds = map(list, zip(*(machine(rng) for _ in range(5)), strict=True))
-    controllers[3] = cogging.Pid(cogging.PidParameters(kp=1e12))
-    told = []
-    batch = cogging.closed_loop_batch(plants, controllers, move(rng), seeds=seeds, duration=0.3, progress=told.append)
-    frame = batch.to_pandas()
-    assert told[-1] == "5 of 5 runs"
-    assert frame.index.tolist() == list(range(5))
-    assert frame["error_rms"].isna().tolist() == [False, False, False, True, False]
-    assert (frame["reason"] != "").tolist() == frame["error_rms"].isna().tolist()
-    assert frame["reason"][3].startswith(f"the run diverged at {frame['failed_at'][3]:g} s: position")
-    same = cogging.closed_loop_batch(plants, controllers, move(np.random.default_rng(9)), seeds=seeds, duration=0.3)
-    assert same.failures[0].run == 3
-    for name in ("runs.csv", "runs.parquet"):
-        batch.write(tmp_path / name)
-    import pandas
-
-    again = read_table(tmp_path / "runs.csv")
-    np.testing.assert_array_equal(again[list(INDEXES)], frame[list(INDEXES)])
-    pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "runs.parquet").set_index("run"), frame)
-
-
 @pytest.mark.parametrize(
     ("options", "text"),
     [
@@ -134,23 +107,3 @@ def test_what_cannot_be_asked_is_refused_in_one_line(options, text):
     batch = cogging.closed_loop_batch([cogging.Plant(AXIS)], [pid], move(np.random.default_rng(0)), duration=0.5)
     with pytest.raises(ValueError, match=r"^logs: must be asked for to be kept"):
         _ = batch[0]
-
-
-def peak(rows, runs):
-    """The peak memory (MB) of a process of its own that runs a batch."""
-    code = f"""
-        import resource, cogging
-        plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))
-        pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0, sample_rate=5000.0))
-        move = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=2.0))
-        batch = cogging.closed_loop_batch([plant] * {runs}, [pid] * {runs}, move, duration={rows} / 5000.0, threads=2)
-        assert batch.indexes["error_rms"].min() > 0.0
-        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / {2**20 if sys.platform == "darwin" else 1024})
-    """
-    return float(subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=True, capture_output=True).stdout)
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no resource module")
-def test_memory_does_not_grow_with_rows():
-    short, long = peak(500, 40), peak(25_000, 40)
-    assert long - short < 8.0  # MB; the logs alone would take 40 x 25,000 x 64 bytes = 61 MB

@@ -12,40 +12,13 @@ from cogging import _core
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.log_columns import columns_of
 from tests.fixtures.plants_by_hand import EXAMPLES, effect
+from tests.golden.logs import CONTROLLERS as FIELDS
 
 ROOT = Path(__file__).resolve().parents[2]
 SETS = ["none", *_core.instruction_sets()]
-RATE, MASS = 5000.0, 0.3
+MASS = 0.12
 MOVE = cogging.Sine(cogging.SineParameters(center=0.05, amplitude=0.03, frequency=6.0))
-FEEDFORWARD = {"sample_rate": RATE, "mass": MASS, "viscous": 0.4, "coulomb": 0.1, "coulomb_width": 0.003}
-LEARNS = {
-    "sample_rate": RATE,
-    "mass": MASS,
-    "mass_bounds": [0.1, 0.6],
-    "mass_adaptation": 1.0,
-    "viscous_adaptation": 10.0,
-    "coulomb_adaptation": 10.0,
-    "disturbance_adaptation": 1000.0,
-    "cogging_harmonics": [1, 2],
-    "cogging_control_points": 9,
-    "cogging_adaptation": 100.0,
-    "epsilon": 0.1,
-}
-TUNED = {
-    "pid": {"kp": 9600.0, "ki": 1e5, "kd": 60.0, "feedforward_velocity": "measured"} | FEEDFORWARD,
-    "cascade": {"kp": 100.0, "kv": 60.0} | FEEDFORWARD,
-    "speed": {"kp": 20.0, "delay": 3.3e-4} | FEEDFORWARD,
-    "arc": LEARNS,
-    "dcarc": LEARNS,
-    "output_feedback_arc": {"theta": [8.4, 2.5, 0.0], "sample_rate": RATE, "coulomb": 0.1},
-    "observer_based": {
-        "sample_rate": RATE,
-        "periods": [0.05, 0.025],
-        "observer_gain": [600.0, 1.2e5, 8e6, 0.0, 0.0, 0.0, 0.0],
-        "delay": 0.0003,
-        "mass": MASS,
-    },
-}
+TUNED = FIELDS | {"pid": FIELDS["pid"] | {"command_limit": 0.0}}
 PACKED_GAINS = {"pid": "kp", "cascade": "kv", "speed": "kp", "arc": "feedback_gain", "dcarc": "error_gain"}
 HAS_STATE = {"presliding_friction", "backlash", "flexible_mode"}
 KEPT = {

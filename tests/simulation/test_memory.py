@@ -87,7 +87,7 @@ refused(lambda: batch(30, 100_000, logs=True))
 refused(lambda: batch(30, 100_000, logs=True, progress=lambda told: None))
 refused(lambda: batch(30, 100_000, columns=["time", "position", "command", "reference", "true_position"]))
 print(batch(30, 10_000, logs=True)[29].time.size)
-print(batch(30, 10_000).columns)
+print(batch(30, 100_000).columns)
 """
     estimates, of_run, at_once, in_parts, of_some, rows, none = said_within_limits(calls)
     assert f"60001 samples of {8 + int(estimates)} columns take " in of_run

@@ -41,10 +41,7 @@ class Dies(concurrent.futures.Executor):
 @pytest.mark.parametrize(
     ("error", "text"),
     [
-        (
-            BrokenProcessPool("a child process\nended"),
-            "Dies has died: BrokenProcessPool: a child process ended",
-        ),
+        (BrokenProcessPool("a child process\nended"), "Dies has died: BrokenProcessPool: a child process ended"),
         (
             ModuleNotFoundError("No module named 'cogging'"),
             "Dies has a worker that cannot import the package: ModuleNotFound",

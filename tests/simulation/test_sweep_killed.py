@@ -15,10 +15,11 @@ from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals and locks of POSIX")
 
 
-def test_a_sweep_that_is_killed_loses_no_run_and_repeats_none():
-    found = attack("threads", 2, 3, signal.SIGKILL, runs=240)
+@pytest.mark.parametrize(("number", "kills"), [(signal.SIGKILL, 2), (signal.SIGINT, 1), (signal.SIGTERM, 1)])
+def test_a_sweep_that_is_killed_loses_no_run_and_repeats_none(number, kills):
+    found = attack("threads", kills, 3, number, runs=240)
     assert found.faults == []
-    assert sum(found.kills.values()) == 2
+    assert sum(found.kills.values()) == kills
     assert found.runs == 240 * found.done > 0
 
 
