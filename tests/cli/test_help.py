@@ -8,7 +8,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cogging.cli.main import COMMANDS, main
-from cogging.cli.parser import EXAMPLES
 from cogging.cli.reproduce import PAPERS
 from cogging.papers.result import Reproduction
 from tests.fixtures import command_files
@@ -62,18 +61,6 @@ def test_the_examples_run(command, folder, capsys):
             assert output not in before, call
 
 
-@pytest.mark.parametrize("columns", [60, 120])
-def test_help_fits_the_terminal(columns, monkeypatch, capsys):
-    monkeypatch.setenv("COLUMNS", str(columns))
-    for command in (None, *COMMANDS):
-        text = help_of(capsys, *([command] if command else []))
-        assert text.isascii(), "a terminal of few letters shows it"
-        for heading in (".toml:\n", "permanently:", "forms:\n", f"\n{EXAMPLES}"):
-            text = text.partition(heading)[0]
-        longest = max(text.splitlines(), key=len)
-        assert len(longest) <= min(columns, 100) or " " not in longest.strip(), longest
-
-
 def test_the_commands_are_listed_also_without_one(capsys):
     whole = help_of(capsys)
     assert main(["help"]) == 0
@@ -120,10 +107,3 @@ def test_a_mistyped_value_is_answered_with_the_nearest(words, known, capsys):
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert f"must be one of {', '.join(known)}, got '{words[1]}' (did you mean '" in said
-
-
-def test_what_is_nowhere_near_gets_no_guess(capsys):
-    for words in (["frobnicate"], ["audit", "log.csv", "--zzz"]):
-        with pytest.raises(SystemExit):
-            main(words)
-        assert "did you mean" not in capsys.readouterr().err

@@ -12,16 +12,16 @@ from cogging.papers.result import Reproduction
 from tests.fixtures import hostile_calls
 from tests.fixtures.hostile_answers import answered, faults, place
 
-#: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands.
+#: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands, `.ci/run` hundreds.
 CALLS = {
-    "model": 60,
-    "option": 50,
-    "signal": 20,
-    "name": 25,
-    "reference": 20,
-    "header": 15,
-    "document": 15,
-    "sidecar": 10,
+    "model": 30,
+    "option": 30,
+    "signal": 10,
+    "name": 20,
+    "reference": 10,
+    "header": 8,
+    "document": 12,
+    "sidecar": 6,
 }
 
 
