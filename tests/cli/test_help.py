@@ -1,7 +1,6 @@
 """What the command says of itself: examples that run, lines that fit the terminal, the nearest to a mistyped word."""
 
 import shlex
-import shutil
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -9,26 +8,13 @@ from hypothesis import strategies as st
 
 from cogging.cli.main import COMMANDS, main
 from cogging.cli.reproduce import PAPERS
-from cogging.papers.result import Reproduction
-from tests.fixtures import command_files
 from tests.fixtures.commands import diagnose_once, examples_of, of, words_of
 
 
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("examples")
-    command_files.write(folder)
-    return folder
-
-
 @pytest.fixture
-def folder(written, tmp_path, monkeypatch):
-    shutil.copytree(written, tmp_path / "work")
-    monkeypatch.chdir(tmp_path / "work")
-    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
-    monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
+def examples(folder, monkeypatch):
     diagnose_once(monkeypatch)
-    return tmp_path / "work"
+    return folder
 
 
 def help_of(capsys, *words):
@@ -40,11 +26,11 @@ def help_of(capsys, *words):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_examples_run(command, folder, capsys):
+def test_the_examples_run(command, examples, capsys):
     calls = examples_of(command)
     assert len(calls) >= (1 if command == "schema" else 2)
     shown = help_of(capsys, command)
-    before = {path.name for path in folder.iterdir()}
+    before = {path.name for path in examples.iterdir()}
     for words in calls:
         call = shlex.join(["cogging", *words])
         assert f"\n  {call}\n" in f"{shown}\n"
@@ -57,7 +43,7 @@ def test_the_examples_run(command, folder, capsys):
         for output in (
             words[i + 1] for i, word in enumerate(words) if word in ("--out", "--json", "--report", "--figure")
         ):
-            assert output == "-" or (folder / output).exists(), call
+            assert output == "-" or (examples / output).exists(), call
             assert output not in before, call
 
 

@@ -16,7 +16,6 @@ import cogging
 import cogging.diagnosis.diagnose
 from cogging.cli.main import COMMANDS, main
 from cogging.cli.next_command import PLACEHOLDERS, command_line, free_name
-from cogging.papers.result import Reproduction
 from tests.fixtures import command_files
 from tests.fixtures.commands import diagnose_once, examples_of
 from tests.fixtures.hostile_calls import NAMES
@@ -37,22 +36,6 @@ OWN = {
     "LIMITS.toml": "limits.toml",
     "TUNE.toml": "tune.toml",
 }
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("next")
-    command_files.write(folder)
-    return folder
-
-
-@pytest.fixture
-def folder(written, tmp_path, monkeypatch):
-    shutil.copytree(written, tmp_path / "work")
-    monkeypatch.chdir(tmp_path / "work")
-    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
-    monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
-    return tmp_path / "work"
 
 
 @pytest.fixture(scope="module")
