@@ -258,7 +258,7 @@ def test_files_keep_the_contract(tmp_path, family):
 
 
 def test_a_suite_is_the_same_again_and_its_names_tell_nothing(tmp_path):
-    specifications = plan_suite(5, 1, kinds=["effect"], effects=["constant_force"])
+    specifications = plan_suite(5, 2, kinds=["null", "effect"], effects=["constant_force", "disturbance_tone"])
     keys = [draw_suite(5, tmp_path / name / "cases", tmp_path / name / "key", specifications) for name in "ab"]
     assert json.dumps(keys[0]) == json.dumps(keys[1])
     for name in keys[0]["cases"]:
