@@ -31,11 +31,6 @@ MISTAKES = {
     "a dict for a log": (lambda: cogging.audit(LOG.columns()), r"audit: log: must be a Log, got a dict: Log\.of"),
     "a list with another": (lambda: cogging.identify([LOG, 3], MODEL), r"identify: logs: .*, got 3"),
     "a file for a log": (lambda: cogging.audit("a.csv"), r"audit: log: must be a Log, got 'a\.csv': read_log reads"),
-    "an unknown key": (
-        lambda: cogging.Model.from_dict({"axis": {"mas": 1, "mass": 1}}),
-        r"axis\.mas: is unknown; did you mean mass\?",
-    ),
-    "an unknown section": (lambda: cogging.Model.from_dict({"axes": {}}), r"axes: is unknown.* mean axis\?"),
     "a field of a class": (
         lambda: cogging.Model(axis=MODEL.axis, efects=[]),
         r"Model: efects: is not an argument; did you mean effects\?",
@@ -87,8 +82,6 @@ MISTAKES = {
         lambda: cogging.closed_loop(PLANT, MODEL.controller, SINE),
         r"controller: PidParameters\.command must be given, got nothing: a controller is an object with",
     ),
-    "a replaced field": (lambda: MODEL.axis.replace(mas=1.0), r"AxisParameters: mas: is not .* did you mean mass\?"),
-    "a paper": (lambda: cogging.reproduce("lu2009"), r"paper: must be one of lu2008, .* got 'lu2009'"),
     "a shown progress": (lambda: cogging.identify(LOG, MODEL, progress="yes"), r"progress: must be True, False or a"),
 }
 

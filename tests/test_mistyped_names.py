@@ -60,10 +60,7 @@ CALLS = {
     "a limit of a motion": (lambda: cogging.MotionLimits(velocty=1.0), "velocity"),
     "a limit of tuning": (lambda: cogging.tune(MODEL, SINE, limits={"comand_max": 1.0}), "command_max"),
     "a predicted controller": (lambda: cogging.predict_error(MODEL, SINE, controllers=["cascad"]), "cascade"),
-    "a goal": (
-        lambda: cogging.plan_experiment(MODEL, limits=cogging.MotionLimits(**LIMITS), goal="detct"),
-        "detect",
-    ),
+    "a goal": (lambda: cogging.plan_experiment(MODEL, limits=cogging.MotionLimits(**LIMITS), goal="detct"), "detect"),
     "a log of a set": (lambda: emps.read("DATA_EMP"), "DATA_EMPS"),
     "a log of another": (lambda: laas.read("stoped_data"), "stopped_data"),
     "a scan": (lambda: odrive.scan("forwards"), "forward"),

@@ -5,7 +5,6 @@ The outputs that are committed are compared with those of a fresh run: the words
 `python -m tests.fixtures.notebooks`.
 """
 
-import ast
 import functools
 import subprocess
 import sys
@@ -13,30 +12,8 @@ import sys
 import numpy as np
 import pytest
 
-from tests.fixtures.notebooks import (
-    FOLDER_OF_NOTEBOOKS,
-    MEASURED,
-    METADATA,
-    NOTEBOOKS,
-    differences,
-    executed,
-    pictures,
-    texts,
-)
+from tests.fixtures.notebooks import MEASURED, NOTEBOOKS, differences, executed, pictures, texts
 
-LARGEST = 500_000  # bytes of a notebook with its outputs
-#: Calls that draw.
-DRAWS = {
-    "plot",
-    "figure",
-    "subplots",
-    "figure_errors",
-    "figure_increment",
-    "cogging_map",
-    "adaptation",
-    "friction_curve",
-}
-EVERY = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 RUN = pytest.mark.parametrize(
     "path", [pytest.param(path, id=path.stem, marks=[pytest.mark.data] * (path in MEASURED)) for path in NOTEBOOKS]
 )
@@ -51,66 +28,6 @@ def read(path):
 
 def code_of(path):
     return [cell for cell in read(path).cells if cell.cell_type == "code"]
-
-
-def draws(source):
-    """Whether a cell draws: it calls what draws, or shows a figure of a result."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in DRAWS:
-            return True
-        if isinstance(node, ast.Subscript) and ast.unparse(node.value).endswith(".figures"):
-            return True
-    return False
-
-
-def test_there_are_notebooks():
-    assert len(NOTEBOOKS) - len(MEASURED) >= 6
-    assert len(MEASURED) >= 2
-    assert not list(FOLDER_OF_NOTEBOOKS.glob("*.py"))
-
-
-#: What a notebook that shows a longer study says first: studies are no part of the package.
-STUDIES = 'sys.path.insert(0, "..")  # the folder of `studies`'
-
-
-@EVERY
-def test_none_reaches_out_of_its_folder(path):
-    """They use the package and what it needs, not the tests, no file; studies and measured data where they say so."""
-    source = "\n".join(cell.source for cell in code_of(path))
-    beside = {"sys", "studies"} if STUDIES in source else set()
-    source = source.replace(STUDIES, "")
-    for word in ("sys.path", "tests.", "../", '".."', "__file__", "shared", "%matplotlib"):
-        assert word not in source, word
-    assert ("cogging.datasets" in source) == (path in MEASURED) == ("COGGING_DATA" in path.read_text(encoding="utf-8"))
-    roots = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            roots |= {name.name.split(".")[0] for name in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            roots.add(node.module.split(".")[0])
-    assert roots - beside <= {"cogging", "matplotlib", "numpy", "os", "tempfile"}
-
-
-@EVERY
-def test_the_committed_notebook_shows_its_story(path):
-    """Each cell that draws has its picture, none has an error; nothing in it changes from run to run."""
-    assert path.stat().st_size < LARGEST
-    notebook = read(path)
-    assert notebook.metadata == METADATA
-    drawing = 0
-    for number, cell in enumerate(code_of(path), start=1):
-        assert cell.metadata == {}
-        assert cell.execution_count == number
-        kinds = {output.output_type for output in cell.outputs}
-        assert kinds <= {"stream", "execute_result", "display_data"}, cell.source
-        assert all(output.get("name", "stdout") == "stdout" for output in cell.outputs), cell.source
-        if draws(cell.source):
-            drawing += 1
-            assert pictures(cell) >= 1, cell.source
-        shown = [text for text in texts(cell) if "Figure size" in text]
-        assert len(shown) == pictures(cell) - sum("Axes" in text and "Figure" not in text for text in texts(cell))
-    assert drawing >= 1
-    assert any(len("".join(texts(cell))) > 100 for cell in code_of(path))
 
 
 @pytest.mark.notebook

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 HERE = Path(__file__).parents[1]
 #: What a notebook has of itself.
 GIVEN = "from typing import Any\ndef display(*shown: Any) -> None: ...\n"
@@ -40,6 +42,7 @@ def of_numba():
     return [] if typed else ["--allow-untyped-decorators"]
 
 
+@pytest.mark.study  # `.ci/run` has it beside the other checks of types
 def test_what_a_user_copies_is_typed(tmp_path):
     made = dict(snippets())
     assert {"README", *(path.stem for path in NOTEBOOKS)} <= set(made)

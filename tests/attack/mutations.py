@@ -5,38 +5,15 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 
-NUMBERS = ("nan", "inf", "-inf", "1e309", "-1e309", "1e300", "5e-324", "0x10", "1_000", "1,5", "1.2.3", "+-1", "", " ")
-NUMBERS += (
-    "9" * 400,
-    "\u0663",
-    "1e",
-    "e5",
-    ".",
-    "-",
-    "true",
-    "None",
-    "=1+1",
-    "@SUM(A1)",
-    "\x00",
-    "1\x1b[31m",
-    "\u202e1",
-)
+NUMBERS = (
+    "nan", "inf", "-inf", "1e309", "-1e309", "1e300", "5e-324", "0x10", "1_000", "1,5", "1.2.3", "+-1", "", " ",
+    "9" * 400, "\u0663", "1e", "e5", ".", "-", "true", "None", "=1+1", "@SUM(A1)", "\x00", "1\x1b[31m", "\u202e1",
+)  # fmt: skip
 WORDS = (
-    "time",
-    "position",
-    "command",
-    "",
-    "time",
-    " time",
-    "position [mm]",
-    "command [mV]",
-    "x" * 5000,
-    "x" + " " * 5000 + "[",
-    "x [" + " " * 5000 + "m",
-    "\x1b[2J",
-    "é",
-)
-WORDS += ("é", "=cmd|' /C calc'!A0", "+time", "-time", "@time", "position\u202e", "reference", "nan", "1", '"')
+    "time", "position", "command", "", "time", " time", "position [mm]", "command [mV]", "x" * 5000,
+    "x" + " " * 5000 + "[", "x [" + " " * 5000 + "m", "\x1b[2J", "é",
+    "é", "=cmd|' /C calc'!A0", "+time", "-time", "@time", "position\u202e", "reference", "nan", "1", '"',
+)  # fmt: skip
 PARTS = (",", ";", "\t", " ", "|", "\0")
 
 
@@ -95,9 +72,7 @@ def of_table(content: bytes, chance: random.Random) -> bytes:
 
 def _header(chance: random.Random) -> list[str]:
     word, count = chance.choice(WORDS), chance.choice((1, 3, 100_000))
-    return [
-        word if count < 100_000 else word[:10]
-    ] * count  # a megabyte: larger files take their time, and tell no more
+    return [word if count < 100_000 else word[:10]] * count  # a megabyte: larger files tell no more
 
 
 def _cell(rows: list[list[str]], chance: random.Random, words: tuple[str, ...]) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 import cogging
 from cogging import EFFECTS, AxisParameters, EncoderParameters, Log, Model, PidParameters
 from cogging_command import run_command
-from tests.blind.large.runner import within
+from tests.blind.runners import within
 
 SCALES = (0.02, 0.03, 0.1, 0.3, 1.0, 3.0)
 QUANTUM = 9.6e-5  # rad, 2^16 counts a turn

@@ -53,7 +53,7 @@ def test_too_many_coefficients_are_refused_by_name(terms, points):
         )
 
 
-@pytest.mark.parametrize("terms", [1, 3, 32])
+@pytest.mark.parametrize("terms", [1, 32])
 def test_the_largest_allowed_model_works(terms):
     most = 10**7 // (2 * terms)
     large = basis(terms, most, order=3)

@@ -62,8 +62,7 @@ def test_a_plant_along_a_prediction_lives_as_long_as_it_is_held():
 
 @pytest.mark.parametrize("value", [True, False, np.bool_(True)], ids=["True", "False", "numpy True"])
 @pytest.mark.parametrize(
-    ("kind", "field"),
-    [("AxisParameters", "mass"), ("PidParameters", "kp"), ("PointToPointParameters", "repeats")],
+    ("kind", "field"), [("AxisParameters", "mass"), ("PidParameters", "kp"), ("PointToPointParameters", "repeats")]
 )
 def test_truth_values_are_no_numbers(kind, field, value):
     with pytest.raises(TypeError, match=rf"{kind}: {field}: must be a (whole )?number, got {bool(value)}"):
@@ -252,7 +251,7 @@ def test_a_time_below_zero_counts_from_its_first_row():
         assert np.abs(shifted - first).max() < 1e-6 * size
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 @given(seed=st.integers(0, 10_000))
 def test_a_drawn_call_ends_as_it_should(seed):
     """A few of those that the attack makes, in this process; the whole of it watches its processes from outside."""

@@ -1,7 +1,7 @@
 """Draw a fresh blind suite, run, score, print: `python -m tests.blind.benchmark --seed N --cases M --out DIR`.
 
-DIR/cases holds what the runner sees, DIR/key what only the scorer reads, DIR/results_<runner> the answers. A second
-call with --rescore scores the answers that are there; with --keep it draws nothing and runs only what is missing.
+DIR/cases holds what `cogging.diagnose` sees, DIR/key what only the scorer reads, DIR/results_diagnose the answers. A
+second call with --rescore scores the answers that are there; with --keep it draws nothing and runs what is missing.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from cogging_command import run_command
 from .machines import NULL_FAMILIES
 from .outside import OUTSIDE
 from .report import format_table
-from .runners import RUNNERS, run_case
+from .runners import run_case
 from .score import Outcome, judge, plain, table
-from .suite import LAMBDAS, SHARES, draw_suite, plan_suite
+from .suite import KINDS, LAMBDAS, SHARES, draw_suite, plan_suite
 from .vocabulary import CHANGES, VOCABULARY
 
 if sys.version_info >= (3, 11):
@@ -55,12 +55,13 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, required=True, help="of the suite")
     parser.add_argument("--cases", type=int, default=60)
     parser.add_argument("--jobs", type=int, default=2, help="worker processes")
-    parser.add_argument("--kinds", type=listed(tuple(SHARES)), default=list(SHARES), help=", ".join(SHARES))
+    parser.add_argument(
+        "--kinds", type=listed(KINDS), default=list(SHARES), help=f"{', '.join(KINDS)}; all but the last"
+    )
     parser.add_argument("--family", type=listed(NULL_FAMILIES), default=list(NULL_FAMILIES), help="families of nulls")
     parser.add_argument("--effects", type=listed(EFFECTS), default=list(EFFECTS), help="of the vocabulary")
     parser.add_argument("--outside", type=listed(tuple(OUTSIDE)), default=list(OUTSIDE), help="outside the vocabulary")
     parser.add_argument("--lambdas", type=lambda s: [float(v) for v in s.split(",")], default=list(LAMBDAS))
-    parser.add_argument("--runner", choices=(*RUNNERS, "all"), default="diagnose")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only-draw", action="store_true")
     parser.add_argument("--keep", action="store_true", help="use the cases and answers that are in --out")
@@ -73,15 +74,15 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     return options
 
 
-def run_suite(runner: str, out: Path, jobs: int, *, again: bool) -> None:
-    """Run a runner on all cases of a folder; `again`: also where an answer is there."""
-    answers = out / f"results_{runner}"
+def run_suite(out: Path, jobs: int, *, again: bool) -> None:
+    """Diagnose all cases of a folder; `again`: also where an answer is there."""
+    answers = out / "results_diagnose"
     answers.mkdir(parents=True, exist_ok=True)
     tasks = []
     for case in sorted((out / "cases").glob("case_*")):
         target = answers / f"{case.name}.json"
         if again or not target.exists():
-            tasks.append((runner, str(case), str(target)))
+            tasks.append((str(case), str(target)))
     with ProcessPoolExecutor(jobs) if jobs > 1 else contextlib.nullcontext() as pool:
         answered = map(run_case, tasks) if pool is None else pool.map(run_case, tasks)
         for count, (name, result, seconds) in enumerate(answered, start=1):
@@ -89,17 +90,17 @@ def run_suite(runner: str, out: Path, jobs: int, *, again: bool) -> None:
             print(f"{count}/{len(tasks)} {name} {seconds:.1f} s {verdict}", file=sys.stderr, flush=True)
 
 
-def score_suite(runner: str, out: Path) -> tuple[list[Outcome], dict[str, Any]]:
-    """Judge the answers that are there by the key; write DIR/table_<runner>.json."""
+def score_suite(out: Path) -> tuple[list[Outcome], dict[str, Any]]:
+    """Judge the answers that are there by the key; write DIR/table_diagnose.json."""
     key = json.loads((out / "key" / "key.json").read_text())
     outcomes = []
     for name, entry in sorted(key["cases"].items()):
-        path = out / f"results_{runner}" / f"{name}.json"
+        path = out / "results_diagnose" / f"{name}.json"
         if path.exists():
             answer = json.loads(path.read_text())
             outcomes.append(judge(name, entry, answer["result"], answer["seconds"]))
     figures = table(outcomes)
-    (out / f"table_{runner}.json").write_text(json.dumps({"seed": key["seed"], **plain(figures)}, indent=1))
+    (out / "table_diagnose.json").write_text(json.dumps({"seed": key["seed"], **plain(figures)}, indent=1))
     return outcomes, figures
 
 
@@ -122,14 +123,11 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"left out: {reason}", file=sys.stderr)
     if options.only_draw:
         return 0
-    for runner in RUNNERS if options.runner == "all" else (options.runner,):
-        if not options.rescore:
-            run_suite(runner, options.out, options.jobs, again=not options.keep)
-        _, figures = score_suite(runner, options.out)
-        title = f"== {runner}, seed {options.seed}" + (
-            " (a seed of the tuning)" if options.seed in tuning_seeds() else ""
-        )
-        print(format_table(figures, title, details=not options.brief))
+    if not options.rescore:
+        run_suite(options.out, options.jobs, again=not options.keep)
+    _, figures = score_suite(options.out)
+    title = f"== diagnose, seed {options.seed}" + (" (a seed of the tuning)" if options.seed in tuning_seeds() else "")
+    print(format_table(figures, title, details=not options.brief))
     return 0
 
 

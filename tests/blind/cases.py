@@ -23,16 +23,12 @@ ATTEMPTS = 25
 SECTION = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
 SMOOTH_LAWS = ("tanh", "algebraic", "arctangent", "mixture", "ramp")
 #: Effects that need rigid friction or one mass: which friction laws their machines may have.
-LAWS_OF = {
-    "presliding_friction": ("bristle",),
-    "backlash": SMOOTH_LAWS,
-    "flexible_mode": SMOOTH_LAWS,
-}
+LAWS_OF = {"presliding_friction": ("bristle",), "backlash": SMOOTH_LAWS, "flexible_mode": SMOOTH_LAWS}
 
 
 @dataclass(frozen=True)
 class Specification:
-    """What a case shall hold: `kind` is null, effect, outside, pair or triple; names may be empty for a null.
+    """What a case shall hold: `kind` is null, effect, outside, pair, triple or large; names may be empty for a null.
 
     Attributes:
         family: of nulls (machines.NULL_FAMILIES); "plain" draws everything.
@@ -47,7 +43,7 @@ class Specification:
 
 @dataclass
 class Case:
-    """A drawn case: plans and runs of both logs, and the key."""
+    """A drawn case: plans and runs of both logs, the key, and factors of units on the columns of the logs."""
 
     machine: Machine
     main: Plan
@@ -57,6 +53,7 @@ class Case:
     base: Plan
     hidden: list[tuple[Hidden, float]]
     key: dict[str, Any] = field(default_factory=dict)
+    factors: dict[str, float] = field(default_factory=dict)
 
 
 class Unreachable(ArithmeticError):
@@ -139,7 +136,7 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
             else:
                 effect = {**VOCABULARY, **OUTSIDE}[name](draws, machine, motion)
                 amplitude, value = scale(
-                    lambda a, effect=effect: signal.ratio(signal.difference(_with(base, [(effect, a)]))),
+                    lambda a, effect=effect: signal.ratio(signal.difference(with_hidden(base, [(effect, a)]))),
                     effect,
                     specification.ratio,
                 )
@@ -147,12 +144,12 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
             truths.append(_truth(effect, amplitude, value))
         if len(names) > 1:
             _require_separable(signal, base, hidden, truths, specification.ratio)
-    main = _with(base, hidden)
+    main = with_hidden(base, hidden)
     main_run = main.run()
     _require_sane(main_run, motion, machine)
     time, motion = machine.draw_motion(rng)
     confirm_base = machine.plan(rng, motion, time)
-    confirm = _with(confirm_base, hidden)
+    confirm = with_hidden(confirm_base, hidden)
     confirm_run = confirm.run()
     _require_sane(confirm_run, motion, machine)
     moving = np.abs(motion.velocity) > 1e-4
@@ -174,7 +171,9 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
         "confirm_floor": float(np.sqrt(np.mean((confirm_run.command - quiet)[moving] ** 2))),
     }
     if hidden:
-        key |= _closable(signal, _with(base, hidden), confirm_base, confirm_run.command - quiet, quiet, moving, names)
+        key |= _closable(
+            signal, with_hidden(base, hidden), confirm_base, confirm_run.command - quiet, quiet, moving, names
+        )
     return Case(machine, main, main_run, confirm, confirm_run, base, hidden, key)
 
 
@@ -207,7 +206,8 @@ def _change(
     return effect, size, float((size / deviation) ** 2)
 
 
-def _with(base: Plan, hidden: list[tuple[Hidden, float]]) -> Plan:
+def with_hidden(base: Plan, hidden: list[tuple[Hidden, float]]) -> Plan:
+    """A copy of a plan with effects of these amplitudes."""
     plan = base.copy()
     for effect, amplitude in hidden:
         effect.apply(plan, amplitude)
@@ -265,11 +265,11 @@ def _require_separable(
     signal: Signal, base: Plan, hidden: list[tuple[Hidden, float]], truths: list[dict[str, Any]], ratio: float
 ) -> None:
     """Each effect keeps half of its ratio beside the others."""
-    full = signal.difference(_with(base, hidden))
-    alone = [signal.difference(_with(base, [one])) for one in hidden]
+    full = signal.difference(with_hidden(base, hidden))
+    alone = [signal.difference(with_hidden(base, [one])) for one in hidden]
     for index, entry in enumerate(truths):
         others = [one for i, one in enumerate(hidden) if i != index]
-        own = full - signal.difference(_with(base, others))
+        own = full - signal.difference(with_hidden(base, others))
         entry["ratio_beside"] = signal.ratio(own, *(d for i, d in enumerate(alone) if i != index))
         if entry["ratio_beside"] < 0.5 * ratio:
             raise Unreachable(f"{entry['name']}: hidden by the other effect")

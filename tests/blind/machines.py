@@ -121,9 +121,20 @@ class Machine:
 
 
 def draw_machine(
-    rng: np.random.Generator, family: str = "plain", *, tight: bool = False, law: str | None = None
+    rng: np.random.Generator,
+    family: str = "plain",
+    *,
+    tight: bool = False,
+    law: str | None = None,
+    friction: float = 1.0,
 ) -> Machine:
-    """Draw a machine; tight: mass, viscous and Coulomb are stated to 1 to 3 %; law: the friction law, else drawn."""
+    """Draw a machine.
+
+    Args:
+        tight: mass, viscous and Coulomb are stated to 1 to 3 %.
+        law: the friction law, else drawn.
+        friction: factor on viscous and Coulomb friction.
+    """
     length = log_uniform(rng, 0.1, 1.0)
     start = float(rng.choice([0.0, 0.0, -length / 2, rng.uniform(-0.1, 0.1)]))
     travel = (round(start, 4), round(start + length, 4))
@@ -131,8 +142,8 @@ def draw_machine(
     velocity = min(log_uniform(rng, 0.15, 1.2), 0.7 * np.sqrt(acceleration * length))
     mass = log_uniform(rng, 0.1, 100.0)
     peak = mass * acceleration
-    coulomb = peak * log_uniform(rng, 0.005, 0.2)
-    viscous = peak * log_uniform(rng, 0.01, 0.15) / velocity
+    coulomb = friction * (peak * log_uniform(rng, 0.005, 0.2))
+    viscous = friction * (peak * log_uniform(rng, 0.01, 0.15) / velocity)
     rate = float(rng.choice([1000, 1000, 2000, 2000, 2500, 4000, 5000]))
     width = log_uniform(rng, 3e-4, 3e-3)
     if family == "sharp_friction":

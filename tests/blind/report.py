@@ -74,6 +74,8 @@ def format_table(figures: Mapping[str, Any], title: str = "", *, details: bool =
         lines.append(f"    {key:38s} {stated}  {entry['right']}")
     one("seconds a case, median", "seconds_median")
     one("seconds a case, largest", "seconds_max")
+    if figures["large"]:
+        many("in the large", "large")
     if details:
         lines.append("power: detected / named of drawn, by lambda")
         for name, rates in figures["power"].items():

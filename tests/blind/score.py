@@ -94,6 +94,10 @@ class Outcome:
         covered: whether each interval holds its truth; errors: (field, error / Cramer-Rao deviation).
         widths: of each interval of the same, half / 1.96 / Cramer-Rao deviation. information: sqrt(lambda / T) of a
             single effect that is named alone: by how much what is re-tuned beside it, known to the bound, widens.
+        largest: in the large, the first name, or an alternative of it, is the largest effect; None of misread logs.
+        found: how many of the truths are named. said: of a misread log, whether it is said: "kind" with its kind and
+            column, "verdict" without, "" not; None of others. A log that is refused with a message that says it counts.
+        grows: a gap is larger than one that it should lie under by more than 1 %.
     """
 
     case: str
@@ -117,6 +121,10 @@ class Outcome:
     widths: tuple[float, ...]
     information: float | None
     seconds: float
+    largest: bool | None
+    found: int
+    said: str | None
+    grows: bool
     key: Mapping[str, Any] = field(repr=False, default_factory=dict)
 
     @property
@@ -158,6 +166,7 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
             if known["deviation"]:
                 errors.append((f"{entry['name']}.{name}", (found["value"] - known["value"]) / known["deviation"]))
     closed, to_floor, worse = _gap(key, result.get("gap") or {})
+    misreading = key.get("misreading")
     return Outcome(
         case=case,
         kind=key["kind"],
@@ -180,8 +189,29 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
         widths=tuple(widths),
         information=_information(key, effects),
         seconds=seconds,
+        largest=bool(classes and classes[0] & set(key["largest"]))
+        if key["kind"] == "large" and not misreading
+        else None,
+        found=len(named & set(truths)),
+        said=_said(misreading, verdict, f"{result.get('mismatch')} {result.get('error')}") if misreading else None,
+        grows=_grows(result.get("gap") or {}),
         key=key,
     )
+
+
+def _said(misreading: Mapping[str, Any], verdict: str, told: str) -> str:
+    # an axis with the other sign of its command is one with the other sign of its position
+    columns = ("command", "position") if misreading["kind"] == "sign" else misreading["columns"]
+    kind = misreading["kind"] in told.lower() and any(column in told.lower() for column in columns)
+    if verdict == "error":  # refused at once, with the scale that would mend it
+        return "kind" if kind else ""
+    return ("kind" if kind else "verdict") if verdict == "data_mismatch" else ""
+
+
+def _grows(gap: Mapping[str, Any]) -> bool:
+    pairs = [("before", "given"), ("after", "given"), ("after", "before")]
+    pairs += [(f"confirm_{one}", f"confirm_{other}") for one, other in pairs]
+    return any(gap.get(a) is not None and gap.get(b) is not None and gap[a] > 1.01 * gap[b] for a, b in pairs)
 
 
 def _information(key: Mapping[str, Any], effects: list[Mapping[str, Any]]) -> float | None:
@@ -202,7 +232,7 @@ def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, 
     if before is None or after is None:
         return None, None, None
     worse = bool(after > 1.01 * before)
-    if not key["stated_controller"] or not key["effects"] or gap.get("floor") is None:  # no gap in command units
+    if not key["stated_controller"] or "confirm_closable" not in key or gap.get("floor") is None:
         return None, None, worse
     floor, gained = key["confirm_floor"], before**2 - after**2
     closed = to_floor = None
@@ -231,6 +261,7 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
     found = [o for o in single if o.right]
     large = [o for o in single + many if o.ratio >= 300]
     stated = [pair for o in outcomes for pair in o.stated]
+    large_cases = [o for o in outcomes if o.kind == "large"]
     times = [o.seconds for o in outcomes if math.isfinite(o.seconds)]
     coverage = [flag for o in outcomes if o.right for _, flag in o.covered]
     errors = np.array([error for o in outcomes if o.right for _, error in o.errors])
@@ -287,9 +318,25 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "naming": {name: by_ratio([o for o in single if o.truths == (name,)], lambda o: o.right)
                    for name in sorted({o.truths[0] for o in single})},
         "confusion": confusion(outcomes),
+        "large": in_the_large(large_cases) if large_cases else None,
         "seconds_median": float(np.median(times)) if times else None,
         "seconds_max": max(times) if times else None,
     }  # fmt: skip
+
+
+def in_the_large(outcomes: list[Outcome]) -> dict[str, Rate]:
+    """Figures of the large cases, by what stands in the table."""
+    right = [o for o in outcomes if o.said is None]
+    misread = [o for o in outcomes if o.said is not None]
+    return {
+        "right first name, up to alternatives": Rate.of(bool(o.largest) for o in right),
+        "true effects named, up to alternatives": Rate(sum(o.found for o in right), sum(len(o.truths) for o in right)),
+        "confident and wrong": Rate.of(bool(o.wrong) for o in outcomes),
+        "a gap grows": Rate.of(o.grows for o in outcomes),
+        "misreadings said": Rate.of(bool(o.said) for o in misread),
+        "misreadings said with column and kind": Rate.of(o.said == "kind" for o in misread),
+        "a misreading said of a log read rightly": Rate.of(o.verdict == "data_mismatch" for o in right),
+    }
 
 
 def _within(value: float, low: float, high: float) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 import tomli_w
 
 from .cases import LAMBDAS, Case, Specification, Unreachable, draw_case
+from .large import NAMES, draw_large
 from .machines import NULL_FAMILIES, Machine
 from .outside import OUTSIDE
 from .truth import Plan, Run
@@ -19,6 +20,7 @@ from .vocabulary import CHANGES, VOCABULARY
 
 #: Share of each kind of case in a suite.
 SHARES = {"null": 0.33, "effect": 0.42, "outside": 0.16, "pair": 0.06, "triple": 0.03}
+KINDS = (*SHARES, "large")  # the last is drawn where it is asked for, as often as nulls
 PAIR_RATIO = 300.0
 
 
@@ -34,8 +36,8 @@ def plan_suite(
 ) -> list[Specification]:
     """Decide what the cases hold: families, effects and ratios each as even as the count allows, in random order."""
     rng = np.random.default_rng([seed, 0xB11D])
-    total = sum(SHARES[kind] for kind in kinds)
-    exact = np.array([count * SHARES[kind] / total for kind in kinds])
+    total = sum(SHARES.get(kind, SHARES["null"]) for kind in kinds)
+    exact = np.array([count * SHARES.get(kind, SHARES["null"]) / total for kind in kinds])
     numbers = np.floor(exact).astype(int)
     for index in np.argsort(numbers - exact)[: count - numbers.sum()]:
         numbers[index] += 1
@@ -44,6 +46,9 @@ def plan_suite(
         if kind == "null":
             chosen = _even(rng, families, number)
             specifications += [Specification("null", family=family) for family in chosen]
+        elif kind == "large":
+            pool = NAMES if set(VOCABULARY) <= set(effects) else [name for name in NAMES if name in effects]
+            specifications += [Specification(kind, (name,)) for name in _even(rng, pool, number)]
         elif kind in ("effect", "outside"):
             names = _even(rng, effects if kind == "effect" else outside, number)
             drawn = _even(rng, ratios, number)
@@ -56,7 +61,7 @@ def plan_suite(
                 specifications.append(Specification(kind, names, PAIR_RATIO))
     # a change below five times its stated deviation is none: the smallest ratio goes to another effect
     for index, one in enumerate(specifications):
-        if one.ratio < 25.0 and set(one.names) & set(CHANGES):
+        if 0.0 < one.ratio < 25.0 and set(one.names) & set(CHANGES):
             specifications[index] = Specification(one.kind, one.names, 30.0)
     rng.shuffle(specifications)  # type: ignore[arg-type]
     return specifications
@@ -71,18 +76,18 @@ def _even(rng: np.random.Generator, pool: Sequence[Any], count: int) -> list[Any
 
 
 def draw_suite(
-    seed: int, folder: Path, key_folder: Path, specifications: Sequence[Specification], jobs: int = 1
+    seed: int, folder: Path, key_folder: Path, specifications: Sequence[Specification | None], jobs: int = 1
 ) -> dict[str, Any]:
     """Draw all cases, write folder/case_XXXX/{log.csv, confirm.csv, model.toml} and key_folder/key.json.
 
-    Returns the key.
+    Returns the key. A case is drawn by its place in the list: one that is None is left out.
 
     A ratio that no machine of some dozens can show (below what is physical for the effect) is replaced by the next
     larger one; a pair that cannot be told apart by another pair. What still fails is named in the key.
     """
     folder.mkdir(parents=True, exist_ok=True)
     key_folder.mkdir(parents=True, exist_ok=True)
-    tasks = [(seed, index, str(folder), one) for index, one in enumerate(specifications)]
+    tasks = [(seed, index, str(folder), one) for index, one in enumerate(specifications) if one is not None]
     if jobs > 1:
         with ProcessPoolExecutor(jobs) as pool:
             answers = list(pool.map(_draw_and_write, tasks, chunksize=1))
@@ -102,7 +107,8 @@ def _draw_and_write(task: tuple[int, int, str, Specification]) -> tuple[str, dic
     name = f"case_{index:04d}"
     for retry in range(6):
         try:
-            case = draw_case([seed, index, retry], specification)
+            draw = draw_large if specification.kind == "large" else draw_case
+            case = draw([seed, index, retry], specification)
         except Unreachable as error:
             reason = str(error)
             if specification.kind in ("pair", "triple"):
@@ -123,18 +129,20 @@ def _draw_and_write(task: tuple[int, int, str, Specification]) -> tuple[str, dic
 def write_case(case: Case, folder: Path) -> None:
     """Write the two logs and the model of a case, as a user would have them."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_log(folder / "log.csv", case.machine, case.main, case.main_run)
-    write_log(folder / "confirm.csv", case.machine, case.confirm, case.confirm_run)
+    write_log(folder / "log.csv", case.machine, case.main, case.main_run, case.factors)
+    write_log(folder / "confirm.csv", case.machine, case.confirm, case.confirm_run, case.factors)
     (folder / "model.toml").write_text(tomli_w.dumps(case.machine.model))
 
 
-def write_log(path: Path, machine: Machine, plan: Plan, run: Run) -> None:
-    """Write a log as CSV: twelve digits, reference columns where the machine's log has them."""
+def write_log(path: Path, machine: Machine, plan: Plan, run: Run, factors: Mapping[str, float] | None = None) -> None:
+    """Write a log as CSV: twelve digits, reference columns where the machine's log has them, in units by `factors`."""
     names = ["time", "position", "command"]
     columns = [plan.stamps, run.reading, run.command]
     if machine.reference_columns:
         names += ["reference", "reference_velocity", "reference_acceleration"]
         columns += [plan.rows[:, 0], plan.rows[:, 1], plan.rows[:, 2]]
-    rows = np.column_stack(columns).tolist()
+    rows = np.column_stack(
+        [(factors or {}).get(name, 1.0) * c for name, c in zip(names, columns, strict=True)]
+    ).tolist()
     pattern = ",".join(["%.12g"] * len(names))
     path.write_text("\n".join([",".join(names), *(pattern % tuple(row) for row in rows)]) + "\n")

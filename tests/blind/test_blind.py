@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,19 +16,31 @@ from scipy.stats import binomtest
 import cogging
 from tests.blind import benchmark, truth
 from tests.blind.cases import LAMBDAS, TOLERANCE, Specification, draw_case
-from tests.blind.large.effects import EFFECTS as IN_THE_LARGE
+from tests.blind.large import NAMES, SHARES, draw_large, in_units, power_ratio
 from tests.blind.machines import NULL_FAMILIES, draw_machine
 from tests.blind.motions import move, play, rest, sine
-from tests.blind.naive import diagnose_naively
 from tests.blind.outside import OUTSIDE
+from tests.blind.report import format_table
 from tests.blind.score import Rate, judge, table
-from tests.blind.suite import draw_suite, plan_suite, write_case
+from tests.blind.suite import draw_suite, plan_suite, write_case, write_log
 from tests.blind.truth import Plan
 from tests.blind.vocabulary import CHANGES, VOCABULARY
 
 ROOT = Path(__file__).resolve().parents[2]
 #: What makes the truth; runners.py may know the package, it only runs it.
-TRUTH = ("truth", "motions", "noises", "shapes", "machines", "hidden", "vocabulary", "outside", "identifiable", "cases")
+TRUTH = (
+    "truth",
+    "motions",
+    "noises",
+    "shapes",
+    "machines",
+    "hidden",
+    "vocabulary",
+    "outside",
+    "identifiable",
+    "cases",
+    "large",
+)
 LOOP = {"rate": 1000.0, "mass": 0.8, "viscous": 0.4, "coulomb": 0.3, "width": 2e-3, "kp": 9e3, "kd": 90.0, "ki": 5e4}
 
 
@@ -46,7 +59,7 @@ def plan_of(count=300, substeps=10, **scalars):
 # independence
 
 
-@pytest.mark.parametrize("name", [*TRUTH, "suite", "score", "report", "naive"])
+@pytest.mark.parametrize("name", [*TRUTH, "suite", "score", "report"])
 def test_the_truth_imports_nothing_of_the_core(name):
     tree = ast.parse((ROOT / "tests" / "blind" / f"{name}.py").read_text())
     modules = set()
@@ -66,7 +79,7 @@ def test_drawing_a_suite_never_loads_the_package():
 
 
 def test_every_effect_of_the_vocabulary_is_in_the_bed():
-    known = {*VOCABULARY, *CHANGES, *IN_THE_LARGE}
+    known = {*VOCABULARY, *CHANGES, *NAMES}
     assert len(known) == 28
     assert set(cogging._core.EFFECTS) - known == {"empirical_force"}  # it names no cause: nothing looks for it
     assert len(OUTSIDE) >= 12
@@ -216,10 +229,9 @@ def test_the_stated_ratio_is_hit_when_computed_again():
     assert rest_ @ rest_ == pytest.approx(100.0, rel=0.2)
 
 
-@pytest.mark.parametrize("family", ["no_controller", "jitter", "loud_noise", "plain"])
+@pytest.mark.parametrize("family", ["no_controller", "jitter"])
 def test_files_keep_the_contract(tmp_path, family):
-    kind = "null" if family != "plain" else "effect"
-    case = draw_case([11], Specification(kind, ("cable_spring",) if kind == "effect" else (), 300.0, family))
+    case = draw_case([11], Specification("null", family=family))
     write_case(case, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["confirm.csv", "log.csv", "model.toml"]
     model = cogging.Model.read(tmp_path / "model.toml")
@@ -276,6 +288,73 @@ def test_machines_of_a_family_bear_its_trait():
     assert not any("controller" in draw_machine(rng, "no_controller").model for _ in range(5))
     loud = draw_machine(rng, "loud_noise")
     assert loud.model["noise"]["force"] == pytest.approx(loud.noise_rms / 3, rel=0.06)
+
+
+# in the large
+
+
+@pytest.fixture(scope="module")
+def large():
+    return draw_large([1, 0, 0], Specification("large", ("cogging_harmonic",)))
+
+
+def test_effects_in_the_large_make_the_stated_share_of_the_command(large):
+    sizes = {effect["name"]: effect["size"] for effect in large.key["effects"]}
+    assert SHARES[0] <= large.key["share"] <= SHARES[1]
+    assert power_ratio(large.main, large.base) == pytest.approx(large.key["share"], rel=1e-9)
+    assert min(sizes.values()) >= 0.15 * max(sizes.values())
+    assert max(sizes, key=sizes.get) in large.key["largest"]
+    assert power_ratio(large.base, large.base) < 1e-3, "without them nothing is missing"
+
+
+def test_a_log_in_other_units_is_that_of_the_model_in_these_units():
+    """The core simulates the model as drawn and in other units: the same log times the units."""
+    machine = draw_machine(np.random.default_rng(1), law="arctangent")
+    model = {**machine.model, "axis": {k: v for k, v in machine.model["axis"].items() if k != "uncertainty"}}
+    units = u, x, t = 0.02, 7.0, 3.0
+    time, motion = machine.draw_motion(np.random.default_rng(2))
+    logs = []
+    for document, (x_, t_) in ((model, (1.0, 1.0)), (in_units(model, units, turns=True), (x, t))):
+        document = {key: value for key, value in document.items() if key != "noise"}
+        rows = (x_ * motion.position, x_ / t_ * motion.velocity, x_ / t_**2 * motion.acceleration)
+        reference = cogging.Sampled(t_ * time, *rows)
+        logs.append(cogging.simulate(cogging.Model.from_dict(document), reference, duration=0.5 * t_))
+    np.testing.assert_allclose(u * logs[0].command, logs[1].command, atol=1e-6 * u * machine.peak)
+    np.testing.assert_allclose(x * logs[0].position, logs[1].position, rtol=1e-9)
+
+
+def test_a_misread_log_is_that_of_the_machine_times_a_factor(large, tmp_path):
+    write_case(large, tmp_path / "case")
+    model, log = cogging.Model.read(tmp_path / "case" / "model.toml"), cogging.read_log(tmp_path / "case" / "log.csv")
+    assert (model.controller is not None) == large.key["stated_controller"]
+    np.testing.assert_allclose(log.command, large.factors["command"] * large.main_run.command, rtol=1e-9)
+    json.dumps(large.key, allow_nan=False)
+    factors = {"command": -3.0, "time": 1e3}
+    for name, given in (("right", {}), ("misread", factors)):
+        write_log(tmp_path / name, large.machine, large.main, large.main_run, given)
+    right, misread = (np.genfromtxt(tmp_path / name, delimiter=",", names=True) for name in ("right", "misread"))
+    for name in right.dtype.names:
+        np.testing.assert_allclose(misread[name], factors.get(name, 1.0) * right[name], rtol=1e-9)
+
+
+def test_answers_in_the_large_are_judged():
+    key = key_of("large", "gravity", "backlash") | {"largest": ["gravity"], "misreading": None}
+    misread = key | {"misreading": {"kind": "sign", "columns": ["command"], "factor": -1.0}}
+    grows = {"given": 1.0, "before": 1.2, "after": 1.0}
+    right = judge("0", key, answer("named", ("gravity", 0.95), ("backlash", 0.95), gap=grows))
+    assert (right.largest, right.found, right.said, right.grows) == (True, 2, None, True)
+    second = judge("1", key, answer("named", ("backlash", 0.95), ("drag", 0.95), gap={"before": 1.0, "after": 1.005}))
+    assert (second.largest, second.found, second.wrong, second.grows) == (False, 1, ("drag",), False)
+    said = [({"kind": "sign", "column": "position"}, "kind"), ({"kind": "scale", "column": "time"}, "verdict")]
+    for mismatch, what in said:
+        assert judge("2", misread, answer("data_mismatch") | {"mismatch": mismatch}).said == what
+    silent = judge("3", misread, answer("unlisted"))
+    assert silent.said == ""
+    lines = [line.split() for line in format_table(table([right, second, silent])).splitlines()]
+    (first,) = (line for line in lines if line[:3] == ["right", "first", "name,"])
+    assert first[6:9] == ["50.0", "%", "(1/2;"]
+    assert judge("4", misread, {"error": "InputError: command: give --scale; its sign is reversed"}).said == "kind"
+    assert judge("5", misread, {"error": "ZeroDivisionError: float division by zero"}).said == ""
 
 
 # scores
@@ -382,22 +461,15 @@ def test_hand_made_results_get_their_hand_computed_rates():
 # the command
 
 
-def test_the_naive_baseline_finds_a_large_step(tmp_path):
-    case = draw_case([21], Specification("effect", ("disturbance_step",), 1000.0))
-    write_case(case, tmp_path)
-    result = diagnose_naively(tmp_path / "log.csv", tmp_path / "model.toml", [tmp_path / "confirm.csv"])
-    assert result["verdict"] == "named"
-    assert "disturbance_step" in [entry["name"] for entry in result["effects"]]
-    assert result["gap"]["after"] < result["gap"]["before"]
-
-
-def test_the_command_draws_runs_scores_and_prints(tmp_path, capsys):
-    arguments = ["--seed", "9", "--cases", "2", "--jobs", "1", "--runner", "naive", "--out", str(tmp_path)]
+def test_the_command_draws_runs_scores_and_prints(tmp_path, capsys, monkeypatch):
+    result = SimpleNamespace(to_dict=lambda: answer("named", ("constant_force", 0.95)))
+    monkeypatch.setattr(cogging, "diagnose", lambda *files, **options: result)
+    arguments = ["--seed", "9", "--cases", "2", "--jobs", "1", "--out", str(tmp_path)]
     chosen = ["--kinds", "null,effect", "--effects", "constant_force", "--lambdas", "100", "--family", "plain"]
     assert benchmark.main(arguments + chosen) == 0
     first = capsys.readouterr().out
     assert "false alarm on nulls" in first
-    assert json.loads((tmp_path / "table_naive.json").read_text())["cases"] == 2
+    assert json.loads((tmp_path / "table_diagnose.json").read_text())["cases"] == 2
     assert benchmark.main([*arguments, "--rescore"]) == 0
     assert capsys.readouterr().out == first
 

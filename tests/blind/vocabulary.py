@@ -48,12 +48,7 @@ def constant_force(rng: np.random.Generator, machine: Machine, motion: Motion) -
 
 
 def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, peak, length = (
-        _shape(rng, DRAWN),
-        float(rng.choice([-1, 1, 1, 1])),
-        machine.peak,
-        _length(machine),
-    )
+    shape, sign, peak, length = (_shape(rng, DRAWN), float(rng.choice([-1, 1, 1, 1])), machine.peak, _length(machine))
     center = machine.travel[0] + length * rng.uniform(0.1, 0.9)
     spring = any_spring(rng)
 
@@ -154,38 +149,25 @@ def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motio
     )
 
 
-def coulomb_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    sign, level = _sign(rng), machine.scalars["coulomb"]
+def _asymmetry(rng: np.random.Generator, name: str, level: float, start: float, most: float, unit: str) -> Hidden:
+    """Friction that differs with direction; sizes are shares of its level."""
+    sign = _sign(rng)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["coulomb_asymmetry"] = sign * amplitude
+        plan[name] = sign * amplitude
 
-    return Hidden(
-        "coulomb_asymmetry",
-        "usual",
-        0.02 * level,
-        1e-5 * level,
-        1.2 * level,
-        apply,
-        lambda a: _one("difference", sign * a, "V"),
-    )
+    def parameters(amplitude: float) -> Parameters:
+        return _one("difference", sign * amplitude, unit)
+
+    return Hidden(name, "usual", start * level, 1e-5 * level, most * level, apply, parameters)
+
+
+def coulomb_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
+    return _asymmetry(rng, "coulomb_asymmetry", machine.scalars["coulomb"], 0.02, 1.2, "V")
 
 
 def viscous_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    sign, level = _sign(rng), machine.scalars["viscous"]
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan["viscous_asymmetry"] = sign * amplitude
-
-    return Hidden(
-        "viscous_asymmetry",
-        "usual",
-        0.05 * level,
-        1e-5 * level,
-        1.5 * level,
-        apply,
-        lambda a: _one("difference", sign * a, "V/(m/s)"),
-    )
+    return _asymmetry(rng, "viscous_asymmetry", machine.scalars["viscous"], 0.05, 1.5, "V/(m/s)")
 
 
 def stribeck_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
@@ -298,15 +280,7 @@ def force_constant_drift(rng: np.random.Generator, machine: Machine, motion: Mot
 
 def command_delay(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     high = min(6e-3, 0.25 / _bandwidth(machine))
-    return Hidden(
-        "command_delay",
-        "usual",
-        3e-4,
-        2e-6,
-        high,
-        set_scalars("delay"),
-        lambda a: _one("delay", a, "s"),
-    )
+    return Hidden("command_delay", "usual", 3e-4, 2e-6, high, set_scalars("delay"), lambda a: _one("delay", a, "s"))
 
 
 def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
@@ -448,11 +422,7 @@ def flexible_mode(rng: np.random.Generator, machine: Machine, motion: Motion) ->
             hardening=hardness / deflection**2 if shape == "hardening" else 0.0,
         ),
         lambda a: (
-            {
-                "frequency": (frequency, "Hz", None),
-                "damping_ratio": (damping, "", None),
-                "mass_ratio": (a, "", None),
-            }
+            {"frequency": (frequency, "Hz", None), "damping_ratio": (damping, "", None), "mass_ratio": (a, "", None)}
             if shape == "usual"
             else {}
         ),
@@ -498,7 +468,7 @@ def disturbance_tone(rng: np.random.Generator, machine: Machine, motion: Motion)
 
 
 #: Effects of the vocabulary that are scaled to a ratio; the three changes of nominal parameters are set in cases.py.
-#: These machines are straight: `gravity` is hidden in the large alone.
+#: `gravity` is hidden in the large alone, where axes turn.
 VOCABULARY: dict[str, Draw] = {
     draw.__name__: draw
     for draw in (

@@ -1,8 +1,5 @@
 """The command: what it writes, what it says, and its exit status."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -32,27 +29,6 @@ def test_simulate_writes_a_log(folder, capsys):
     assert not np.array_equal(log.command, other.command)
 
 
-def test_the_command_is_installed(folder):
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "cogging.cli.main",
-            "simulate",
-            "model.toml",
-            "--reference",
-            "ref.toml",
-            "--out",
-            "log.csv",
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert (folder / "log.csv").exists()
-
-
 def bad_calls():
     yield "unknown key", MODEL + "speed = 3\n", REFERENCE, r"model.toml: line 21: controller.speed: is unknown"
     yield "outside", MODEL, REFERENCE.replace("0.1\n", "0.9\n"), "reference: must stay within travel [0, 0.51]"
@@ -70,38 +46,6 @@ def test_a_bad_input_is_one_line_and_status_2(case, model, reference, message, f
     assert message in error, case
     assert error.count("\n") == 1
     assert sorted(path.name for path in folder.iterdir()) == ["model.toml", "ref.toml"], "nothing is left behind"
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        ["reproduce", "smith1999"],
-        ["simulate", "model.toml", "--reference", "ref.toml", "--out", "log.csv", "--seed", "-1"],
-        ["simulate", "missing.toml", "--reference", "ref.toml", "--out", "log.csv"],
-    ],
-)
-def test_other_bad_calls(call, folder, capsys):
-    assert main(call) == 2
-    assert capsys.readouterr().err.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        [],
-        ["dance"],
-        ["simulate", "model.toml"],
-        ["map", "scan.csv", "--pitch", "wide"],
-        ["map", "scan.csv", "--pitch", "0.05", "--rows", "5:2"],
-        ["map", "scan.csv", "--pitch", "0.05", "--columns", "position"],
-        ["map", "scan.csv", "--pitch", "0.05", "--scale", "force=heavy"],
-    ],
-)
-def test_a_wrong_call_is_one_line_and_status_2(call, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        main(call)
-    assert stopped.value.code == 2
-    assert capsys.readouterr().err.count("\n") == 1
 
 
 def write_scan(path, count=510, noise=0.002):
@@ -123,14 +67,3 @@ def test_map_writes_a_model_part_and_a_figure(folder, capsys):
     fitted = cogging.Model.from_dict({"axis": {"mass": 1.0}, **part}).cogging
     inside = x[20:-20]
     assert np.std(fitted.force(inside) - truth.force(inside)) < 0.1 * np.std(truth.force(inside))
-
-
-def test_a_scan_of_three_points(folder, capsys):
-    write_scan(folder / "scan.csv", count=3)
-    call = ["map", "scan.csv", "--pitch", "0.05", "--columns", "position=pos,force=f", "--out", "map.toml"]
-    assert main(call) == 2
-    error = capsys.readouterr().err
-    assert "scan.csv" in error
-    assert "got 3" in error
-    assert error.count("\n") == 1
-    assert not (folder / "map.toml").exists()

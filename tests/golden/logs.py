@@ -1,4 +1,4 @@
-"""The closed loops that the golden comparison runs: every controller, every effect, every motion, by fields alone.
+"""The closed loops that the golden comparison runs: every controller and every effect, by fields alone.
 
 Only `cogging.Model.from_dict`, `cogging.simulate` and a log's `time`, `position` and `command` are used, so that what
 stands behind them may be rebuilt.
@@ -6,12 +6,12 @@ stands behind them may be rebuilt.
 
 from __future__ import annotations
 
-import hashlib
 from typing import Any
 
 import numpy as np
 
 import cogging
+from tests.fixtures.plants_by_hand import EXAMPLES
 
 WIDTHS = {"sticking": 0.0, "smooth": 1.11e-3}  # m/s, of S(v)
 COLUMNS = ("time", "position", "command")
@@ -62,54 +62,15 @@ CONTROLLERS: dict[str, dict[str, Any]] = {
         "velocity_min": 5e-3,
     },
 }
-TIMES = np.arange(0.0, 1.2005, 5e-4)
-MOTIONS: dict[str, dict[str, Any]] = {
-    "point_to_point": {"start": 0.05, "distance": 0.2, "velocity": 0.5, "acceleration": 10.0, "jerk": 1000.0}
-    | {"dwell": 0.1, "repeats": 1},
-    "sine": {"center": 0.2, "amplitude": 0.1, "frequency": 0.9, "duration": 1.2},
-    "filtered_sine": {"center": 0.2, "amplitude": 0.05, "duration": 1.2},
-    "sampled": {"time": TIMES.tolist(), "reference": (0.2 + 0.08 * np.sin(3 * TIMES) ** 3).tolist()},
-}
+MOTION = {"type": "point_to_point", "start": 0.05, "distance": 0.2, "velocity": 0.5, "acceleration": 10.0}
+MOTION |= {"jerk": 1000.0, "dwell": 0.1, "repeats": 1}
 
-#: Every effect at values that show in the motion of LOOP, by name.
-EFFECTS: dict[str, dict[str, Any]] = {
-    "constant_force": {"force": -0.7},
-    "cable_spring": {"stiffness": 13.0, "center": 0.04},
-    "end_effect": {"force": 0.9, "decay_length": 0.06},
-    "local_force": {"force": -0.6, "center": 0.12, "width": 0.02},
-    "gravity": {"moment": 0.8, "angle": 0.4},
-    "cogging_harmonic": {"period": 0.023, "sine": 0.9, "cosine": -0.4},
-    "cogging_modulation": {"period": 0.025, "sine": [0.5, 0.2, -0.4, 0.8, 0.1], "cosine": [-0.3, 0.6, 0.2, 0.0, 0.4]}
-    | {"pitch": 0.04, "order": 4, "origin": 0.005},
-    "coulomb_asymmetry": {"difference": 0.3},
-    "viscous_asymmetry": {"difference": 2.4},
-    "stribeck_friction": {"static_excess": 0.5, "velocity": 0.03, "exponent": 1.3},
-    "presliding_friction": {"stiffness": 3e3, "damping": 2.0},
-    "position_dependent_friction": {"nodes": [0.03, 0.05, 0.06, 0.2], "levels": [0.1, 0.5, -0.1, 0.3]},
-    "quadratic_drag": {"coefficient": 6.0},
-    "force_constant_ripple": {"period": 0.031, "sine": 0.12, "cosine": -0.07},
-    "force_constant_drift": {"change": -0.3, "time_constant": 0.15},
-    "command_delay": {"delay": 1.37e-3},
-    "actuator_lag": {"time_constant": 1.3e-3},
-    "command_saturation": {"limit": 2.4},
-    "command_dead_zone": {"width": 0.2},
-    "encoder_periodic_error": {"period": 0.004, "sine": 3e-5, "cosine": -2e-5},
-    "encoder_scale_error": {"scale": 0.004},
-    "backlash": {"gap": 4e-4, "mass_ratio": 0.4, "contact_frequency": 40.0, "contact_damping_ratio": 0.2},
-    "flexible_mode": {"frequency": 23.0, "damping_ratio": 0.05, "mass_ratio": 0.35},
-    "disturbance_step": {"force": 2.0, "start": 0.1037, "stop": 0.2291},
-    "disturbance_tone": {"frequency": 11.0, "sine": 0.8, "cosine": -1.1},
-    "empirical_force": {
-        "position_nodes": [0.03, 0.05, 0.2],
-        "position_forces": [0.1, -0.5, 0.3],
-        "velocity_nodes": [-0.4, 0.0, 0.1, 0.6],
-        "velocity_forces": [0.2, 0.0, 0.4, -0.3],
-        "time_nodes": [0.1, 0.3],
-        "time_forces": [-0.2, 0.7],
-    },
-}
-#: An axis has one load, and a command that is cut does not hold all of these.
-TOGETHER = sorted(set(EFFECTS) - {"backlash", "command_saturation"})
+#: Every effect at values that show in the motion of LOOP, by name: those of the tests of the plant, but for these.
+OTHERS = {"end_effect": {"force": 0.9, "decay_length": 0.06}, "command_delay": {"delay": 1.37e-3}}
+OTHERS |= {"actuator_lag": {"time_constant": 1.3e-3}, "command_saturation": {"limit": 2.4}}
+LAST = "empirical_force"
+NAMES = [*(name for name in EXAMPLES if name != LAST), LAST]  # in the order of values.json
+EFFECTS: dict[str, dict[str, Any]] = {name: OTHERS.get(name, EXAMPLES[name][0]) for name in NAMES}
 LOOP = {  # M (s + 80)^3 = M s^3 + (B + kd) s^2 + kp s + ki
     "controller": {"type": "pid", "sample_rate": 2000.0, "kp": 5760.0, "ki": 153600.0, "kd": 70.0},
     "encoder": {"resolution": 1e-7, "noise": 1e-7},
@@ -118,7 +79,7 @@ LOOP = {  # M (s + 80)^3 = M s^3 + (B + kd) s^2 + kp s + ki
 STROKE = {"type": "point_to_point", "start": 0.01, "distance": 0.2, "velocity": 0.4, "acceleration": 4.0, "jerk": 200.0}
 
 
-def controller_log(controller: str, motion: str, friction: str) -> Any:
+def controller_log(controller: str, friction: str) -> Any:
     """A controller on the axis of Lu et al., with cogging whose amplitude changes along the travel."""
     rows = np.array([[0.06, 0.03], [0.02, -0.01]])
     along = 1 + 0.4 * np.sin(0.9 * np.arange(13))
@@ -133,7 +94,7 @@ def controller_log(controller: str, motion: str, friction: str) -> Any:
         "noise": {"force": 0.01, "bandwidth": 50.0},
         "controller": {"type": controller, **CONTROLLERS[controller]},
     }
-    return cogging.simulate(cogging.Model.from_dict(document), {"type": motion, **MOTIONS[motion]}, seed=11)
+    return cogging.simulate(cogging.Model.from_dict(document), MOTION, seed=11)
 
 
 def effect_log(names: list[str], friction: str) -> Any:
@@ -146,41 +107,8 @@ def effect_log(names: list[str], friction: str) -> Any:
     return cogging.simulate(cogging.Model.from_dict(document), STROKE, seed=12, steps_per_sample=2)
 
 
-def known() -> dict[str, set[str]]:
-    """What the package itself lists: controllers, motions and effects by name."""
-    parts = cogging.schema()["$defs"]
-    controllers = parts["model"]["properties"]["controller"]["oneOf"]
-    return {
-        "controllers": {one["properties"]["type"]["const"] for one in controllers},
-        "motions": {one["properties"]["type"]["const"] for one in parts["reference"]["oneOf"]},
-        "effects": set(cogging.EFFECTS),
-    }
-
-
 def summary(log: Any) -> dict[str, Any]:
-    """The bytes' hash and some numbers of each column of a log."""
-    told: dict[str, Any] = {"rows": len(log.time)}
-    for name in COLUMNS:
-        column = np.ascontiguousarray(getattr(log, name), dtype=np.float64)
-        told[name] = {
-            "sha256": hashlib.sha256(column.tobytes()).hexdigest(),
-            "rms": float(np.sqrt(np.mean(column**2))),
-            "largest": float(np.abs(column).max()),
-            "middle": float(column[len(column) // 2]),
-            "last": float(column[-1]),
-        }
-    return told
-
-
-def summaries() -> dict[str, Any]:
-    """Of every controller on every motion, and of every effect and of all together, with both kinds of friction."""
-    told = {}
-    for friction in WIDTHS:
-        for controller in CONTROLLERS:
-            for motion in MOTIONS:
-                log = controller_log(controller, motion, friction)
-                told[f"controller {controller}, {motion}, {friction}"] = summary(log)
-        for name in EFFECTS:
-            told[f"effect {name}, {friction}"] = summary(effect_log([name], friction))
-        told[f"effects together, {friction}"] = summary(effect_log(TOGETHER, friction))
-    return told
+    """Rows, and the rms and last value of each column of a log."""
+    columns = {name: np.asarray(getattr(log, name)) for name in COLUMNS}
+    told = {name: {"rms": float(np.sqrt(np.mean(c**2))), "last": float(c[-1])} for name, c in columns.items()}
+    return {"rows": len(log.time), **told}

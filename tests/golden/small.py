@@ -30,12 +30,10 @@ def logs() -> dict[str, Any]:
     ):
         friction = tuple(golden_logs.WIDTHS)[turn % 2]
         if kind == "controller":
-            log = golden_logs.controller_log(name, "point_to_point", friction)
+            log = golden_logs.controller_log(name, friction)
         else:
             log = golden_logs.effect_log([name], friction)
-        full = golden_logs.summary(log)
-        numbers = {column: {key: full[column][key] for key in ("rms", "last")} for column in golden_logs.COLUMNS}
-        told[f"{kind} {name}, {friction}"] = {"rows": full["rows"], **numbers}
+        told[f"{kind} {name}, {friction}"] = golden_logs.summary(log)
     return told
 
 

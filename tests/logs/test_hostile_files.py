@@ -20,6 +20,7 @@ from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.columns import read_columns
 from cogging.logs.readers import isolate
+from tests.fixtures.covering import covering
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
 FORMATS = {"a.mat": mat_bytes, "hdf5.mat": hdf5_bytes, "a.mf4": mdf_bytes, "a.parquet": parquet_bytes}
@@ -157,23 +158,20 @@ EXPLOITS = {
     },
     "2.14, harmless": lambda mark: {"conversion": conversion3("FORMULA", formula=b"X1*2"), "version": "2.14"},
     "of a value": lambda mark: {
-        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "text_0"),
+        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "text_0")
     },
     "of other values": lambda mark: {
-        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "default_addr"),
+        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "default_addr")
     },
     "of a range": lambda mark: {
-        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "text_0", kind="RTABX"),
+        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "text_0", kind="RTABX")
     },
     "of a table in a table": lambda mark: {
         "conversion": values_to_texts(
             values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "default_addr", kind="RTABX"), "text_0"
-        ),
+        )
     },
-    "of the time": lambda mark: {
-        "conversion": None,
-        "time_conversion": conversion4("ALG", formula=payload(mark, "X")),
-    },
+    "of the time": lambda mark: {"conversion": None, "time_conversion": conversion4("ALG", formula=payload(mark, "X"))},
 }
 
 
@@ -427,26 +425,25 @@ def virtual_of_external_storage(file, secret):
     file.create_virtual_dataset("command", layout)
 
 
-@pytest.mark.parametrize(
-    ("how", "got"),
-    [
-        (external_storage, "external storage in"),
-        (external_link, "a link to"),
-        (soft_link_through_an_external_one, "a link to"),
-        (virtual, "a virtual dataset of"),
-        (virtual_of_external_storage, "external storage in"),
-    ],
-)
-@pytest.mark.parametrize("kind", ["file", "pipe"])
-def test_numbers_of_another_file_are_refused_by_name(how, got, kind, tmp_path):
+ELSEWHERE = [
+    (external_storage, "external storage in"),
+    (external_link, "a link to"),
+    (soft_link_through_an_external_one, "a link to"),
+    (virtual, "a virtual dataset of"),
+    (virtual_of_external_storage, "external storage in"),
+]
+
+
+@pytest.mark.parametrize(("case", "kind"), covering(range(len(ELSEWHERE)), ["file", "pipe"]))
+def test_numbers_of_another_file_are_refused_by_name(case, kind, tmp_path):
+    how, what = ELSEWHERE[case]
     secret = tmp_path / "secret.h5"
     path = hdf5_naming(tmp_path / "a.mat", secret, how)
     if kind == "pipe":  # whose opening would wait for ever
         secret.unlink()
         os.mkfifo(secret)
-    with pytest.raises(
-        InputError, match=f"command: must be numbers in this file, got {got} '{re.escape(str(secret))}'"
-    ):
+    got = f"{what} '{re.escape(str(secret))}'"
+    with pytest.raises(InputError, match=f"command: must be numbers in this file, got {got}"):
         cogging.read_log(path)
 
 
@@ -508,8 +505,9 @@ def waits(condition, seconds=20.0):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("how", ["SIGKILL", "SIGTERM", "SIGINT"])
-@pytest.mark.parametrize("busy", ["while True: pass", "import time; time.sleep(600)"])
+@pytest.mark.parametrize(
+    ("how", "busy"), covering(["SIGKILL", "SIGTERM", "SIGINT"], ["while True: pass", "import time; time.sleep(600)"])
+)
 def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
     name = "a.mat" if how == "SIGKILL" else "a.mf4"  # whose reader has a folder for temporary files
     path = made(name, tmp_path)

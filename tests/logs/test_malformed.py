@@ -1,7 +1,4 @@
-"""Malformed logs: each is answered in one line and status 2, and nothing is written.
-
-`python -m pytest tests/logs/test_malformed.py -s -k answered` prints the files and the answers.
-"""
+"""Malformed logs: each is answered in one line and status 2, and nothing is written."""
 
 import errno
 import os
@@ -19,7 +16,7 @@ from cogging.logs.readers import isolate
 from tests.attack.logs import FORMATS, run_case
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
-HEAD = "time,position,command\n"
+HEAD = b"time,position,command\n"
 
 
 def csv_bytes(columns=COLUMNS):
@@ -49,229 +46,161 @@ def with_bad(row, value, column="position"):
     return changed(column, values)
 
 
-#: File name, content (bytes, or made from the folder), further arguments, and what the answer must say.
-CASES = {
-    "missing column": (
-        "a.csv",
-        b"time,position,torque\n0,1,2\n",
-        [],
-        "column command: .* which has time, position, torque",
-    ),
-    "mapped to a missing column": (
-        "a.csv",
-        csv_bytes(),
-        ["--columns", "command=vir"],
-        "column vir: must be in the header",
-    ),
-    "column given twice": ("a.csv", b"time,position,command,command\n0,1,2,3\n", [], "command: must stand once"),
-    "text in a number": ("a.csv", HEAD.encode() + b"0,1,2\n1,abc,2\n", [], "line 3: position: .* got 'abc'"),
-    "an empty field": ("a.csv", HEAD.encode() + b"0,1,2\n1,,2\n", [], "line 3: position: .* got ''"),
-    "two points in a number": ("a.csv", HEAD.encode() + b"0,1.2.3,2\n", [], "line 2: position: .* got '1.2.3'"),
-    "decimal commas": (
-        "a.csv",
-        HEAD.encode() + b"0,1,1,5,2,5\n",
-        [],
-        "line 2: must have 3 columns as the header, got 6",
-    ),
+#: What a log holds, and what the answer must say.
+CSV = {
+    "missing column": (b"time,position,torque\n0,1,2\n", "column command: .* which has time, position, torque"),
+    "column given twice": (b"time,position,command,command\n0,1,2,3\n", "command: must stand once"),
+    "text in a number": (HEAD + b"0,1,2\n1,abc,2\n", "line 3: position: .* got 'abc'"),
+    "an empty field": (HEAD + b"0,1,2\n1,,2\n", "line 3: position: .* got ''"),
+    "two points in a number": (HEAD + b"0,1.2.3,2\n", "line 2: position: .* got '1.2.3'"),
+    "decimal commas": (HEAD + b"0,1,1,5,2,5\n", "line 2: must have 3 columns as the header, got 6"),
     "commas of thousands or of decimals": (
-        "a.csv",
         b"time;position;command\n0;1,500;2\n",
-        [],
         "line 2: must show whether a comma is a decimal mark or parts thousands: .* got numbers like '1,500' alone",
     ),
-    "commas of thousands": ("a.csv", b"time;position;command\n0;1,500,000;2\n", [], "line 2: .*'1,500,000' alone"),
+    "commas of thousands": (b"time;position;command\n0;1,500,000;2\n", "line 2: .*'1,500,000' alone"),
     "commas and points": (
-        "a.csv",
         b"time;position;command\n0;1,5;2\n1;1.5;2\n",
-        [],
         "line 3: must have one decimal mark in all numbers, got '1,5' and '1.5'",
     ),
     "a point far below commas": (
-        "a.csv",
         b"time;position;command\n" + b"".join(b"%d;0,5;2\n" % k for k in range(40_000)) + b"40000;1.5;2\n",
-        [],
         "line 40002: position: must be a finite number, got '1.5'",
     ),
     "a comma far below points": (
-        "a.csv",
         b"time;position;command\n" + b"".join(b"%d;0.5;2\n" % k for k in range(40_000)) + b"40000;1,5;2\n",
-        [],
         "line 40002: position: must be a finite number, got '1,5'",
     ),
-    "thousands and decimals": ("a.csv", b"time;position;command\n0;1.234,5;2\n", [], "line 2: position: .* '1.234,5'"),
-    "hexadecimal": ("a.csv", HEAD.encode() + b"0,0x1F,2\n", [], "line 2: position: .* got '0x1F'"),
-    "too large a number": ("a.csv", HEAD.encode() + b"0,1e999,2\n", [], "line 2: position: .* finite"),
-    "NaN": ("a.csv", HEAD.encode() + b"0,1,2\n1,2,nan\n", [], "line 3: command: must be a finite number, got 'nan'"),
-    "infinite": ("a.csv", HEAD.encode() + b"0,1,2\n1,-inf,0\n", [], "line 3: position: .* got '-inf'"),
-    "half a line": ("a.csv", HEAD.encode() + b"0,1,2\n1,2", [], "line 3: command: must be there, got 2 columns"),
+    "thousands and decimals": (b"time;position;command\n0;1.234,5;2\n", "line 2: position: .* '1.234,5'"),
+    "hexadecimal": (HEAD + b"0,0x1F,2\n", "line 2: position: .* got '0x1F'"),
+    "too large a number": (HEAD + b"0,1e999,2\n", "line 2: position: .* finite"),
+    "NaN": (HEAD + b"0,1,2\n1,2,nan\n", "line 3: command: must be a finite number, got 'nan'"),
+    "infinite": (HEAD + b"0,1,2\n1,-inf,0\n", "line 3: position: .* got '-inf'"),
+    "half a line": (HEAD + b"0,1,2\n1,2", "line 3: command: must be there, got 2 columns"),
     "half a line behind what is wanted": (
-        "a.csv",
         b"time,position,command,extra,more\n0,1,2,3,4\n1,2,3,4",
-        [],
         "line 3: must have 5 columns as the header, got 4",
     ),
-    "repeated time": (
-        "a.csv",
-        HEAD.encode() + b"0,1,2\n0,1,2\n",
-        [],
-        "row 1: time: must be strictly increasing, got 0",
-    ),
-    "time runs back": ("a.csv", HEAD.encode() + b"0,1,2\n2,1,2\n1,1,2\n", [], "row 2: time: .* got 1 after 2"),
-    "nearly repeated time": (
-        "a.csv",
-        HEAD.encode() + b"0,1,2\n1.00000001,1,2\n1.0,1,2\n",
-        [],
-        "row 2: time: .* got 1.0 after 1.00000001",
-    ),
-    "empty": ("a.csv", b"", [], "column time: must be in the header, which has none"),
-    "only a header": ("a.csv", HEAD.encode(), [], "rows: must be at least 1, got 0"),
-    "one row": ("a.csv", HEAD.encode() + b"0,1,2\n", [], "rows: must be at least 2, got 1"),
-    "rows beyond the end": ("a.csv", csv_bytes(), ["--rows", "500:600"], "rows: must be at least 1, got 0"),
-    "no header": ("a.csv", b"0,1,2\n1,2,3\n", [], "column time: must be in the header, which has 0, 1, 2"),
-    "UTF-16": ("a.csv", HEAD.encode("utf-16"), [], "must be UTF-8 text"),
-    "binary": ("a.csv", bytes(range(256)) * 4, [], "must be UTF-8 text"),
-    "zeros": ("a.csv", bytes(5000), [], "must be UTF-8 text, got a zero"),
-    "old line ends": ("a.csv", csv_bytes().replace(b"\n", b"\r"), [], "must end with LF or CR LF"),
-    "picture": ("a.csv", png(), [], "must be a log .* got a PNG picture"),
-    "zip archive": ("a.csv", b"PK\x03\x04" + bytes(40), [], "must be a log .* got a ZIP archive"),
-    "gzip": ("a.csv", b"\x1f\x8b\x08" + bytes(40), [], "must be a log .* got a gzip"),
-    "directory": ("a.csv", None, [], "must be a file, got a directory"),
-    "missing file": ("b.csv", ..., [], "cannot be read: No such file"),
-    "millimetres": (
-        "a.csv",
-        b"time,position [mm],command\n0,1,2\n1,2,3\n",
-        [],
-        r"unit 'mm'; give --scale position=0.001",
-    ),
-    "milliseconds": ("a.csv", b"time (ms),position,command\n0,1,2\n1,2,3\n", [], r"unit 'ms'; give --scale time=0.001"),
-    "percent of what": (
-        "a.csv",
-        b"time;position;command\ns;m;%\n0;1;2\n1;2;3\n",
-        [],
-        r"command: must be in V, A, N or Nm, got .*%",
-    ),
-    "degrees": (
-        "a.csv",
-        b"time,position [deg],command\n0,1,2\n1,2,3\n",
-        [],
-        r"unit 'deg'; give --scale position=0.0174533",
-    ),
+    "repeated time": (HEAD + b"0,1,2\n0,1,2\n", "row 1: time: must be strictly increasing, got 0"),
+    "time runs back": (HEAD + b"0,1,2\n2,1,2\n1,1,2\n", "row 2: time: .* got 1 after 2"),
+    "nearly repeated time": (HEAD + b"0,1,2\n1.00000001,1,2\n1.0,1,2\n", "row 2: time: .* got 1.0 after 1.00000001"),
+    "empty": (b"", "column time: must be in the header, which has none"),
+    "only a header": (HEAD, "rows: must be at least 1, got 0"),
+    "one row": (HEAD + b"0,1,2\n", "rows: must be at least 2, got 1"),
+    "no header": (b"0,1,2\n1,2,3\n", "column time: must be in the header, which has 0, 1, 2"),
+    "UTF-16": (HEAD.decode().encode("utf-16"), "must be UTF-8 text"),
+    "binary": (bytes(range(256)) * 4, "must be UTF-8 text"),
+    "zeros": (bytes(5000), "must be UTF-8 text, got a zero"),
+    "old line ends": (csv_bytes().replace(b"\n", b"\r"), "must end with LF or CR LF"),
+    "picture": (png(), "must be a log .* got a PNG picture"),
+    "zip archive": (b"PK\x03\x04" + bytes(40), "must be a log .* got a ZIP archive"),
+    "gzip": (b"\x1f\x8b\x08" + bytes(40), "must be a log .* got a gzip"),
+    "directory": (None, "must be a file, got a directory"),
+    "millimetres": (b"time,position [mm],command\n0,1,2\n1,2,3\n", r"unit 'mm'; give --scale position=0.001"),
+    "milliseconds": (b"time (ms),position,command\n0,1,2\n1,2,3\n", r"unit 'ms'; give --scale time=0.001"),
+    "percent of what": (b"time;position;command\ns;m;%\n0;1;2\n1;2;3\n", r"command: must be in V, A, N or Nm, got .*%"),
+    "degrees": (b"time,position [deg],command\n0,1,2\n1,2,3\n", r"unit 'deg'; give --scale position=0.0174533"),
     "turns a minute": (
-        "a.csv",
         b"time,position [rpm],command\n0,1,2\n1,2,3\n",
-        [],
         r"position: must be in m or rad, got the unit 'rpm'; give --scale position=FACTOR",
     ),
-    "scale of zero": (
-        "a.csv",
-        csv_bytes(),
-        ["--scale", "position=0"],
-        "scale: position: must be a finite number and not 0",
-    ),
-    "scale of what is not there": ("a.csv", csv_bytes(), ["--scale", "speed=2"], "scale: speed: must be one of"),
+}
+#: The same with options.
+CSV_READ_WITH = {
+    "mapped to a missing column": (csv_bytes(), "--columns command=vir", "column vir: must be in the header"),
+    "rows beyond the end": (csv_bytes(), "--rows 500:600", "rows: must be at least 1, got 0"),
+    "scale of zero": (csv_bytes(), "--scale position=0", "scale: position: must be a finite number and not 0"),
+    "scale of what is not there": (csv_bytes(), "--scale speed=2", "scale: speed: must be one of"),
     "scaled beyond all numbers": (
-        "a.csv",
         csv_bytes(changed("command", 100.0 + TIME)),
-        ["--scale", "command=1e308"],
+        "--scale command=1e308",
         "command: must stay finite when scaled",
     ),
-    "MATLAB: not one": ("a.mat", b"hello", [], "must be a MATLAB file as its name says, got b'hello'"),
-    "MATLAB: empty": ("a.mat", b"", [], "must be a MATLAB file .* got an empty file"),
+}
+MATLAB = {
+    "MATLAB: not one": (b"hello", "must be a MATLAB file as its name says, got b'hello'"),
+    "MATLAB: empty": (b"", "must be a MATLAB file .* got an empty file"),
     "MATLAB: missing column": (
-        "a.mat",
-        mat_bytes(without("command")),
-        [],
+        lambda _: mat_bytes(without("command")),
         "command: must be in the file, which has .*position",
     ),
-    "MATLAB: cut": ("a.mat", mat_bytes()[:3000], [], "must be a whole MATLAB file"),
-    "MATLAB: cut, compressed": ("a.mat", mat_bytes(compress=True)[:-300], [], "must be a whole MATLAB file"),
-    "MATLAB: struct": ("a.mat", mat_bytes({"log": COLUMNS}), [], "column time: .* which has log.time, log.position"),
+    "MATLAB: cut": (lambda _: mat_bytes()[:3000], "must be a whole MATLAB file"),
+    "MATLAB: cut, compressed": (lambda _: mat_bytes(compress=True)[:-300], "must be a whole MATLAB file"),
+    "MATLAB: struct": (lambda _: mat_bytes({"log": COLUMNS}), "column time: .* which has log.time, log.position"),
     "MATLAB: struct as a column": (
-        "a.mat",
-        mat_bytes(changed("command", np.array([[(1.0,)], [(2.0,)]], dtype=[("x", "O")]))),
-        [],
+        lambda _: mat_bytes(changed("command", np.array([[(1.0,)], [(2.0,)]], dtype=[("x", "O")]))),
         "command: must be real numbers, got a struct of x",
     ),
-    "MATLAB: text": ("a.mat", mat_bytes(changed("command", "hello")), [], "command: must be real numbers, got text"),
+    "MATLAB: text": (lambda _: mat_bytes(changed("command", "hello")), "command: must be real numbers, got text"),
     "MATLAB: cells": (
-        "a.mat",
-        mat_bytes(changed("command", np.array([1.0, "a"], dtype=object))),
-        [],
+        lambda _: mat_bytes(changed("command", np.array([1.0, "a"], dtype=object))),
         "command: must be real numbers, got objects",
     ),
-    "MATLAB: complex": ("a.mat", mat_bytes(changed("command", TIME + 1j)), [], "command: must be real .* got complex"),
+    "MATLAB: complex": (lambda _: mat_bytes(changed("command", TIME + 1j)), "command: must be real .* got complex"),
     "MATLAB: lengths": (
-        "a.mat",
-        mat_bytes(changed("command", TIME[:100])),
-        [],
+        lambda _: mat_bytes(changed("command", TIME[:100])),
         r"must be as long as time \(200\), got 100",
     ),
     "MATLAB: matrix": (
-        "a.mat",
-        mat_bytes(changed("command", np.ones((200, 3)))),
-        [],
+        lambda _: mat_bytes(changed("command", np.ones((200, 3)))),
         "must be one column, got an array of 200 x 3",
     ),
-    "MATLAB: NaN": ("a.mat", mat_bytes(with_bad(7, np.nan)), [], "row 7: position: must be a finite number, got nan"),
-    "MATLAB: NaN, rows counted in the file": (
-        "a.mat",
-        mat_bytes(with_bad(7, np.nan)),
-        ["--rows", "5:50"],
-        "row 7: position: must be a finite number",
-    ),
-    "MATLAB 7.3: cut": ("a.mat", hdf5_bytes()[:4000], [], r"must be a whole MATLAB 7.3 \(HDF5\) file"),
+    "MATLAB: NaN": (lambda _: mat_bytes(with_bad(7, np.nan)), "row 7: position: must be a finite number, got nan"),
+    "MATLAB 7.3: cut": (lambda _: hdf5_bytes()[:4000], r"must be a whole MATLAB 7.3 \(HDF5\) file"),
     "MATLAB 7.3: struct": (
-        "a.mat",
-        hdf5_bytes({f"log/{name}": column for name, column in COLUMNS.items()}),
-        [],
+        lambda _: hdf5_bytes({f"log/{name}": column for name, column in COLUMNS.items()}),
         "column time: .* which has log.command",
     ),
     "MATLAB 7.3: text": (
-        "a.mat",
-        hdf5_bytes(changed("command", np.arange(200, dtype=np.uint16)), [("command", "char")]),
-        [],
+        lambda _: hdf5_bytes(changed("command", np.arange(200, dtype=np.uint16)), [("command", "char")]),
         "command: must be real numbers, got char",
     ),
     "MATLAB 7.3: complex": (
-        "a.mat",
-        hdf5_bytes(changed("command", TIME + 1j)),
-        [],
+        lambda _: hdf5_bytes(changed("command", TIME + 1j)),
         "command: must be real numbers, got complex",
     ),
-    "MDF: not one": ("a.mf4", b"hello", [], "must be a ASAM MDF file as its name says"),
-    "MDF: cut": ("a.mf4", lambda folder: mdf_bytes(folder)[:2000], [], "must be a whole ASAM MDF file"),
+}
+MDF = {
+    "MDF: not one": (b"hello", "must be a ASAM MDF file as its name says"),
+    "MDF: cut": (lambda folder: mdf_bytes(folder)[:2000], "must be a whole ASAM MDF file"),
     "MDF: missing column": (
-        "a.mf4",
         lambda folder: mdf_bytes(folder, without("command")),
-        [],
         "column command: must be in the file",
     ),
-    "MDF: millimetres": (
-        "a.mf4",
-        lambda folder: mdf_bytes(folder, unit="mm"),
-        [],
-        "unit 'mm'; give --scale position=0.001",
-    ),
-    "MDF: two time bases": ("a.mf4", lambda folder: mdf_bytes(folder, groups=3), [], "must stand in one channel group"),
-    "Parquet: not one": ("a.parquet", b"hello", [], "must be a Parquet file as its name says"),
-    "Parquet: cut": ("a.parquet", parquet_bytes()[:1500], [], "must be a whole Parquet file"),
+    "MDF: millimetres": (lambda folder: mdf_bytes(folder, unit="mm"), "unit 'mm'; give --scale position=0.001"),
+    "MDF: two time bases": (lambda folder: mdf_bytes(folder, groups=3), "must stand in one channel group"),
+}
+PARQUET = {
+    "Parquet: not one": (b"hello", "must be a Parquet file as its name says"),
+    "Parquet: cut": (lambda _: parquet_bytes()[:1500], "must be a whole Parquet file"),
     "Parquet: text": (
-        "a.parquet",
-        parquet_bytes(changed("command", ["a"] * 200)),
-        [],
+        lambda _: parquet_bytes(changed("command", ["a"] * 200)),
         "command: must be real numbers, got string",
     ),
     "Parquet: null": (
-        "a.parquet",
-        parquet_bytes(changed("command", [None, *[1.0] * 199])),
-        [],
+        lambda _: parquet_bytes(changed("command", [None, *[1.0] * 199])),
         "row 0: command: must be a finite number, got null",
+    ),
+}
+#: File name, content (bytes, or made from the folder), further arguments, and what the answer must say.
+CASES = {
+    **{case: ("a.csv", content, "", message) for case, (content, message) in CSV.items()},
+    **{case: ("a.mat", content, "", message) for case, (content, message) in MATLAB.items()},
+    **{case: ("a.mf4", content, "", message) for case, (content, message) in MDF.items()},
+    **{case: ("a.parquet", content, "", message) for case, (content, message) in PARQUET.items()},
+    **{case: ("a.csv", *told) for case, told in CSV_READ_WITH.items()},
+    "missing file": ("b.csv", ..., "", "cannot be read: No such file"),
+    "MATLAB: NaN, rows counted in the file": (
+        "a.mat",
+        mat_bytes(with_bad(7, np.nan)),
+        "--rows 5:50",
+        "row 7: position: must be a finite number",
     ),
 }
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeypatch, request):
+def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeypatch):
     name, content, arguments, message = CASES[case]
     monkeypatch.chdir(tmp_path)
     path = tmp_path / name
@@ -280,11 +209,8 @@ def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeyp
     elif content is not ...:
         path.write_bytes(content(tmp_path) if callable(content) else content)
     before = sorted(tmp_path.rglob("*"))
-    status = main(["audit", name, "--json", "out.json", *arguments])
+    status = main(["audit", name, "--json", "out.json", *arguments.split()])
     said = capsys.readouterr()
-    if request.config.getoption("capture") == "no":
-        with capsys.disabled():
-            print(f"\n{case:40} {said.err.rstrip()}")
     assert status == 2
     assert said.err.count("\n") == 1
     assert said.err.startswith("cogging: ")
@@ -366,8 +292,8 @@ def test_units_that_cannot_be_the_models(columns, message, tmp_path, capsys):
 
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_mutated_log_is_read_or_refused_in_one_line(kind):
-    """The first cases of `python -m tests.attack`, read as a user reads them."""
-    found = [run_case(seed, kind, whole=True) for seed in range(300 if kind == "csv" else 10)]
+    """The first cases of `python -m tests.attack`, read as a user reads them; `.ci/run` reads 300 of each."""
+    found = [run_case(seed, kind, whole=True) for seed in range(100 if kind == "csv" else 4)]
     assert not [one for one in found if one is not None and not one.startswith("~")]
 
 
@@ -381,16 +307,6 @@ def originals(tmp_path_factory):
         "a.mf4": mdf_bytes(folder),
         "a.parquet": parquet_bytes(),
     }
-
-
-@pytest.mark.parametrize("name", ["a.mat", "compressed.mat", "hdf5.mat", "a.mf4", "a.parquet"])
-def test_what_is_mutated_can_be_read(name, originals, tmp_path):
-    path = tmp_path / name
-    path.write_bytes(originals[name])
-    log = cogging.read_log(path)
-    np.testing.assert_array_equal(log.position, COLUMNS["position"])
-    np.testing.assert_array_equal(log.reference, COLUMNS["reference"])
-    np.testing.assert_allclose(log.time, TIME, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -106,15 +106,6 @@ def test_the_same_in_other_formats(suffix, tmp_path):
     np.testing.assert_array_equal(chosen.position, columns["Position"])
 
 
-def test_the_command_asks(tmp_path, capsys):
-    (tmp_path / "log.csv").write_text(with_column("position [m]", 3))
-    assert main(["audit", str(tmp_path / "log.csv")]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert "'position', 'position [m]'" in said
-    assert main(["audit", str(tmp_path / "log.csv"), "--columns", "position=position"]) == 0
-
-
 # Quotes ---------------------------------------------------------------------------------------------------------------
 
 HEAD = "time,position,command,note\n"

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 from coordinates import foretold, places
-from effect_figures import SCHEMES, draw, save
-from effect_pages import page
 from effect_signatures import SECONDS_DRAWN, SHARE, signature
 from small_machine import MOTIONS, left_by, machine, motion
 
@@ -115,32 +113,3 @@ def test_what_is_the_same_in_motion_is_taken_for_it(signatures):
     """A Coulomb level that differs with direction pushes one way while the axis moves, as a constant force does."""
     for confusion in signatures["coulomb_asymmetry"].confusion.values():
         assert dict(confusion.explained)["constant_force"] > 0.98
-
-
-def test_figures_show_something_and_are_the_same_each_time(signatures, tmp_path):
-    one = signatures[DRAWN[0]]
-    first = {scheme: path.read_bytes() for scheme, path in save(one, tmp_path).items()}
-    assert first == {scheme: path.read_bytes() for scheme, path in save(one, tmp_path).items()}
-    assert first["light"] != first["dark"]
-    for found in signatures.values():
-        figure = draw(found, "light")
-        drawn = [line for axes in figure.axes for line in axes.lines if len(line.get_xdata()) > 10]
-        assert drawn
-        assert all(np.ptp(axes.get_ylim()) > 0.0 and axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes)
-    assert set(SCHEMES) == {"light", "dark"}
-
-
-def test_pages_tell_law_fields_figure_and_look_alikes(signatures):
-    for name, found in signatures.items():
-        law, text = VOCABULARY[name], page(found)
-        assert text.count("\n# ") + text.startswith("# ") == 1
-        assert "$$\n" in text
-        for field, (unit, _) in law.FIELDS.items():
-            assert f"| `{field}` | {'' if unit == '1' else unit} |" in text
-        for scheme in SCHEMES:
-            assert f"{name}_{scheme}.svg\n:class: only-{scheme}" in text
-        alternatives = [line for line in text.splitlines() if line.startswith(":alt: ")]
-        assert len(alternatives) == len(SCHEMES)
-        assert all(len(line) > 60 for line in alternatives)
-        assert all(f"\n| {course} |" in text for course in MOTIONS)
-        assert f'name = "{name}"' in text

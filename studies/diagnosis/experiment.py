@@ -1,6 +1,6 @@
 """Whether the proposed experiment settles what a log left open, beside other motion of the same time.
 
-    python -m tests.blind.experiment --seed N --cases M --out DIR [--minutes MINUTES]
+    python -m studies.diagnosis.experiment --seed N --cases M --out DIR [--minutes MINUTES]
 
 Machines with one hidden effect, by the simulator of the blind suite, are drawn until M of their logs are ambiguous: the
 right name has alternatives. `plan_experiment` then proposes 20 s of motion; the machine runs it, the given motion once
@@ -24,10 +24,9 @@ import numpy as np
 
 import cogging
 from cogging_command import run_command
-
-from .cases import Case, Specification, Unreachable, draw_case
-from .motions import Motion, draw_motion
-from .truth import Plan, Run
+from tests.blind.cases import Case, Specification, Unreachable, draw_case
+from tests.blind.motions import Motion, draw_motion
+from tests.blind.truth import Plan, Run
 
 SECONDS = 20.0  # of each new motion
 RATIOS = (100.0, 300.0)
@@ -158,7 +157,7 @@ def table(answers: list[dict[str, Any]]) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Draw, ask, print; exit status 0."""
-    parser = argparse.ArgumentParser(prog="python -m tests.blind.experiment", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m studies.diagnosis.experiment", description=__doc__)
     parser.add_argument("--seed", type=int, required=True, help="of the machines")
     parser.add_argument("--cases", type=int, default=40, help="ambiguous ones, that are asked for")
     parser.add_argument("--minutes", type=float, default=1e9, help="after which no further case is begun")
