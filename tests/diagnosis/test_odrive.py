@@ -67,14 +67,15 @@ def test_each_of_the_large_harmonics_is_as_large_as_at_rest(result):
         assert found[order] == pytest.approx(size, rel=0.15)
 
 
-def test_the_gap_of_the_other_run_shrinks_to_a_sixth(result):
-    assert result.gap.confirm_after < result.gap.confirm_before / 6
+def test_the_gap_of_the_other_run_shrinks_to_a_ninth(result):
+    assert result.gap.confirm_after < result.gap.confirm_before / 9  # seen: 0.840, then 0.083 A
 
 
 def test_the_mass_stays_that_of_the_motor(result):
     assert odrive_motor().axis.mass / 3 < result.model.axis.mass < 3 * odrive_motor().axis.mass
     sure = {effect.name for effect in result.effects if effect.confidence >= 0.9}
-    assert {"cogging_harmonic"} <= sure <= {"cogging_harmonic", "command_delay"}  # polled: 4 ms are two polls
+    # polled: 4 ms are two polls; presliding of 6 mrad halves what the harmonics leave, on the other run too
+    assert {"cogging_harmonic"} <= sure <= {"cogging_harmonic", "command_delay", "presliding_friction"}
 
 
 @pytest.mark.study

@@ -38,6 +38,7 @@ from cogging.simulation.arguments import LOGS, MODEL
 MOTION_MIN = 1.0  # s: minimum time in motion, over all given logs
 NOISE = 0.01  # of a gap's power: where a generic force predicts less, the replayed loop leaves only noise
 CONTRADICTED = 1.25  # largest growth of a gap's power with all effects, or with one effect by replay
+LOUD = 0.5  # of the rms command: noise of the balance that hides what moves the axis
 FOLLOWED = 3.0  # noise floors: a replay with a larger gap does not follow the logs
 
 
@@ -236,6 +237,9 @@ def _result(
         without_name = _refused_entry(first, refused[min(refused)])
     if wanted and without_name is not None:
         final, without_name = _with_empirical(final, without_name, yardstick, after, after_there)
+    if gap.floor > LOUD * rms > 0.0:
+        noise = f"{gap.floor:.3g} {units.command}"
+        notes.append(f"the balance has a noise of {noise}, for a command of {rms:.3g}: smaller effects are hidden")
     if found.shift:
         notes.append(
             f"the phase of a wave shows that the zero of the confirm logs is {found.shift:.4g} {units.position} off"
