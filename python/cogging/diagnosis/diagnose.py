@@ -237,15 +237,13 @@ def _result(
         without_name = _refused_entry(first, refused[min(refused)])
     if wanted and without_name is not None:
         final, without_name = _with_empirical(final, without_name, yardstick, after, after_there)
-    if gap.floor > LOUD * rms > 0.0:
-        noise = f"{gap.floor:.3g} {units.command}"
-        notes.append(f"the balance has a noise of {noise}, for a command of {rms:.3g}: smaller effects are hidden")
-    if found.shift:
-        notes.append(
-            f"the phase of a wave shows that the zero of the confirm logs is {found.shift:.4g} {units.position} off"
-        )
-    if found.late:
-        notes.append(f"the command is logged {found.late:.2g} s after it acts, which is corrected here")
+    zero = f"the phase of a wave shows that the zero of the confirm logs is {found.shift:.4g} {units.position} off"
+    late = f"the command is logged {found.late:.2g} s after it acts, which is corrected here"
+    loud = (
+        f"the balance has a noise of {gap.floor:.3g} {units.command} for a command of {rms:.3g}: it hides small effects"
+    )
+    said = ((found.shift, zero), (found.late, late), (gap.floor > LOUD * rms > 0.0, loud))
+    notes += [note for holds, note in said if holds]
     notes += [f"{terms[k].accepted.found.name}: {why}; it is not in the model" for k, why in sorted(out.items())]
     final, of_stated = merged(final, stated)
     notes += of_stated
