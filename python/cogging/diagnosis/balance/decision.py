@@ -269,7 +269,7 @@ def without_each_other(accepted: Sequence[Accepted]) -> None:
         one.share = min(1.0, one.share / max(1.0 - apart, one.share))
 
 
-def score_of(ratio: float, k: int, trials: int, blocks: int) -> float:
+def score_of(ratio: float, k: int, trials: float, blocks: int) -> float:
     """Return a gain in 2 ln likelihood less penalties for k amplitudes (by the number of blocks) and for trials."""
     return float(ratio - k * max(np.log1p(max(ratio, 0.0) / k), np.log(blocks)) - 2 * np.log(max(trials, 1)))
 
