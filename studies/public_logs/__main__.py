@@ -96,11 +96,9 @@ def write(folder, header, given, confirm):
 
 def run(folder, words):
     """What a command prints, the seconds of processor that it took, and the line behind its last `next:`."""
-    before, both = (
-        resource.getrusage(resource.RUSAGE_CHILDREN),
-        {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT},
-    )
-    done = subprocess.run([sys.executable, "-m", "cogging", *words], cwd=folder, text=True, **both)
+    call, output = [sys.executable, "-m", "cogging", *words], {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(call, cwd=folder, text=True, **output)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     (folder / f"{words[0]}.txt").write_text(f"$ cogging {shlex.join(words)}\n{done.stdout}")
     following = [line for line in done.stdout.splitlines() if line.startswith("next: cogging ")]
@@ -121,11 +119,8 @@ def follow(folder):
             words += ["--confirm", "confirm.csv", "--out", "better.toml", "--json", "result.json", "--verbose"]
         text, seconds, words = run(folder, words)
         lines = [line.strip() for line in text.splitlines()]
-        yield (
-            command,
-            seconds,
-            [line for line in lines if line.startswith(begins)] or lines[-1:],
-        )  # an error is the last
+        shown = [line for line in lines if line.startswith(begins)]
+        yield command, seconds, shown or lines[-1:]  # an error is the last line
 
 
 def main():
