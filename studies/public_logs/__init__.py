@@ -1,0 +1,1 @@
+"""Public logs of machines that nothing here was tuned on."""
