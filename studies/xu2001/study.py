@@ -30,7 +30,7 @@ from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.outputs import write_bytes
 from cogging.papers.result import png
-from cogging.papers.xu2001.conditions import ALL, Conditions, joint_conditions
+from cogging.papers.xu2001.conditions import joint_conditions
 from cogging.papers.xu2001.exploration import changes, columns, explore, explore_conditions, gap
 from cogging.papers.xu2001.fast_motion import fast_motion_table
 from cogging.papers.xu2001.figures import figure_increment
@@ -59,7 +59,7 @@ from cogging.papers.xu2001.setup import (
     reference,
     shipped_unknowns,
 )
-from cogging.papers.xu2001.tables import better_shares, conditions_table, table_1
+from cogging.papers.xu2001.tables import conditions_table, seeds_table
 from cogging_command import run_command
 
 #: Hz: below and above what the printed robust terms need. The last takes minutes.
@@ -186,23 +186,12 @@ def _robust_terms(show: Callable[[str], None]) -> None:
             show(f"{'':4}{' + '.join(terms) or 'none':<36}{found['du_rms']:9.3g} V a sample")
 
 
-def counts_by_seed(joint: Conditions, seeds: Iterable[int]) -> list[tuple[int, int]]:
-    """How many of 30 numbers lie within 15 %, and of 9 errors of the ARC below the PID's, by seed of the noise."""
-    found = []
-    for seed in seeds:
-        table = table_1(joint.all_logs(seed), fitted=ALL)
-        smaller = sum(share < 1.0 for share in better_shares(table).values())
-        found.append((table.counts().within[1], smaller))
-    return found
-
-
 def _towards_the_joint(unknowns: Unknowns, show: Callable[[str], None]) -> None:
     joint = joint_conditions()
     for name, size in explore_conditions(unknowns, joint, joint.logs("ARC")).items():
         show(f"{'':4}{name:<36}{size:12.3f}")
     show(conditions_table().text())
-    show("Joint conditions, ten other seeds of the noise: numbers within 15 % (of 30), errors below the PID's (of 9)")
-    show(f"{'':4}" + "  ".join(f"{near} {smaller}" for near, smaller in counts_by_seed(joint, range(100, 1100, 100))))
+    show(seeds_table(joint).text())
 
 
 def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:

@@ -124,10 +124,14 @@ def conditions_file() -> dict[str, Any]:
     return parse_toml(text)
 
 
-def shipped_table_1(motor: Motor) -> tuple[Conditions, Calibrated]:
-    """The conditions of Table I, lines of one share on both motors, and the gains with the amplitude under them."""
-    part = conditions_file()["table_1"]
-    return Conditions(lines=part["lines"], any_phases=True), replace(shipped(motor), amplitude=part[motor.name])
+#: The two that serve both motors with one size: Table I is shown under each.
+LINES, FRICTION = CAUSES[0], CAUSES[-1]
+
+
+def shipped_table_1(motor: Motor, cause: Cause = LINES) -> tuple[Conditions, Calibrated]:
+    """The conditions of Table I, a cause of one size on both motors, and the gains with the amplitude under them."""
+    part = conditions_file()["table_1"][cause.field]
+    return cause.of(part["size"]), replace(shipped(motor), amplitude=part[motor.name])
 
 
 @dataclass(frozen=True)
