@@ -35,7 +35,7 @@ from cogging.papers.result import Reproduction
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Table I, what it hides, Theorem 3, and the figures; `progress` is told each of STEPS.
+    """Table I, what it hides, Theorem 3, and the figures; `progress` is called with each of STEPS.
 
     Without cvxpy (extra `design`) the table of Theorem 3 is left out, and a note says so.
     """
@@ -79,5 +79,5 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     return Reproduction("malaize2009", [*tables, *theorem], figures, [*notes, *note])
 
 
-#: What reproduce() tells its progress.
+#: The steps that reproduce() reports.
 STEPS = ("table 1", "figures 2 to 4", "imperfections", "causes", "ripple", "robustness", "theorem 3")

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.resources
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from cogging._core import OutputFeedbackArc, OutputFeedbackArcParameters, Pid
 from cogging.arrays import FloatArray
-from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.papers.fitting import shipped_toml
 from cogging.papers.xu2001.setup import (
     CONTROLLERS,
     SEED,
@@ -33,7 +32,7 @@ LAWS: dict[str, dict[str, float]] = {
     "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
 }
 JOINT_LAW = "smooth_coulomb_without_offset"
-#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 4.
+#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 3.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
 JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
 #: Which numbers of Table 1 a fit takes: sets by controller.
@@ -89,9 +88,7 @@ class Conditions:
 
 def shipped_file() -> dict[str, Any]:
     """What plant.toml holds."""
-    return parse_toml(
-        importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text(encoding="utf-8")
-    )
+    return shipped_toml("cogging.papers.xu2001", "plant.toml")
 
 
 def conditions_of(part: Mapping[str, Any]) -> Conditions:

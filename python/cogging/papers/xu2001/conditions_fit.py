@@ -18,7 +18,6 @@ from cogging.papers.xu2001.setup import (
     SEEDS,
     TABLE_1,
     Unknowns,
-    arc_parameters,
     to_dict,
 )
 
@@ -38,7 +37,6 @@ START = {
     "ripple": 0.0783,
     "ripple_period": 0.0419,
 }
-RATES = ("adaptation_1", "adaptation_2", "adaptation_3")  # factors on the rates of Gamma where each is free
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Problem:
     Attributes:
         fitted: the sets of each controller whose numbers take part.
         law: of friction, one of LAWS.
-        start: where the search begins, by name; with `adaptation_factor`, or RATES, where that is free.
+        start: where the search begins, by name; with `adaptation_factor` where that is free.
         adaptation_factor: where it is not free.
         earlier_runs: of the ARC.
         changes: of the ARC's printed numbers, by field.
@@ -73,11 +71,7 @@ class Problem:
         """The conditions of values in the order of names(), to the digits that the file keeps."""
         free = {name: round_to_digits(float(value)) for name, value in zip(self.names(), values, strict=True)}
         factor = free.pop("adaptation_factor", self.adaptation_factor)
-        changes = dict(self.changes)
-        if any(name in free for name in RATES):
-            printed = arc_parameters().adaptation
-            changes["adaptation"] = [free.pop(name) * rate for name, rate in zip(RATES, printed, strict=True)]
-        return Conditions(Unknowns(**{**LAWS[self.law], **free}), factor, self.earlier_runs, changes)
+        return Conditions(Unknowns(**{**LAWS[self.law], **free}), factor, self.earlier_runs, self.changes)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from cogging.papers.xu2001.theorem_1 import theorem_1_table
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Table 1 and Figs. 2 to 6. `progress` is told each of STEPS as it is done."""
+    """Table 1 and Figs. 2 to 6. `progress` is called with each of STEPS as it is done."""
     unknowns = shipped_unknowns()
     joint = joint_conditions()
     before = table_1(Conditions(unknowns).table(), free=PID_FREE)
@@ -57,5 +57,5 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     return Reproduction("xu2001", [*tables, *claims], figures, [joint_note(table), DU_RMS])
 
 
-#: What reproduce() tells its progress.
+#: The steps that reproduce() reports.
 STEPS = ("table 1", "figures 2 to 4", "figures 5, 6", "robust terms", "theorem 1, PID poles", "exploration")

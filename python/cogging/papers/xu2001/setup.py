@@ -6,7 +6,6 @@ the PID columns (calibration.py).
 
 from __future__ import annotations
 
-import importlib.resources
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -31,9 +30,9 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
-from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.papers.fitting import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 SAMPLE_RATE = 2500.0  # Hz (section 4.3)
@@ -97,8 +96,7 @@ class Unknowns:
 
 def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
     """The calibrated unknowns that come with the package, by friction law."""
-    text = importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text(encoding="utf-8")
-    return Unknowns(**parse_toml(text)[law]["unknowns"])
+    return Unknowns(**shipped_toml("cogging.papers.xu2001", "plant.toml")[law]["unknowns"])
 
 
 def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
