@@ -1,6 +1,7 @@
 """Table I of Malaize and Levine 2009, what it hides, and the comparison of the three papers' controllers."""
 
 import importlib.resources
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -239,6 +240,10 @@ def test_the_comparison_is_the_committed_one():
             values = [found[row.labels["machine"], name, row.index.split(",")[0]] for name in comparison.SCALED]
             assert found[row.labels["machine"], row.controller, row.index.split(",")[0]] == min(values)
     assert set(result.figures) == {"comparison", "comparison_trade"}
+    evidence = (Path(__file__).parents[2] / "docs" / "evidence.md").read_text(encoding="utf-8")
+    for table in result.tables:
+        for line in table.text().splitlines()[1:]:  # but for the last column of the first, the time of a step
+            assert (line[:-11] if table is own else line).rstrip() in evidence, line
 
 
 @pytest.mark.parametrize("name", ["pid", "arc C3", "output_feedback_arc", "observer_based"])

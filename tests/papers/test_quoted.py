@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cogging
 from tests.fixtures.reproduced import reproduced
 
 ROOT = Path(__file__).parents[2]
@@ -77,11 +76,3 @@ def test_a_number_that_no_command_prints_is_found():
         1e15,
     ]
     assert np.abs(np.array(printed("xu2001", "table1")) - 155.0).min() > 0.5  # µm: the paper says 156
-
-
-def test_the_comparison_in_the_evidence_is_todays_but_for_times():
-    text = (ROOT / "docs" / "evidence.md").read_text(encoding="utf-8")
-    for table in cogging.compare().tables:
-        for line in table.text().splitlines()[1:]:
-            shown = line[:-11] if table.id == "comparison" else line
-            assert shown.rstrip() in text, line

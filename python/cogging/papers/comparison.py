@@ -39,12 +39,12 @@ from cogging.papers.fitting import round_to_digits, shipped_toml
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.papers.xu2001 import setup as xu2001_setup
-from cogging.plot.canvas import drawn, legend, new_figure
-from cogging.plot.scales import scale_of
+from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker
 from cogging.simulation.varied import Setup
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 AXIS = lu2008.AXES["X"]
@@ -256,8 +256,14 @@ USES = {
 }
 
 
+PAYLOADS = {"rms_light": 0.8, "rms_heavy": 1.2}  # factors on the mass
+
+
 def measure(
-    controller: ListedController, axis: lu2008.GantryAxis = AXIS, more: Sequence[Any] = ()
+    controller: ListedController,
+    axis: lu2008.GantryAxis = AXIS,
+    more: Sequence[Any] = (),
+    payloads: Mapping[str, float] = PAYLOADS,
 ) -> tuple[dict[str, float], Log | None]:
     """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
     motion = lu2008.reference(axis)
@@ -277,7 +283,7 @@ def measure(
         "chatter": last.command_change_rms,
         "step": seconds / len(log),
     }
-    for name, factor in (("rms_light", 0.8), ("rms_heavy", 1.2)):
+    for name, factor in payloads.items():
         try:
             other = Log.of(closed_loop(machine(factor, axis, more), controller, motion))
             found[name] = performance(other.time, other.error, other.command, **window).error_rms
@@ -294,12 +300,13 @@ class Comparison(Table):
         """The table for the screen."""
         units = {row.index: row.unit for row in self.rows}
         shown = {"m": ("um", 1e6), "s": ("ns", 1e9)}
-        lines = [self.title, f"{'':4}{'controller':<32}" + "".join(f"{index:>11}" for index in units)]
-        lines.append(f"{'':36}" + "".join(f"{shown.get(unit, (unit, 1.0))[0]:>11}" for unit in units.values()))
+        width = max(21, *(len(self._name(row)) for row in self.rows))
+        lines = [self.title, f"{'':4}{'controller':<{width}}" + "".join(f"{index:>11}" for index in units)]
+        lines.append(f"{'':{width + 4}}" + "".join(f"{shown.get(unit, (unit, 1.0))[0]:>11}" for unit in units.values()))
         for start in range(0, len(self.rows), len(units)):
             part = self.rows[start : start + len(units)]
             numbers = (f"{row.simulated * shown.get(row.unit, ('', 1.0))[1]:11.4g}" for row in part)
-            lines.append(f"{'':4}{self._name(part[0]):<32}" + "".join(numbers))
+            lines.append(f"{'':4}{self._name(part[0]):<{width}}" + "".join(numbers))
         return "\n".join(lines)
 
 
@@ -345,12 +352,13 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
 
     places = {"X": (AXIS, ()), "Y": (lu2008.AXES["Y"], ()), "X outside": (AXIS, OUTSIDE)}
     equal = {name: at_equal_margin(axis) for name, axis in lu2008.AXES.items()}
+    heavy = {"rms_heavy": PAYLOADS["rms_heavy"]}
     found, logs = {}, {}
     for name in SCALED:
         for place, (axis, more) in places.items():
-            found[place, name], logs[place, name] = measure(equal[axis.name][name], axis, more)
+            found[place, name], logs[place, name] = measure(equal[axis.name][name], axis, more, heavy)
         progress(f"{name}, equal margin")
-    shown = {index: unit for index, unit in UNITS.items() if index != "step"}
+    shown = {index: unit for index, unit in UNITS.items() if index not in ("step", "rms_light")}
     rows = [
         Row(name, index, unit, None, found[place, name][index], "exploratory", {"machine": place})
         for place in places
@@ -365,24 +373,31 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
 
 @drawn
 def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
-    """The errors of the last move forth over the position, at equal delay margin, a panel a machine."""
+    """The errors of the last move forth over the position, at equal delay margin, a panel a machine.
+
+    The scale is three times the median of the largest errors; what is larger is cut off.
+    """
     places = list(dict.fromkeys(place for place, _ in logs))
     figure = new_figure((8.0, 2.6 * len(places)))
-    figure.suptitle(f"Tracking errors of the last move forth, at equal delay margin ({1e3 * DELAY_MARGIN:g} ms)")
+    figure.suptitle(
+        f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"
+    )
     panels = figure.subplots(len(places), 1, sharex=True)
     for axes, place in zip(panels, places, strict=True):
         motion = lu2008.reference(lu2008.AXES[place[0]])
-        start = motion.end - motion.period
+        start, largest = motion.end - motion.period, []
         for number, name in enumerate(SCALED):
             log = logs[place, name]
             if log is None:
                 continue
             rows = (log.time >= start) & (log.time < start + motion.move_time)
             axes.plot(1e3 * log.position[rows], 1e6 * log.error[rows], **look(number, dense=True), lw=0.7, label=name)
-        axes.set(ylabel="error (µm)")
+            largest.append(1e6 * float(np.abs(log.error[rows]).max()))
+        end = 3.0 * float(np.median(largest))
+        axes.set(ylabel="error (µm)", ylim=(-end, end))
         axes.set_title(f"machine {place}", loc="left", fontsize="small")
     panels[-1].set(xlabel="position (mm)")
-    legend(panels[0], 4)
+    _legend_below(figure, panels[0])
     return figure
 
 
@@ -392,21 +407,23 @@ def figure_trade(
 ) -> Figure:
     """Rms error against command chatter: filled at equal delay margin, hollow by the papers' own rules on X."""
     places = list(dict.fromkeys(place for place, _ in found))
-    scale = scale_of("m", np.array([each["rms"] for each in found.values() if np.isfinite(each["rms"])]))
-    figure = new_figure((10.0, 4.2))
+    figure = new_figure((9.0, 4.2))
     figure.suptitle(f"Rms error and chatter at equal delay margin ({1e3 * DELAY_MARGIN:g} ms); hollow: by the own rule")
     panels = figure.subplots(1, len(places), sharey=True)
     for axes, place in zip(panels, places, strict=True):
         for number, name in enumerate(SCALED):
             style = {**look(number), "linestyle": "none", "markersize": 8}
-            if place == "X" and name in own:
+            if place == "X":
                 hollow = {**style, "markerfacecolor": "none"}
-                axes.loglog(own[name]["chatter"], scale(own[name]["rms"]), marker(number), **hollow)
-            axes.loglog(
-                found[place, name]["chatter"], scale(found[place, name]["rms"]), marker(number), **style, label=name
-            )
+                axes.loglog(own[name]["chatter"], 1e6 * own[name]["rms"], marker(number), **hollow)
+            point = found[place, name]
+            axes.loglog(point["chatter"], 1e6 * point["rms"], marker(number), **style, label=name)
         axes.set(xlabel="chatter (V)")
         axes.set_title(f"machine {place}", loc="left", fontsize="small")
-    panels[0].set(ylabel=scale.label("rms error"))
-    legend(panels[-1])
+    panels[0].set(ylabel="rms error (µm)")
+    _legend_below(figure, panels[0])
     return figure
+
+
+def _legend_below(figure: Figure, axes: Axes) -> None:
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
