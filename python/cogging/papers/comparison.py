@@ -391,7 +391,8 @@ def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
             if log is None:
                 continue
             rows = (log.time >= start) & (log.time < start + motion.move_time)
-            axes.plot(1e3 * log.position[rows], 1e6 * log.error[rows], **look(number, dense=True), lw=0.7, label=name)
+            colour = look(number)["color"]
+            axes.plot(1e3 * log.position[rows], 1e6 * log.error[rows], color=colour, linewidth=0.7, label=name)
             largest.append(1e6 * float(np.abs(log.error[rows]).max()))
         end = 3.0 * float(np.median(largest))
         axes.set(ylabel="error (µm)", ylim=(-end, end))
