@@ -9,7 +9,7 @@ exploratory.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -124,7 +124,7 @@ def scaled(
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
         return _observer_based(problem, list(gain), axis)
     law, structure = name.split()
-    gains = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
+    gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
     return (Arc if law == "arc" else Dcarc)(lu2008.controller_parameters(axis, structure, **gains))
 
 
@@ -226,7 +226,7 @@ def gains_toml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _digits(gain: Sequence[float]) -> list[float]:
+def _digits(gain: Iterable[float]) -> list[float]:
     return [round_to_digits(float(value), 6) for value in gain]
 
 
