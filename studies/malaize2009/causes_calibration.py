@@ -1,8 +1,8 @@
 """Calibrates conditions.toml: `python -m studies.malaize2009.causes_calibration [FILE]`.
 
 For each of CAUSES and each motor the size at which the observer has the accuracy of Table I, the PID's calibrated anew
-at every size; and the one share of unmodelled lines that serves both motors best, which Table I is shown under. Some
-minutes.
+at every size; and the one share of unmodelled lines, and the one width of smooth friction, that serve both motors best,
+which Table I is shown under. Some minutes.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ import cogging.papers.malaize2009
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml, write_text
 from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.malaize2009.causes import CAUSES, Cause, other
-from cogging.papers.malaize2009.conditions import DRAWS, Conditions, drawn_accuracies, recalibrated
+from cogging.papers.malaize2009.causes import CAUSES, FRICTION, LINES, Cause, other
+from cogging.papers.malaize2009.conditions import drawn_accuracies, recalibrated
 from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, shipped
 from cogging_command import run_command
 
 OWN = Path(cogging.papers.malaize2009.__file__).with_name("conditions.toml")
 STEPS = 7  # sizes of a curve
 DIGITS = 3
+TABLE_1_STARTS = {LINES: 0.032, FRICTION: 1.4e-4}  # where the search for the one size begins
 
 
 def curve(cause: Cause, motor: Motor, steps: int = STEPS) -> list[tuple[float, float]]:
@@ -88,32 +89,29 @@ def calibrated_cause(cause: Cause, show: Callable[[str], None]) -> dict[str, dic
     return found
 
 
-def calibrated_table_1() -> dict[str, float]:
-    """The share of unmodelled lines that serves both motors best (least squares of logarithms), and the amplitudes."""
+def calibrated_table_1(cause: Cause) -> dict[str, float]:
+    """The size of a cause that serves both motors best (least squares of logarithms), and the amplitudes under it."""
     gains = {motor.name: shipped(motor) for motor in MOTORS.values()}
 
-    def recalibrate(share: float) -> Conditions:
-        conditions = Conditions(lines=round_to_digits(share, DIGITS), any_phases=True)
+    def recalibrate(size: float) -> float:
+        rounded = round_to_digits(size, DIGITS)
         for motor in MOTORS.values():
-            gains[motor.name] = recalibrated(motor, gains[motor.name], conditions, DRAWS)
-        return conditions
+            gains[motor.name] = recalibrated(motor, gains[motor.name], cause.of(rounded), cause.draws)
+        return rounded
 
     def gap(values: FloatArray) -> FloatArray:
-        conditions = recalibrate(values[0])
-        ratios = [
-            drawn_accuracies(motor, gains[motor.name], conditions, "observer").mean() / motor.accuracy[1]
-            for motor in MOTORS.values()
-        ]
-        return np.log(ratios)
+        size = recalibrate(values[0])
+        return np.log([_ratio(cause, motor, gains[motor.name], size) for motor in MOTORS.values()])
 
-    # The accuracies grow nearly with the share: one step is enough.
-    conditions = recalibrate(fit_logarithms(gap, np.array([0.032]), step=0.1, iterations=1)[0][0])
-    return {"lines": conditions.lines} | {name: each.amplitude for name, each in gains.items()}
+    # The accuracies grow nearly with the size: one step is enough.
+    size = fit_logarithms(gap, np.array([TABLE_1_STARTS[cause]]), step=0.1, iterations=1)[0][0]
+    return {"size": recalibrate(size)} | {name: each.amplitude for name, each in gains.items()}
 
 
 def main(target: str, show: Callable[[str], None] = print) -> None:
     """Calibrate and write the file."""
-    document: dict[str, Any] = {"table_1": calibrated_table_1()}
+    table_1 = {cause.field: calibrated_table_1(cause) for cause in TABLE_1_STARTS}
+    document: dict[str, Any] = {"table_1": table_1}
     show(f"Table I: {document['table_1']}")
     document |= {cause.field: calibrated_cause(cause, show) for cause in CAUSES}
     head = "# Sizes (SI) and amplitudes (m/s^2), by python -m studies.malaize2009.causes_calibration.\n"

@@ -1,8 +1,8 @@
-"""What the printed numbers of Xu and Yao 2001 explain and what not: `python -m studies.xu2001.study [DIR]`.
+"""What the printed numbers of Xu and Yao 2001 explain and what not: `python -m studies.xu2001.study`.
 
-Exploratory, never mixed with Table 1: which change of the controller's numbers brings the ARC columns near the
-printed ones, why the printed robust terms cannot run, and where ARC is better than the PID and where not. With DIR, a
-figure of the command increment against the robust terms is written there.
+Exploratory, beside the tables of `cogging reproduce xu2001 --all`: the ARC columns by friction law and seed, all printed
+robust terms at sampling rates up to what they need, the 128 choices among them, where ARC is better than the PID and
+where not, and how much delay each loop tolerates.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,20 +27,14 @@ from cogging._core import (
 )
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.outputs import write_bytes
-from cogging.papers.result import png
-from cogging.papers.xu2001.conditions import ALL, Conditions, joint_conditions
-from cogging.papers.xu2001.exploration import changes, columns, explore, explore_conditions, gap
-from cogging.papers.xu2001.fast_motion import fast_motion_table
-from cogging.papers.xu2001.figures import figure_increment
-from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, pid_poles_table, simulated
+from cogging.papers.xu2001.exploration import columns, gap
+from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, simulated
 from cogging.papers.xu2001.robust_terms import (
     FACTORS,
     HARDWARE,
     PERIOD,
     increment,
     lasts,
-    one_count_table,
     rigid,
     subsets,
     which_run,
@@ -59,7 +52,6 @@ from cogging.papers.xu2001.setup import (
     reference,
     shipped_unknowns,
 )
-from cogging.papers.xu2001.tables import better_shares, conditions_table, table_1
 from cogging_command import run_command
 
 #: Hz: below and above what the printed robust terms need. The last takes minutes.
@@ -157,7 +149,6 @@ def _limits(unknowns: Unknowns, show: Callable[[str], None]) -> None:
         ("ARC", OutputFeedbackArc(arc_parameters(coulomb=0.0))),
     ):
         show(f"{'':4}integral stiffness of {name}: {integral_stiffness(controller, MASSES['1']):.3g} V/(m s)")
-    show(pid_poles_table(unknowns).text())
     show("A mode just below the load that makes the PID at -300 unstable, on the calibrated plant for 30 s")
     for frequency in FREQUENCIES:
         mode = just_below(unknowns, frequency, load_limit(-300.0, MASSES["1"], unknowns.delay, frequency))
@@ -174,7 +165,6 @@ def _robust_terms(show: Callable[[str], None]) -> None:
     for rate, resolution in HARDWARE:
         values = [increment(factor, rate, resolution) for factor in FACTORS]
         show(f"{'':4}{f'{rate / 1000:g} kHz, {1e9 * resolution:g} nm':<24}" + _numbers(values))
-    show(one_count_table().text())
     show("All printed robust terms with an ideal encoder, for one period of the sine at most, by sampling rate")
     for rate in LONG_RATES:
         lasting = lasts(rate, PERIOD)
@@ -186,55 +176,20 @@ def _robust_terms(show: Callable[[str], None]) -> None:
             show(f"{'':4}{' + '.join(terms) or 'none':<36}{found['du_rms']:9.3g} V a sample")
 
 
-def counts_by_seed(joint: Conditions, seeds: Iterable[int]) -> list[tuple[int, int]]:
-    """How many of 30 numbers lie within 15 %, and of 9 errors of the ARC below the PID's, by seed of the noise."""
-    found = []
-    for seed in seeds:
-        table = table_1(joint.all_logs(seed), fitted=ALL)
-        smaller = sum(share < 1.0 for share in better_shares(table).values())
-        found.append((table.counts().within[1], smaller))
-    return found
-
-
-def _towards_the_joint(unknowns: Unknowns, show: Callable[[str], None]) -> None:
-    joint = joint_conditions()
-    for name, size in explore_conditions(unknowns, joint, joint.logs("ARC")).items():
-        show(f"{'':4}{name:<36}{size:12.3f}")
-    show(conditions_table().text())
-    show("Joint conditions, ten other seeds of the noise: numbers within 15 % (of 30), errors below the PID's (of 9)")
-    show(f"{'':4}" + "  ".join(f"{near} {smaller}" for near, smaller in counts_by_seed(joint, range(100, 1100, 100))))
-
-
-def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:
-    """Print the study; write its figure into a folder where one is given."""
+def main(show: Callable[[str], None] = print) -> None:
+    """Print the study."""
     unknowns = shipped_unknowns()
-    show("ARC columns against the paper's, on the plant calibrated on the PID columns (exploratory)")
-    show(f"{'':4}{'change':<36}{'rms log gap':>12}{'closed':>8}   e_M of sets 1, 2, 3 (um); paper 14.4, 113, 55.9")
-    explored = explore(unknowns)
-    for name, change in changes().items():
-        size = explored[name]
-        if np.isinf(size):
-            show(f"{'':4}{name:<36}{'diverges':>12}")
-            continue
-        found = columns(OutputFeedbackArc(arc_parameters(**change)), unknowns)
-        closed = 1.0 - size / explored["as printed, g only"]
-        show(f"{'':4}{name:<36}{size:12.3f}{closed:8.0%}{_numbers(1e6 * found[:, 0])}")
+    show("ARC columns against the paper's, with all as printed (exploratory)")
+    show(f"{'':4}{'plant':<36}{'rms log gap':>12}{'':8}   e_M of sets 1, 2, 3 (um); paper 14.4, 113, 55.9")
     for law in ("smooth_stribeck", "smooth_coulomb", "exact_stribeck", "exact_coulomb"):
         found = columns(OutputFeedbackArc(arc_parameters()), shipped_unknowns(law))
         show(f"{'':4}{'friction law ' + law:<36}{gap(found):12.3f}{'':8}{_numbers(1e6 * found[:, 0])}")
     seeds = [columns(OutputFeedbackArc(arc_parameters()), unknowns, seed=seed)[:, 0] for seed in range(10)]
     show(f"{'':4}spread of e_M over ten seeds of the encoder noise (um){_numbers(1e6 * np.std(seeds, axis=0))}")
-
-    _towards_the_joint(unknowns, show)
     _robust_terms(show)
     _compare(unknowns, show)
     _limits(unknowns, show)
-    show(fast_motion_table(unknowns).text())
-    if folder is not None:
-        path = Path(folder) / "xu2001_increment.png"
-        write_bytes(path, png(figure_increment()))
-        show(f"{path} written")
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else None)))
+    sys.exit(run_command(main))

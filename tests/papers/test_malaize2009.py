@@ -1,6 +1,7 @@
 """Table I of Malaize and Levine 2009, what it hides, and the comparison of the three papers' controllers."""
 
 import importlib.resources
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import cogging
 from cogging.files import parse_toml
 from cogging.papers import comparison
+from cogging.papers.lu2008 import setup as lu2008_setup
 from cogging.papers.malaize2009 import figures as malaize2009_figures
 from cogging.papers.malaize2009 import setup as malaize2009_setup
 from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS
@@ -96,8 +98,26 @@ def test_table_1_is_the_committed_one_and_near_the_papers(result):
     assert (before.within, before.predicted_within) == ((4, 4, 4), (0, 0, 0))
 
 
-def test_the_second_table_says_where_the_observer_is_worse(result):
-    rows = {(row.labels["motor"], row.labels["case"], row.controller): row for row in result.tables[1].rows}
+def test_table_1_with_smooth_friction_comes_as_near_and_says_so(result):
+    lines, friction = table(result, "table1"), table(result, "table1_width")
+    assert friction.counts().to_dict() | {"within": None} == lines.counts().to_dict() | {"within": None}
+    assert friction.counts().within == (6, 6, 6)
+    for row in friction.rows:
+        assert row.simulated == pytest.approx(row.paper, rel=0.05), row
+        assert set(row.labels) == {"motor"}
+    # The first is a mean over draws, and its label says how far they lie apart.
+    found = {row.labels["motor"]: row.labels.get("of 10 draws") for row in lines.rows if row.controller == "observer"}
+    row = lines.rows[1]
+    low, high = map(float, row.labels["of 10 draws"].removesuffix(" um").split(" to "))
+    assert low < 1e6 * row.simulated < high
+    assert set(found) == set(MOTORS)
+    assert (low, high) == pytest.approx((0.29, 0.65), abs=0.02)
+
+
+def test_the_imperfections_say_where_the_observer_is_worse(result):
+    rows = {
+        (row.labels["motor"], row.labels["case"], row.controller): row for row in table(result, "imperfections").rows
+    }
     assert {row.status for row in rows.values()} == {"exploratory"}
     assert len(rows) == 2 * 16 * len(CONTROLLERS)
     for (motor, case, name), row in rows.items():
@@ -200,23 +220,45 @@ def test_away_from_its_notches_the_observer_amplifies():
 def test_the_comparison_is_the_committed_one():
     result = cogging.compare()
     print(f"\n{result.text()}")
-    rows = {(row.controller, row.index): row for row in result.tables[0].rows}
+    own, equal, winners = result.tables
+    rows = {(row.controller, row.index): row for row in own.rows}
     assert {controller for controller, _ in rows} == set(COMPARED)
-    assert {row.status for row in rows.values()} == {"exploratory"}
-    assert {line.strip().split("  ")[0] for line in result.text().splitlines()} >= set(COMPARED)
+    assert {row.status for table in result.tables for row in table.rows} == {"exploratory"}
+    assert {line.strip().split("  ")[0] for line in own.text().splitlines()} >= set(COMPARED)
     for name, rms in COMPARED.items():
         assert 1e6 * rows[name, "rms"].simulated == pytest.approx(rms, rel=0.03), name
         assert rows[name, "max"].simulated >= rows[name, "rms"].simulated
         assert np.isfinite(rows[name, "rms_heavy"].simulated)
+    found = {(row.labels["machine"], row.controller, row.index): row.simulated for row in equal.rows}
+    assert {(place, name) for place, name, _ in found} == {
+        (place, name) for place in ("X", "Y", "X outside") for name in comparison.SCALED
+    }
+    for row in winners.rows:
+        assert row.simulated >= 1.0
+        assert {row.controller, row.labels["next"]} <= set(comparison.SCALED)
+        if row.labels["machine"] != "all":
+            values = [found[row.labels["machine"], name, row.index.split(",")[0]] for name in comparison.SCALED]
+            assert found[row.labels["machine"], row.controller, row.index.split(",")[0]] == min(values)
+    assert set(result.figures) == {"comparison", "comparison_trade"}
+    evidence = (Path(__file__).parents[2] / "docs" / "evidence.md").read_text(encoding="utf-8")
+    for table in result.tables:
+        for line in table.text().splitlines()[1:]:  # but for the last column of the first, the time of a step
+            assert (line[:-11] if table is own else line).rstrip() in evidence, line
+
+
+@pytest.mark.parametrize("name", ["pid", "arc C3", "output_feedback_arc", "observer_based"])
+def test_scaled_controllers_have_the_delay_margin_that_is_said(name):
+    for axis in lu2008_setup.AXES.values():
+        margin = comparison.delay_margin(comparison.at_equal_margin(axis)[name], axis)
+        assert margin == pytest.approx(comparison.DELAY_MARGIN, rel=0.08), axis.name
 
 
 def test_the_comparisons_gains_are_those_of_the_design():
-    text = importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text()
-    shipped = parse_toml(text)
-    made = parse_toml(comparison.gains_toml())
-    assert set(shipped) == set(made) == set(comparison.POLE_RADII)
-    for name, gain in shipped.items():
-        np.testing.assert_allclose(made[name], gain, rtol=0.02, atol=1e-3 * np.abs(gain).max())
+    shipped = comparison.shipped()["own"]
+    assert set(shipped) == set(comparison.POLE_RADII)
+    for name, radius in comparison.POLE_RADII.items():
+        made = cogging.design_observer(comparison.observer_problem(radius)).observer_gain
+        np.testing.assert_allclose(shipped[name], made, rtol=0.02, atol=1e-3 * np.abs(made).max())
 
 
 def test_periods_of_a_model_file_may_be_any_number(tmp_path):

@@ -102,4 +102,5 @@ def test_lines_at_speed_finds_a_line_of_known_size():
 def test_the_spectrum_proposes_the_printed_periods_first_in_every_draw_of_the_lines(motor):
     assert spectra.draws_that_propose(motor) == DRAWS
     assert other(other(motor)) is motor
-    assert shipped_table_1(motor)[0] == Conditions(lines=conditions_file()["table_1"]["lines"], any_phases=True)
+    assert shipped_table_1(motor)[0] == Conditions(lines=conditions_file()["table_1"]["lines"]["size"], any_phases=True)
+    assert shipped_table_1(motor, CAUSES[-1])[0] == Conditions(width=conditions_file()["table_1"]["width"]["size"])

@@ -8,36 +8,35 @@ from cogging.files import parse_toml
 from cogging.papers.xu2001 import conditions, conditions_fit, exploration, tables
 from cogging.papers.xu2001 import setup as xu2001_setup
 from studies.xu2001 import calibration
-from studies.xu2001 import study as xu2001_study
 from tests.fixtures.reproduced import reproduced
 
-# Committed values of the six indexes (um, um, um, V, V, 1) by controller and set: the plant fitted to the PID alone
-# with all as printed, and the joint conditions.
+# Committed means of the six indexes over the seeds (um, um, um, V, V, 1) by controller and set: the plant fitted to the
+# PID alone with all as printed, and the joint conditions.
 BEFORE = {
-    ("PID", "1"): (57.1, 16.05, 3.046, 0.1958, 0.05199, 0.2656),
-    ("PID", "2"): (152, 20.09, 7.082, 0.2122, 0.05195, 0.2448),
-    ("PID", "3"): (87.44, 16.1, 4.433, 0.4164, 0.05146, 0.1236),
-    ("ARC", "1"): (18.02, 17.77, 4.919, 0.1977, 0.07321, 0.3704),
-    ("ARC", "2"): (272.7, 19.11, 10.47, 0.2132, 0.06845, 0.3211),
-    ("ARC", "3"): (100.8, 17.11, 6.856, 0.4172, 0.07198, 0.1725),
+    ("PID", "1"): (58.33, 16.47, 3.053, 0.1957, 0.05154, 0.2633),
+    ("PID", "2"): (152.1, 19.57, 7.096, 0.2122, 0.05201, 0.2451),
+    ("PID", "3"): (87.69, 15.91, 4.439, 0.4164, 0.05151, 0.1237),
+    ("ARC", "1"): (18.17, 17.87, 4.919, 0.1977, 0.07377, 0.3731),
+    ("ARC", "2"): (272.6, 18.87, 10.47, 0.2132, 0.06792, 0.3186),
+    ("ARC", "3"): (100.5, 17.27, 6.856, 0.4173, 0.07203, 0.1726),
 }
 JOINT = {
-    ("PID", "1"): (58.1, 15.05, 3.256, 0.1887, 0.05482, 0.2904),
-    ("PID", "2"): (145.0, 18.09, 6.861, 0.2138, 0.05649, 0.2642),
-    ("PID", "3"): (87.44, 15.05, 4.565, 0.4104, 0.0549, 0.1338),
-    ("ARC", "1"): (15.85, 7.096, 1.866, 0.1907, 0.07242, 0.3798),
-    ("ARC", "2"): (123.8, 6.054, 3.808, 0.2159, 0.0588, 0.2723),
-    ("ARC", "3"): (57.78, 7.054, 2.586, 0.4113, 0.06957, 0.1692),
+    ("PID", "1"): (57.13, 15.4, 3.08, 0.1886, 0.05303, 0.2812),
+    ("PID", "2"): (147.5, 18.44, 6.813, 0.2123, 0.05419, 0.2552),
+    ("PID", "3"): (86, 15.81, 4.434, 0.4075, 0.05295, 0.1299),
+    ("ARC", "1"): (15.14, 7.749, 1.98, 0.1905, 0.07087, 0.3721),
+    ("ARC", "2"): (130.6, 6.608, 4.015, 0.2135, 0.05788, 0.2711),
+    ("ARC", "3"): (60.96, 7.358, 2.847, 0.4083, 0.06804, 0.1667),
 }
 #: Of the withheld numbers.
 HELD_OUT = {
     "set_2": {
-        ("PID", "2"): (142, 14.6, 6.39, 0.2143, 0.05349, 0.2496),
-        ("ARC", "2"): (162, 6.42, 5.027, 0.2172, 0.05991, 0.2759),
+        ("PID", "2"): (148.8, 15.36, 6.657, 0.2154, 0.05524, 0.2564),
+        ("ARC", "2"): (125.6, 5.83, 3.817, 0.2164, 0.05838, 0.2697),
     },
     "arc_sets_2_3": {
-        ("ARC", "2"): (218, 8.42, 7.222, 0.2312, 0.06134, 0.2653),
-        ("ARC", "3"): (61.39, 8.391, 2.776, 0.4226, 0.06588, 0.1559),
+        ("ARC", "2"): (109.5, 5.922, 3.453, 0.2096, 0.05199, 0.248),
+        ("ARC", "3"): (59.66, 7.721, 2.343, 0.4106, 0.06306, 0.1536),
     },
 }
 
@@ -74,8 +73,8 @@ def test_table_1_is_the_committed_one(when, result):
     assert len(found) == 36
     for (controller, set_name), values in committed.items():
         for index, value in zip(xu2001_setup.INDEXES, values, strict=True):
-            count = 1.0 if index in ("e_M", "e_F") else 0.0  # one encoder count
-            band = max(count, 0.02 * value)
+            count = 0.3 if index in ("e_M", "e_F") else 0.0  # a third of an encoder count: means over eight seeds
+            band = max(count, 0.01 * value)
             assert found[controller, set_name, index] == pytest.approx(value, abs=band), (controller, set_name, index)
 
 
@@ -93,7 +92,7 @@ def test_as_many_numbers_come_near_as_committed(result):
     joint = table_of(result, "table1")
     # Numbers, calibrated, predicted; within 5, 15, 40 %; free parameters.
     assert summary(joint.before) == (30, 15, 15, (11, 20, 22), 9)
-    assert summary(joint) == (30, 30, 0, (13, 27, 30), 11)
+    assert summary(joint) == (30, 30, 0, (13, 25, 30), 8)
 
 
 def test_du_rms_is_derived_from_two_others(result):
@@ -105,14 +104,21 @@ def test_du_rms_is_derived_from_two_others(result):
     for controller, name, index in found:
         if index == "du_rms":
             product = found[controller, name, "u_rms"] * found[controller, name, "c_u"]
-            assert found[controller, name, index] == pytest.approx(product)
+            assert found[controller, name, index] == pytest.approx(product, rel=1e-4)  # means over the seeds, each
+
+
+def test_theta_with_and_without_payload_is_that_of_52():
+    unknowns = xu2001_setup.shipped_unknowns()
+    for name, expected in (("1", (37.0, 37.0 * 0.273)), ("2", (10.0, 2.73))):
+        axis = xu2001_setup.plant(unknowns, name).axis
+        assert (1.0 / axis.mass, axis.viscous / axis.mass) == pytest.approx(expected)
 
 
 def test_the_free_parameters_are_those_of_the_fits(result):
     joint = table_of(result, "table1")
     free = conditions_fit.Problem(calibration.ALL, start=calibration.JOINT_START).names()
     assert list(joint.free) == [*free, "earlier_runs"]
-    assert list(joint.before.free) == conditions_fit.Problem(calibration.PID).names()
+    assert list(joint.before.free) == conditions_fit.Problem(calibration.PID, "smooth_stribeck").names()
     assert conditions.joint_conditions().earlier_runs == calibration.EARLIER_RUNS
 
 
@@ -125,10 +131,14 @@ def test_every_fitted_number_is_as_near_the_papers_as_committed(result):
     worst = max(errors, key=lambda place: abs(errors[place]))
     print(f"\nworst: {worst}, {errors[worst]:+.1%}")
     assert len(errors) == 30
-    assert errors[worst] == pytest.approx(0.216, abs=0.02)
+    assert errors[worst] == pytest.approx(0.181, abs=0.01)
     assert worst == ("PID", "3", "c_u")
     far = {place for place, error in errors.items() if abs(error) > 0.15}
-    assert far == {worst, ("ARC", "1", "c_u"), ("ARC", "3", "e_rms")}
+    assert far == {
+        worst,
+        *(("ARC", *place) for place in (("1", "c_u"), ("2", "e_M"), ("3", "e_F"))),
+        ("PID", "2", "e_rms"),
+    }
 
 
 def test_the_arc_is_better_than_the_pid_in_every_error_index_as_printed(result):
@@ -142,28 +152,47 @@ def test_the_arc_is_better_than_the_pid_in_every_error_index_as_printed(result):
     for place, share in shares.items():
         print(f"\n{place}: error of the ARC over that of the PID {share:.2f}, paper {printed[place]:.2f}", end="")
         assert share < 1.0, place
-        assert share == pytest.approx(printed[place], abs=0.20 if place == ("3", "e_rms") else 0.14), place
-    assert max(shares.values()) == pytest.approx(0.854, abs=0.02)
+        assert share == pytest.approx(printed[place], abs=0.17 if place == ("2", "e_M") else 0.14), place
+    assert max(shares.values()) == pytest.approx(0.886, abs=0.02)
     before = tables.better_shares(table_of(result, "table1").before)
     assert sum(share < 1.0 for share in before.values()) == 2
 
 
-def test_other_noise_changes_little():
-    # The fit saw one seed, at which 27 of 30 numbers lie within 15 %; of others fewer do.
-    counts = xu2001_study.counts_by_seed(conditions.joint_conditions(), (100, 200))
-    print(f"\n{counts}")
-    assert [near for near, _ in counts] == pytest.approx([24, 25], abs=1)
-    assert [smaller for _, smaller in counts] == [9, 9]
+def test_seeds_outside_the_fit_come_as_near(result):
+    rows = {
+        (row.labels["seeds"], row.index, row.labels["of 8"]): row.simulated for row in table_of(result, "seeds").rows
+    }
+    for words, near, left in (("fitted", 24.6, 0.0929), ("others", 25.0, 0.0950)):
+        assert rows[words, "within_15", "mean"] == pytest.approx(near, abs=0.3)
+        assert rows[words, "rms_log_error", "mean"] == pytest.approx(left, abs=0.001)
+        assert (rows[words, "within_15", "least"], rows[words, "within_15", "largest"]) == (24, 26)
+    by_hand = [tables.table_1({name: joint_by_seed(name)[:, 0] for name in xu2001_setup.CONTROLLERS})]
+    assert (
+        rows["others", "within_15", "least"] <= by_hand[0].counts().within[1] <= rows["others", "within_15", "largest"]
+    )
+
+
+def joint_by_seed(controller):
+    return conditions.joint_conditions().by_seed(controller, seeds=tables.OTHER_SEEDS[:1])
+
+
+def test_the_indexes_over_seeds_are_those_of_each_run():
+    joint = conditions.joint_conditions()
+    for name in xu2001_setup.CONTROLLERS:
+        found = joint.by_seed(name, seeds=(2001, 2002))
+        for place, log in enumerate(joint.logs(name, seed=2001).values()):
+            np.testing.assert_allclose(found[place, 0], list(xu2001_setup.indexes(log).values()), rtol=1e-9)
+        assert not np.array_equal(found[:, 0], found[:, 1])
 
 
 def test_the_note_says_what_the_table_shows(result):
     joint = conditions.joint_conditions()
     note = result.notes[0]
-    assert f"adaptation rates {joint.adaptation_factor:.3g} times" in note
-    assert f"kept from {joint.earlier_runs} earlier runs" in note
-    assert f"{table_of(result, 'table1').counts().within[1]} of 30 lie within 15 %" in note
-    assert "smaller than the PID's in 9 of 9 cases" in note
-    assert "factors of 2.81 and 2.9;" in note
+    said = " ".join(note.split())
+    assert f"adaptation rates {joint.adaptation_factor:.3g} times" in said
+    assert f"kept from {joint.earlier_runs} earlier runs" in said
+    assert f"Of 30 fitted numbers {table_of(result, 'table1').counts().within[1]} lie within 15 %" in said
+    assert "smaller than the PID's in 9 of 9 cases" in said
 
 
 def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
@@ -172,7 +201,7 @@ def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
     known = [xu2001_setup.after_earlier_runs(machine, first, runs, 5).parameters for runs in range(3)]
     assert known[0] == first.parameters
     alone = cogging.closed_loop(
-        machine, first, xu2001_setup.reference(), duration=xu2001_setup.DURATION, seed=6, record_estimates=True
+        machine, first, xu2001_setup.reference(), duration=xu2001_setup.DURATION, seed=4, record_estimates=True
     )
     assert np.abs(alone.estimates[-1][2]) > 1.0
     np.testing.assert_allclose(known[1].theta, [*alone.estimates[-1][:2], 0.0], rtol=1e-12)
@@ -182,35 +211,41 @@ def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
     assert xu2001_setup.after_earlier_runs(machine, frozen, 1, 5).parameters == frozen.parameters
 
 
-def rms(gap):
-    return np.sqrt(np.mean(gap**2))
-
-
-def assert_has_the_error_that_it_states(part, fitted):
-    gap = conditions_fit.log_ratios(conditions.conditions_of(part), fitted)
-    assert rms(gap) == pytest.approx(part["rms_log_error"], rel=0.02), part
+def assert_has_the_error_that_it_states(part, fitted, seeds=xu2001_setup.SEEDS):
+    gap = conditions_fit.log_ratios(conditions.conditions_of(part), fitted, seeds)
+    assert conditions_fit.rms(gap) == pytest.approx(part["rms_log_error"], rel=0.02), part
     assert np.abs(np.expm1(gap)).max() == pytest.approx(part["largest_relative_error"], rel=0.05), part
     assert part["rms_log_error"] == min(part["rms_log_error_of_starts"])
 
 
 def test_the_shipped_fits_have_the_errors_that_they_state():
     file = conditions.shipped_file()
-    assert set(file) == {*conditions_fit.LAWS, "joint", "earlier_runs", "readings", "held_out"}
-    assert set(file["joint"]) == set(conditions_fit.LAWS)
-    assert set(file["readings"]) == {*calibration.READINGS, calibration.EACH_RATE}
-    for law in conditions_fit.LAWS:
-        assert_has_the_error_that_it_states(file[law], calibration.PID)
+    laws = set(conditions.LAWS)
+    assert set(file) == {*laws - {conditions.JOINT_LAW}, "joint", "earlier_runs", "readings", "held_out"}
+    assert set(file["joint"]) == laws
+    assert set(file["readings"]) == set(calibration.READINGS)
+    for law in laws - {conditions.JOINT_LAW}:
+        assert_has_the_error_that_it_states(file[law], calibration.PID, (xu2001_setup.SEED,))
+    for law in (conditions.JOINT_LAW, "smooth_stribeck"):
         assert_has_the_error_that_it_states(file["joint"][law], calibration.ALL)
     for split, fitted in calibration.HELD_OUT.items():
         assert_has_the_error_that_it_states(file["held_out"][split], fitted)
-    for part in (file["earlier_runs"]["0"], file["readings"]["w_2 = 0.3 for 0.1"]):
-        assert_has_the_error_that_it_states(part, calibration.ALL)
+
+
+def test_no_nested_model_is_nearer_than_the_larger():
+    file = conditions.shipped_file()
+    for parts in (file, file["joint"]):
+        for law in conditions.LAWS:
+            for nested in set(calibration.nested_in(law)) & set(parts):
+                assert parts[law]["rms_log_error"] <= parts[nested]["rms_log_error"], (law, nested)
+    assert "smooth_coulomb" in calibration.nested_in("smooth_stribeck")
+    assert "smooth_stribeck" not in calibration.nested_in("smooth_coulomb")
 
 
 @pytest.mark.study
 def test_the_other_conditions_leave_what_their_table_states():
     file = conditions.shipped_file()
-    for part in (*file["earlier_runs"].values(), *file["readings"].values()):
+    for part in (*file["earlier_runs"].values(), *file["readings"].values(), *file["joint"].values()):
         assert_has_the_error_that_it_states(part, calibration.ALL)
 
 
@@ -226,7 +261,7 @@ def test_the_held_out_numbers_are_the_committed_ones(result):
         found, predicted = values_of(table), 0
         for (controller, name), values in HELD_OUT[split].items():
             for index, value in zip(xu2001_setup.INDEXES, values, strict=True):
-                band = max(1.0 if index in ("e_M", "e_F") else 0.0, 0.02 * value)
+                band = max(0.3 if index in ("e_M", "e_F") else 0.0, 0.01 * value)
                 assert found[controller, name, index] == pytest.approx(value, abs=band), (split, name, index)
                 predicted += 1
         assert table.counts().predicted + 2 == predicted == 12
@@ -235,12 +270,12 @@ def test_the_held_out_numbers_are_the_committed_ones(result):
 def test_the_held_out_numbers_are_nearer_than_the_trivial_guess(result):
     # Within 5, 15, 40 %, of 10 numbers each.
     set_2, arc = (table_of(result, f"held_out_{split}") for split in calibration.HELD_OUT)
-    assert set_2.counts().predicted_within == (3, 6, 9)
+    assert set_2.counts().predicted_within == (3, 8, 10)
     assert set_2.before.counts().within == (3, 5, 6)
-    assert arc.counts().predicted_within == (1, 5, 8)
+    assert arc.counts().predicted_within == (3, 5, 10)
     assert arc.before.counts().within == (1, 3, 7)
     factors = [part["adaptation_factor"] for part in conditions.shipped_file()["held_out"].values()]
-    assert factors == pytest.approx([2.81, 2.90], abs=0.01), "a part of the numbers gives much the same factor"
+    assert factors == pytest.approx([2.78, 3.35], abs=0.01), "a part of the numbers gives much the same factor"
 
 
 def test_the_trivial_guess_is_the_papers_own_ratio_or_set_1():
@@ -251,25 +286,15 @@ def test_the_trivial_guess_is_the_papers_own_ratio_or_set_1():
 
 def test_other_conditions_leave_more(result):
     left = {row.labels["conditions"]: row.simulated for row in table_of(result, "conditions").rows}
-    shipped = left[f"friction {conditions_fit.JOINT_LAW}"]
+    shipped = left[f"plant {conditions.JOINT_LAW}"]
     assert shipped == left[f"earlier runs: {calibration.EARLIER_RUNS}"]
-    assert shipped == pytest.approx(0.0997, abs=0.001)
-    assert left["friction smooth_coulomb"] == pytest.approx(0.0971, abs=0.001), "the table cannot tell the two apart"
-    assert all(size > shipped for name, size in left.items() if size != shipped and name != "friction smooth_coulomb")
-    sticking = [left[f"friction exact_{law}"] for law in ("stribeck", "coulomb")]
-    assert sticking == pytest.approx([0.153, 0.110], abs=0.002)
-    runs = [left[f"earlier runs: {number}"] for number in range(5)]
-    assert runs == pytest.approx([0.160, 0.113, 0.0997, 0.113, 0.144], abs=0.002)
-    readings = [left[name] for name in (*calibration.READINGS, calibration.EACH_RATE)]
-    assert readings == pytest.approx([0.266, 0.146, 0.110, 0.108, 0.107, 0.153, 0.100, 0.186, 0.112], abs=0.002)
-
-
-def test_the_rates_of_mass_and_constant_ask_for_much_the_same_factor():
-    # Each rate free, from the printed ones: theta_1 and theta_3 agree, theta_2 decides little.
-    part = conditions.shipped_file()["readings"][calibration.EACH_RATE]
-    factors = np.divide(part["changes"]["adaptation"], xu2001_setup.arc_parameters().adaptation)
-    print(f"\nfactors on the three rates: {factors}")
-    assert factors == pytest.approx([3.36, 0.88, 2.88], abs=0.01)
+    assert shipped == pytest.approx(0.0914, abs=0.0005)
+    larger = {f"plant {law}" for law in conditions.LAWS if conditions.JOINT_LAW in calibration.nested_in(law)}
+    assert all((size <= shipped) == (name in larger) for name, size in left.items() if size != shipped)
+    runs = [left[f"earlier runs: {number}"] for number in range(4)]
+    assert runs == pytest.approx([0.161, 0.110, 0.0914, 0.105], abs=0.001)
+    readings = [left[name] for name in calibration.READINGS]
+    assert readings == pytest.approx([0.298, 0.101, 0.111, 0.0915], abs=0.001)
 
 
 def test_the_exploration_leads_to_the_joint_conditions(result):
@@ -277,13 +302,13 @@ def test_the_exploration_leads_to_the_joint_conditions(result):
     kept, both, all_fitted = list(gaps.values())[-3:]
     print(f"\n{gaps}")
     assert gaps["as printed, g only"] == pytest.approx(0.657, abs=0.02)
-    assert (kept, both, all_fitted) == pytest.approx((0.532, 0.157, 0.106), abs=0.01)
+    assert (kept, both, all_fitted) == pytest.approx((0.532, 0.167, 0.100), abs=0.01)
     assert all_fitted == min(gaps.values())
 
 
 @pytest.mark.study
 def test_the_calibration_script_regenerates_what_is_shipped():
-    found, shipped = parse_toml(calibration.plant_toml()), conditions.shipped_file()
+    found, shipped = parse_toml(calibration.plant_toml()), dict(conditions.shipped_file())
     # The plant of the PID columns is older than the rest: today's search ends elsewhere in the same rough valley. It is
     # kept, because the comparison, the tuning and the table before stand on it.
     of_today, kept = found.pop("smooth_stribeck"), shipped.pop("smooth_stribeck")

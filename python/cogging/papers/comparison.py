@@ -1,19 +1,21 @@
-"""The controllers of the three papers on one machine: `cogging reproduce --compare`. No paper has this table.
+"""The controllers of the three papers on the same machines: `cogging reproduce --compare`. No paper has these tables.
 
-The X axis of Lu et al. 2008 with its calibrated cogging, encoder, sampling and moves; each controller tuned by its own
-paper's rule. Nothing here is in a paper: every row is exploratory.
+First on the X axis of Lu et al. 2008 with its calibrated cogging, encoder, sampling and moves, each controller tuned by
+its own paper's rule. Then at equal delay margin: the bandwidth of every controller is scaled until its loop tolerates
+the same delay of the command, on both axes and on one machine that no controller can represent. Every row is
+exploratory.
 """
 
 from __future__ import annotations
 
-import importlib.resources
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cogging import effects
 from cogging._core import (
     Arc,
     Dcarc,
@@ -27,98 +29,142 @@ from cogging._core import (
     closed_loop,
     performance,
 )
+from cogging.design.loop_margins import Loops, Machine, push_of
 from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
-from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.compared import Trace, compared
-from cogging.papers.fitting import round_to_digits
+from cogging.model.model import Model
+from cogging.papers.fitting import round_to_digits, shipped_toml
 from cogging.papers.lu2008 import setup as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.plot.canvas import drawn, new_figure
+from cogging.plot.series import look, marker
+from cogging.simulation.varied import Setup
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 AXIS = lu2008.AXES["X"]
 POLE = -300.0  # 1/s: of the PID for the smallest mass (Xu and Yao 2001, section 4.3), and of the observer's position
 # loop, which takes the PID's real part (Malaize and Levine 2009, section IV.C)
 VELOCITY_RATIO = 0.25
+DECAY_RATE, SLOW_DECAY_RATE = 3.0, 0.6  # 1/s, assumed; the second where the bandwidth is scaled
 # 1/s: the paper states no bound on the poles. The first makes lambda* 1.25 times the nominal acceleration, as in its
 # Table I (5 for 4 m/s^2); the second is about as fast as the solver certifies here, to show what lies in that choice.
 POLE_RADII = {"observer_based": 450.0, "observer_based fast": 1200.0}
+#: The controllers that are compared at equal delay margin, and that margin: the PID's on X by its own rule.
+SCALED = ("pid", "arc C3", "dcarc C1", "dcarc C2", "dcarc C3", "output_feedback_arc", "observer_based")
+DELAY_MARGIN = 1.3e-3  # s
+#: Cogging at periods that no controller knows (m, V), a thrust that varies along the travel, and a lag of the current.
+OUTSIDE = [
+    effects.CoggingHarmonic(period=0.0137, sine=0.03),
+    effects.CoggingHarmonic(period=0.0313, cosine=0.03),
+    effects.ForceConstantRipple(period=0.041, sine=0.03),
+    effects.ActuatorLag(time_constant=2e-4),
+]
 
 
-def observer_problem(pole_radius: float) -> ObserverProblem:
-    """Theorem 3 of Malaize and Levine 2009 for this axis: its first three harmonics as periods."""
+def observer_problem(
+    pole_radius: float, axis: lu2008.GantryAxis = AXIS, factor: float = 1.0, decay_rate: float = DECAY_RATE
+) -> ObserverProblem:
+    """Theorem 3 of Malaize and Levine 2009 for an axis: its first three harmonics as periods; factor: on all poles."""
     return ObserverProblem(
-        periods=[lu2008.PITCH / harmonic for harmonic in AXIS.compensated],
-        velocity_min=VELOCITY_RATIO * AXIS.velocity,
-        velocity_max=AXIS.velocity,
-        viscous=AXIS.viscous / AXIS.mass,
-        omega=-POLE,
-        decay_rate=3.0,
-        pole_radius=pole_radius,
+        periods=[lu2008.PITCH / harmonic for harmonic in axis.compensated],
+        velocity_min=VELOCITY_RATIO * axis.velocity,
+        velocity_max=axis.velocity,
+        viscous=axis.viscous / axis.mass,
+        omega=-POLE * factor,
+        decay_rate=decay_rate,
+        pole_radius=pole_radius * factor,
     )
 
 
-def gains_toml() -> str:
-    """The text of comparison_gains.toml, which comes with the package (extra `design` to write it anew)."""
-    lines = ["# Observer gains of the comparison, by cogging.papers.comparison.gains_toml."]
-    for name, radius in POLE_RADII.items():
-        gain = [round_to_digits(value, 6) for value in design_observer(observer_problem(radius)).observer_gain]
-        lines.append(f'"{name}" = {gain}')
-    return "\n".join(lines) + "\n"
+def shipped() -> dict[str, Any]:
+    """What comparison_gains.toml holds: observer gains by the papers' rules, and what gives DELAY_MARGIN by axis."""
+    return shipped_toml("cogging.papers", "comparison_gains.toml")
 
 
 def controllers() -> dict[str, ListedController]:
-    """Each family, tuned by its own paper's rule on what is known of this axis."""
-    made: dict[str, ListedController] = {"pid": _pid()}
+    """Each family, tuned by its own paper's rule on what is known of the X axis."""
+    made: dict[str, ListedController] = {"pid": scaled("pid", AXIS)}
     for name in lu2008.CONTROLLERS:
-        made[f"arc {name}"] = Arc(lu2008.controller_parameters(AXIS, name))
-        made[f"dcarc {name}"] = Dcarc(lu2008.controller_parameters(AXIS, name))
-    made["output_feedback_arc"] = _output_feedback_arc()
-    gains = parse_toml(
-        importlib.resources.files("cogging.papers").joinpath("comparison_gains.toml").read_text(encoding="utf-8")
-    )
+        made[f"arc {name}"], made[f"dcarc {name}"] = scaled(f"arc {name}", AXIS), scaled(f"dcarc {name}", AXIS)
+    made["output_feedback_arc"] = scaled("output_feedback_arc", AXIS)
     for name, radius in POLE_RADII.items():
-        made[name] = _observer_based(observer_problem(radius), gains[name])
+        made[name] = _observer_based(observer_problem(radius), shipped()["own"][name], AXIS)
     return made
 
 
-def _pid() -> Pid:
-    kp, ki, kd = pid_gains([POLE] * 3, AXIS.bounds[0][0])  # Xu and Yao 2001, eq. 56
+def at_equal_margin(axis: lu2008.GantryAxis) -> dict[str, ListedController]:
+    """The controllers of SCALED with the bandwidth at which the loop of an axis tolerates DELAY_MARGIN."""
+    found = shipped()[axis.name]
+    return {name: scaled(name, axis, found["factors"][name], found["observer_gain"]) for name in SCALED}
+
+
+def scaled(
+    name: str, axis: lu2008.GantryAxis, factor: float = 1.0, observer_gain: Sequence[float] | None = None
+) -> ListedController:
+    """A controller tuned by its paper's rule on an axis, its bandwidth times a factor.
+
+    Args:
+        name: one of SCALED, or another of C1 to C3.
+        axis: what is known of it.
+        factor: on the poles, or the gains that set them.
+        observer_gain: of observer_based at this factor; None: designed here (extra `design`).
+    """
+    if name == "pid":
+        return _pid(axis, factor)
+    if name == "output_feedback_arc":
+        return _output_feedback_arc(axis, factor)
+    if name == "observer_based":
+        problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
+        gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
+        return _observer_based(problem, list(gain), axis)
+    law, structure = name.split()
+    gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
+    return (Arc if law == "arc" else Dcarc)(lu2008.controller_parameters(axis, structure, **gains))
+
+
+def _pid(axis: lu2008.GantryAxis, factor: float) -> Pid:
+    kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
     return Pid(
         PidParameters(
             sample_rate=lu2008.SAMPLE_RATE,
             kp=kp,
             ki=ki,
             kd=kd,
-            mass=AXIS.mass,
-            viscous=AXIS.viscous,
-            coulomb=AXIS.coulomb,
+            mass=axis.mass,
+            viscous=axis.viscous,
+            coulomb=axis.coulomb,
             coulomb_width=lu2008.COULOMB_WIDTH,
         )
     )
 
 
-def _output_feedback_arc() -> OutputFeedbackArc:
-    mass, viscous, _, disturbance = AXIS.bounds
-    inverse = (1.0 / mass[1], 1.0 / mass[0])
+def _output_feedback_arc(axis: lu2008.GantryAxis, factor: float) -> OutputFeedbackArc:
+    mass, viscous, _, disturbance = axis.bounds
+    inverse, printed = (1.0 / mass[1], 1.0 / mass[0]), xu2001_setup.arc_parameters()
     return OutputFeedbackArc(
-        xu2001_setup.arc_parameters(
+        printed.replace(
             sample_rate=lu2008.SAMPLE_RATE,
-            theta=[1.0 / AXIS.mass, AXIS.viscous / AXIS.mass, 0.0],
+            theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
             theta_min=[inverse[0], viscous[0] / mass[1], disturbance[0] / mass[0]],
             theta_max=[inverse[1], viscous[1] / mass[0], disturbance[1] / mass[0]],
-            coulomb=AXIS.coulomb,
+            coulomb=axis.coulomb,
             coulomb_width=lu2008.COULOMB_WIDTH,
+            gain_1=factor * printed.gain_1,
+            gain_2=factor * printed.gain_2,
+            observer_gain_1=factor * printed.observer_gain_1,
+            observer_gain_2=factor**2 * printed.observer_gain_2,
+            adaptation=[(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation],
         )
     )
 
 
-def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float]) -> ObserverBased:
+def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], axis: lu2008.GantryAxis) -> ObserverBased:
     return ObserverBased(
         ObserverBasedParameters(
             sample_rate=lu2008.SAMPLE_RATE,
@@ -126,47 +172,65 @@ def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float]) ->
             observer_gain=list(observer_gain),
             position_gain=problem.omega**2,
             velocity_gain=2 * problem.omega - problem.viscous,
-            mass=AXIS.mass,
+            mass=axis.mass,
             viscous=problem.viscous,
-            velocity_min=0.01 * AXIS.velocity,
+            velocity_min=0.01 * axis.velocity,
         )
     )
 
 
-def machine(mass_factor: float = 1.0) -> Plant:
-    """The X axis with its calibrated cogging; mass_factor: a payload, or less of the coil."""
-    cogging = lu2008.cogging_map(AXIS, lu2008.shipped_amplitudes(AXIS))
-    return lu2008.plant(AXIS, cogging, mass=mass_factor * AXIS.mass)
+def machine(
+    mass_factor: float = 1.0, axis: lu2008.GantryAxis = AXIS, more: Sequence[effects.CoggingHarmonic] = ()
+) -> Plant:
+    """An axis with its calibrated cogging; mass_factor: a payload, or less of the coil; more: further effects."""
+    cogging = lu2008.cogging_map(axis, lu2008.shipped_amplitudes(axis))
+    made = lu2008.plant(axis, cogging, mass=mass_factor * axis.mass)
+    return Plant(made.axis, cogging=cogging, effects=list(more), encoder=made.encoder)
 
 
-def measure(controller: ListedController) -> tuple[dict[str, float], Log | None]:
-    """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
-    motion = lu2008.reference(AXIS)
-    begin = time.perf_counter()
-    try:
-        log = Log.of(closed_loop(machine(), controller, motion))
-    except DivergedError:
-        return dict.fromkeys(UNITS, float("inf")), None
-    seconds = time.perf_counter() - begin
-    last = performance(log.time, log.error, log.command, start=motion.end - motion.period)
-    found = {
-        "rms": last.error_rms,
-        "max": last.error_max,
-        "transient": float(np.abs(log.error[log.time < motion.period]).max()),
-        "u_rms": last.command_rms,
-        "chatter": last.command_change_rms,
-        "step": seconds / len(log),
-    }
-    for name, factor in (("rms_light", 0.8), ("rms_heavy", 1.2)):
+# Gains that come with the package -------------------------------------------------------------------------------------
+
+
+def delay_margin(controller: ListedController, axis: lu2008.GantryAxis) -> float:
+    """The delay (s) of the command that the loop on an axis tolerates, as `cogging tune` measures it."""
+    plant, motion = machine(axis=axis), lu2008.reference(axis, repeats=1)
+    model = Model(axis=plant.axis, cogging=plant.cogging, encoder=plant.encoder)
+    largest = axis.mass * axis.acceleration + axis.coulomb
+    push = push_of(motion, lu2008.SAMPLE_RATE, 0.0, largest)
+    return Loops([Machine(Setup(model, motion), 0)], controller, push).delay_margin()
+
+
+def factor_of(name: str, axis: lu2008.GantryAxis) -> float:
+    """The factor (3 digits) on the bandwidth of a controller at which the loop tolerates DELAY_MARGIN, by bisection."""
+    low, high = 0.3, 5.0
+    while high / low > 1.03:
+        middle = float(np.sqrt(low * high))
         try:
-            other = Log.of(closed_loop(machine(factor), controller, motion))
-            found[name] = performance(
-                other.time, other.error, other.command, start=motion.end - motion.period
-            ).error_rms
-        except DivergedError:
-            found[name] = float("inf")
-    return found, log
+            holds = delay_margin(scaled(name, axis, middle), axis) >= DELAY_MARGIN
+        except (ValueError, DivergedError):
+            holds = middle < 1.0  # no such gain: too slow for the observer's decay rate, or too fast for the samples
+        low, high = (middle, high) if holds else (low, middle)
+    return round_to_digits(low, 3)
 
+
+def gains_toml() -> str:
+    """The text of comparison_gains.toml, which comes with the package (extra `design` to write it anew)."""
+    lines = ["# Gains of the comparison, by cogging.papers.comparison.gains_toml.", "[own]"]
+    for name, radius in POLE_RADII.items():
+        lines.append(f'"{name}" = {_digits(design_observer(observer_problem(radius)).observer_gain)}')
+    for axis in lu2008.AXES.values():
+        factors = {name: factor_of(name, axis) for name in SCALED}
+        problem = observer_problem(POLE_RADII["observer_based"], axis, factors["observer_based"], SLOW_DECAY_RATE)
+        lines += [f"[{axis.name}]", f"observer_gain = {_digits(design_observer(problem).observer_gain)}"]
+        lines += [f"[{axis.name}.factors]", *(f'"{name}" = {factor}' for name, factor in factors.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _digits(gain: Iterable[float]) -> list[float]:
+    return [round_to_digits(float(value), 6) for value in gain]
+
+
+# Tables ---------------------------------------------------------------------------------------------------------------
 
 #: The indexes and their units: rms, max and chatter over the last period, the largest error of the first, the rms with
 #: 0.8 and 1.2 times the mass, and the time of a step on this machine (noisy).
@@ -180,53 +244,187 @@ UNITS = {
     "rms_heavy": "m",
     "step": "s",
 }
+#: The index and the machine by which the winner of each use is chosen; None: the worst over all machines.
+USES = {
+    "the motor of the model, fast moves": ("rms", "X"),
+    "the motor of the model, slow moves": ("rms", "Y"),
+    "a motor outside all models": ("rms", "X outside"),
+    "the largest error, any motor": ("max", None),
+    "the first move": ("transient", None),
+    "a changing payload": ("rms_heavy", None),
+    "a quiet command": ("chatter", None),
+}
+
+
+PAYLOADS = {"rms_light": 0.8, "rms_heavy": 1.2}  # factors on the mass
+
+
+def measure(
+    controller: ListedController,
+    axis: lu2008.GantryAxis = AXIS,
+    more: Sequence[Any] = (),
+    payloads: Mapping[str, float] = PAYLOADS,
+) -> tuple[dict[str, float], Log | None]:
+    """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
+    motion = lu2008.reference(axis)
+    window = {"start": motion.end - motion.period}
+    begin = time.perf_counter()
+    try:
+        log = Log.of(closed_loop(machine(1.0, axis, more), controller, motion))
+    except DivergedError:
+        return dict.fromkeys(UNITS, float("inf")), None
+    seconds = time.perf_counter() - begin
+    last = performance(log.time, log.error, log.command, **window)
+    found = {
+        "rms": last.error_rms,
+        "max": last.error_max,
+        "transient": float(np.abs(log.error[log.time < motion.period]).max()),
+        "u_rms": last.command_rms,
+        "chatter": last.command_change_rms,
+        "step": seconds / len(log),
+    }
+    for name, factor in payloads.items():
+        try:
+            other = Log.of(closed_loop(machine(factor, axis, more), controller, motion))
+            found[name] = performance(other.time, other.error, other.command, **window).error_rms
+        except DivergedError:
+            found[name] = float("inf")
+    return found, log
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Table):
     """A table with a row a controller and a column an index on the screen."""
 
-    lines: Sequence[str] = ()
-
     def text(self) -> str:
         """The table for the screen."""
-        return "\n".join([self.title, *self.lines])
+        units = {row.index: row.unit for row in self.rows}
+        shown = {"m": ("um", 1e6), "s": ("ns", 1e9)}
+        width = max(21, *(len(self._name(row)) for row in self.rows))
+        lines = [self.title, f"{'':4}{'controller':<{width}}" + "".join(f"{index:>11}" for index in units)]
+        lines.append(f"{'':{width + 4}}" + "".join(f"{shown.get(unit, (unit, 1.0))[0]:>11}" for unit in units.values()))
+        for start in range(0, len(self.rows), len(units)):
+            part = self.rows[start : start + len(units)]
+            numbers = (f"{row.simulated * shown.get(row.unit, ('', 1.0))[1]:11.4g}" for row in part)
+            lines.append(f"{'':4}{self._name(part[0]):<{width}}" + "".join(numbers))
+        return "\n".join(lines)
 
 
-#: What compare() tells its progress: the controllers, in their order.
-STEPS = ("pid", *(f"{law} {name}" for name in lu2008.CONTROLLERS for law in ("arc", "dcarc")), "output", *POLE_RADII)
+def winners(found: Mapping[tuple[str, str], Mapping[str, float]]) -> Table:
+    """For each of USES the controller that has the smallest index; over several machines the worst ratio to the best.
+
+    Args:
+        found: the indexes by machine and controller.
+    """
+    machines = list(dict.fromkeys(place for place, _ in found))
+    rows = []
+    for use, (index, place) in USES.items():
+        shown = [place] if place else machines
+        best = {each: min(found[each, name][index] for name in SCALED) for each in shown}
+        worst = {name: max(found[each, name][index] / best[each] for each in shown) for name in SCALED}
+        first, second = sorted(worst, key=lambda name: worst[name])[:2]
+        labels = {"for": use, "next": second, "machine": place or "all"}
+        rows.append(Row(first, f"{index}, lead", "1", None, worst[second] / worst[first], "exploratory", labels))
+    title = "The winner by use, at equal delay margin, and by how much the next is behind"
+    return Table("winners", title, rows)
+
+
+#: The steps that compare() reports.
+STEPS = (
+    "pid",
+    *(f"{law} {name}" for name in lu2008.CONTROLLERS for law in ("arc", "dcarc")),
+    "output",
+    *POLE_RADII,
+    *(f"{name}, equal margin" for name in SCALED),
+)
 
 
 def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Run every controller; `progress` is told each name."""
-    rows, logs = [], {}
+    """Run every controller; `progress` is called with each name."""
+    rows: list[Row] = []
+    own = {}
     for name, controller in controllers().items():
-        found, log = measure(controller)
-        rows += [Row(name, index, unit, None, found[index], "exploratory") for index, unit in UNITS.items()]
-        if log is not None:
-            logs[name] = log
+        own[name], _ = measure(controller)
+        rows += [Row(name, index, unit, None, own[name][index], "exploratory") for index, unit in UNITS.items()]
         progress(name)
-    width = 11
-    lines = [f"{'':4}{'controller':<21}" + "".join(f"{index:>{width}}" for index in UNITS)]
-    lines.append(
-        f"{'':25}" + "".join(f"{'um' if u == 'm' else 'ns' if u == 's' else u:>{width}}" for u in UNITS.values())
-    )
-    for start in range(0, len(rows), len(UNITS)):
-        part = rows[start : start + len(UNITS)]
-        scales = [1e6 if row.unit == "m" else 1e9 if row.unit == "s" else 1.0 for row in part]
-        numbers = "".join(f"{row.simulated * scale:11.4g}" for row, scale in zip(part, scales, strict=True))
-        lines.append(f"{'':4}{part[0].controller:<21}{numbers}")
-    title = "The three papers' controllers on one axis (X of Lu et al. 2008); exploratory"
-    return Reproduction(
-        "comparison", [Comparison("comparison", title, rows, lines=lines)], {"comparison": figure(logs)}
-    )
+    title = "The three papers' controllers on one axis (X of Lu et al. 2008), by their own rules; exploratory"
+    tables: list[Table] = [Comparison("comparison", title, rows)]
+
+    places = {"X": (AXIS, ()), "Y": (lu2008.AXES["Y"], ()), "X outside": (AXIS, OUTSIDE)}
+    equal = {name: at_equal_margin(axis) for name, axis in lu2008.AXES.items()}
+    heavy = {"rms_heavy": PAYLOADS["rms_heavy"]}
+    found, logs = {}, {}
+    for name in SCALED:
+        for place, (axis, more) in places.items():
+            found[place, name], logs[place, name] = measure(equal[axis.name][name], axis, more, heavy)
+        progress(f"{name}, equal margin")
+    shown = {index: unit for index, unit in UNITS.items() if index not in ("step", "rms_light")}
+    rows = [
+        Row(name, index, unit, None, found[place, name][index], "exploratory", {"machine": place})
+        for place in places
+        for name in SCALED
+        for index, unit in shown.items()
+    ]
+    title = f"The same at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), on both axes and outside all models"
+    tables += [Comparison("equal_margin", title, rows), winners(found)]
+    figures = {"comparison": figure_errors(logs), "comparison_trade": figure_trade(own, found)}
+    return Reproduction("comparison", tables, figures)
 
 
-def figure(logs: dict[str, Log]) -> Figure:
-    """The tracking errors of the last move there and back."""
-    motion = lu2008.reference(AXIS)
-    traces = []
-    for name, log in logs.items():
-        shown = log.time >= motion.end - motion.period
-        traces.append(Trace(name, log.time[shown], log.error[shown]))
-    return compared("Tracking errors over the last move there and back", traces)
+@drawn
+def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
+    """The errors of the last move forth over the position, at equal delay margin, a panel a machine.
+
+    The scale is three times the median of the largest errors; what is larger is cut off.
+    """
+    places = list(dict.fromkeys(place for place, _ in logs))
+    figure = new_figure((8.0, 2.6 * len(places)))
+    figure.suptitle(
+        f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"
+    )
+    panels = figure.subplots(len(places), 1, sharex=True)
+    for axes, place in zip(panels, places, strict=True):
+        motion = lu2008.reference(lu2008.AXES[place[0]])
+        start, largest = motion.end - motion.period, []
+        for number, name in enumerate(SCALED):
+            log = logs[place, name]
+            if log is None:
+                continue
+            rows = (log.time >= start) & (log.time < start + motion.move_time)
+            colour = look(number)["color"]
+            axes.plot(1e3 * log.position[rows], 1e6 * log.error[rows], color=colour, linewidth=0.7, label=name)
+            largest.append(1e6 * float(np.abs(log.error[rows]).max()))
+        end = 3.0 * float(np.median(largest))
+        axes.set(ylabel="error (µm)", ylim=(-end, end))
+        axes.set_title(f"machine {place}", loc="left", fontsize="small")
+    panels[-1].set(xlabel="position (mm)")
+    _legend_below(figure, panels[0])
+    return figure
+
+
+@drawn
+def figure_trade(
+    own: Mapping[str, Mapping[str, float]], found: Mapping[tuple[str, str], Mapping[str, float]]
+) -> Figure:
+    """Rms error against command chatter: filled at equal delay margin, hollow by the papers' own rules on X."""
+    places = list(dict.fromkeys(place for place, _ in found))
+    figure = new_figure((9.0, 4.2))
+    figure.suptitle(f"Rms error and chatter at equal delay margin ({1e3 * DELAY_MARGIN:g} ms); hollow: by the own rule")
+    panels = figure.subplots(1, len(places), sharey=True)
+    for axes, place in zip(panels, places, strict=True):
+        for number, name in enumerate(SCALED):
+            style = {**look(number), "linestyle": "none", "markersize": 8}
+            if place == "X":
+                hollow = {**style, "markerfacecolor": "none"}
+                axes.loglog(own[name]["chatter"], 1e6 * own[name]["rms"], marker(number), **hollow)
+            point = found[place, name]
+            axes.loglog(point["chatter"], 1e6 * point["rms"], marker(number), **style, label=name)
+        axes.set(xlabel="chatter (V)")
+        axes.set_title(f"machine {place}", loc="left", fontsize="small")
+    panels[0].set(ylabel="rms error (µm)")
+    _legend_below(figure, panels[0])
+    return figure
+
+
+def _legend_below(figure: Figure, axes: Axes) -> None:
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)

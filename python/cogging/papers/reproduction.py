@@ -23,7 +23,7 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
     Args:
         paper: one of PAPERS.
         out: folder into which `<paper>.json` and the figures are written; None writes nothing.
-        progress: True shows a bar, a function is told each step as it is done.
+        progress: True shows a bar, a function is called with each step.
 
     Returns:
         Tables beside the printed ones, and figures; print it to read the tables.
@@ -49,7 +49,7 @@ def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = F
 
     Args:
         out: folder into which `comparison.json` and the figure are written; None writes nothing.
-        progress: True shows a bar, a function is told each step as it is done.
+        progress: True shows a bar, a function is called with each step.
 
     Returns:
         The table and its figure.

@@ -1,4 +1,4 @@
-"""What a reproduced paper leaves behind: tables beside the paper's, figures, JSON."""
+"""The result of a reproduction: tables beside the paper's, figures, JSON."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ WITHIN = (0.05, 0.15, 0.40)
 
 @dataclass(frozen=True)
 class Counts:
-    """How many numbers of a table come near the paper's.
+    """How many numbers of a table lie near the paper's.
 
     Attributes:
         numbers: that the paper prints.
@@ -129,7 +129,7 @@ class Table(ByValue):
         return all(row.status == "exploratory" for row in self.rows)
 
     def counts(self) -> Counts:
-        """How many of the printed numbers ours come near to."""
+        """How many of the numbers lie near the printed ones."""
         errors = {
             status: [abs(row.simulated / row.paper - 1.0) for row in self.rows if row.paper and row.status == status]
             for status in ("calibrated", "predicted")

@@ -26,11 +26,15 @@ if TYPE_CHECKING:
 SHOWN = 24  # the machine of Theorem 1 A that is drawn: one that breaks both bounds without u_s2
 SHOWN_FOR = 0.12  # s of it
 LEGEND_COLUMNS = 2
+BESIDE = 0.3  # harmonics: how far the lines of one that is modulated along the travel are looked for
 
 
 @drawn
 def figure_fft(fits: Mapping[str, MapFit]) -> Figure:
     """The spectrum of each axis's scan over the harmonic of the pitch, with what the rule asks for and what it keeps.
+
+    A kept harmonic is marked at its highest line: one whose amplitude changes its sign along the travel has a line on
+    either side and none at its own place.
 
     Args:
         fits: of the scans, by axis.
@@ -40,6 +44,11 @@ def figure_fft(fits: Mapping[str, MapFit]) -> Figure:
     for axes, (name, fit) in zip(panels, fits.items(), strict=True):
         spectrum(fit, ax=axes)
         axes.lines[0].set_label("scan")
+        marks = next(line for line in axes.lines if line.get_label() == "harmonics")
+        line, height = axes.lines[0].get_xdata(), np.asarray(axes.lines[0].get_ydata())
+        near = [np.where(np.abs(line - harmonic) <= BESIDE, height, 0.0).argmax() for harmonic in chosen(fit)]
+        marks.set_data(line[near], height[near])
+        marks.set_label("kept, at its highest line")
         legend(axes)
         kept = ", ".join(map(str, chosen(fit)))
         axes.set_title(f"{name} axis: {kept} are kept", loc="left")

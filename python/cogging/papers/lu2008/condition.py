@@ -1,4 +1,4 @@
-"""Matrix (29) of Lu, Chen, Yao, Wang 2008: what the printed gains of C3 make of it, and which gains would do.
+"""Matrix (29) of Lu, Chen, Yao, Wang 2008 with the printed gains of C3, and gains that make it positive definite.
 
 The paper asks for a k_s1 that makes (29) positive definite, and reports no slope of its S_f. Ours, (2/pi) atan(900 v),
 is 573 s/m steep at rest. Mass, viscous and Coulomb friction go over the printed bounds, A_r over those of its entries.
@@ -119,7 +119,7 @@ def speed_of_slope(slope: float) -> float:
 
 
 def width_borne(axis: GantryAxis) -> float:
-    """The width (m/s) from which on S_f(v) = (2/pi) atan(v / width) is nowhere steeper than the printed gains bear."""
+    """The width (m/s) from which on S_f(v) = (2/pi) atan(v / width) is nowhere steeper than the printed gains allow."""
     return 2.0 / (np.pi * friction_slope_borne(axis))
 
 
@@ -157,7 +157,7 @@ def _quotient(change: FloatArray, distance: FloatArray, at_rest: FloatArray) -> 
 
 
 def condition_table(axis: GantryAxis, machine: Plant, log: Log) -> Table:
-    """What (29) is with the printed gains, what it bears, and which gains would make it positive.
+    """(29) with the printed gains, the slopes that it allows, and gains that make it positive definite.
 
     Args:
         axis: the axis.

@@ -42,7 +42,7 @@ FIGURES = {"X": (5, 7), "Y": (6, 9)}  # of the scan, and of the errors over the 
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Tables 1 and 2, Figs. 2, 3, 5 to 10, and the claims. `progress` is told each of STEPS as it is done."""
+    """Tables 1 and 2, Figs. 2, 3, 5 to 10, and the claims. `progress` is called with each of STEPS as it is done."""
     tables: list[Table] = []
     further: list[Table] = []
     figures: dict[str, Figure] = {}
@@ -97,7 +97,7 @@ def _claims(machines: dict[str, Plant], figures: dict[str, Figure], progress: Ca
     return [claim_table(errors), *bounds, convergence_table(found)]
 
 
-#: What reproduce() tells its progress.
+#: The steps that reproduce() reports.
 STEPS = (
     "figures 2, 3",
     "figure 5",

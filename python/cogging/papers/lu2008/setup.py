@@ -6,8 +6,6 @@ maps are fitted to the tables within the printed bound (studies.lu2008.calibrati
 
 from __future__ import annotations
 
-import functools
-import importlib.resources
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -28,8 +26,8 @@ from cogging._core import (
     performance,
 )
 from cogging.arrays import FloatArray
-from cogging.files import parse_toml
 from cogging.logs.log import Log
+from cogging.papers.fitting import shipped_toml
 from cogging.papers.lu2008.shapes import Amplitudes, MapShape, control_points
 from cogging.simulation.batch import closed_loop_batch
 
@@ -41,7 +39,7 @@ HARMONICS = (1, 2, 3, 6, 12)  # those that the FFT of the measured maps shows (s
 ORDER = 3  # third-order B-splines (same section)
 CONTROL_POINTS = 13  # m for 0.51 m at one pitch and order 3: m - k + 1 >= 10.2 spans
 
-# Not reported, assumed: which knob does what is shown by studies.lu2008.study.
+# Not reported, assumed; studies.lu2008.study shows the effect of each.
 COULOMB_WIDTH = 1.0 / 900.0  # m/s: S_f = (2/pi) atan(900 v), as in Xu and Yao 2001, of the same group
 DWELL = 0.1  # s
 START = 0.055  # m: centres the 0.4 m move in the travel
@@ -157,11 +155,9 @@ def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
     return float(np.abs([cogging.sine[compensated], cogging.cosine[compensated]]).max() / axis.cogging_bound)
 
 
-@functools.cache
 def shipped() -> dict[str, Any]:
     """What maps.toml holds (written by studies.lu2008.calibration)."""
-    text = importlib.resources.files("cogging.papers.lu2008").joinpath("maps.toml").read_text(encoding="utf-8")
-    return parse_toml(text)
+    return shipped_toml("cogging.papers.lu2008", "maps.toml")
 
 
 def shipped_shape() -> MapShape:

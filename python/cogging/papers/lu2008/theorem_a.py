@@ -21,7 +21,7 @@ from cogging.simulation.run import closed_loop
 MACHINES = 4  # an axis and controller in `reproduce`
 EPSILONS = (1.0, 0.1, 0.01)  # V m/s, with which the printed gains run beside the tables' machine
 SMOOTHER = 1.01  # times the least width of S_f with which the printed gains satisfy (29)
-BEYOND = 30.0  # times delta_d: a d~ that the controller was not told of
+BEYOND = 30.0  # times delta_d: a d~ beyond the bound that the controller assumes
 
 
 def with_disturbance_times(trial: Trial, factor: float) -> Trial:

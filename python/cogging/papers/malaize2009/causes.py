@@ -1,4 +1,4 @@
-"""What alone would give the observers of Malaize and Levine 2009 the accuracy of Table I, and what more it would do.
+"""Causes that would each explain the observers' accuracy in Table I of Malaize and Levine 2009, and their effects.
 
 As believed, the observers are 7 and 5 times better than printed. Each of CAUSES is one thing that the controllers do
 not know. Its size on a motor is the one at which the observer's accuracy is the printed one, with the amplitude of the
@@ -9,12 +9,11 @@ each motor to the other.
 
 from __future__ import annotations
 
-import importlib.resources
 from dataclasses import dataclass, replace
 from typing import Any
 
 from cogging.arrays import FloatArray
-from cogging.files import parse_toml
+from cogging.papers.fitting import shipped_toml
 from cogging.papers.malaize2009.conditions import DRAWS, Conditions, drawn_accuracies
 from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, shipped
 
@@ -118,16 +117,17 @@ CAUSES = (
 
 def conditions_file() -> dict[str, Any]:
     """What causes_calibration.py wrote: sizes and amplitudes."""
-    text = (
-        importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text(encoding="utf-8")
-    )
-    return parse_toml(text)
+    return shipped_toml("cogging.papers.malaize2009", "conditions.toml")
 
 
-def shipped_table_1(motor: Motor) -> tuple[Conditions, Calibrated]:
-    """The conditions of Table I, lines of one share on both motors, and the gains with the amplitude under them."""
-    part = conditions_file()["table_1"]
-    return Conditions(lines=part["lines"], any_phases=True), replace(shipped(motor), amplitude=part[motor.name])
+#: The two that serve both motors with one size: Table I is shown under each.
+LINES, FRICTION = CAUSES[0], CAUSES[-1]
+
+
+def shipped_table_1(motor: Motor, cause: Cause = LINES) -> tuple[Conditions, Calibrated]:
+    """The conditions of Table I, a cause of one size on both motors, and the gains with the amplitude under them."""
+    part = conditions_file()["table_1"][cause.field]
+    return cause.of(part["size"]), replace(shipped(motor), amplitude=part[motor.name])
 
 
 @dataclass(frozen=True)

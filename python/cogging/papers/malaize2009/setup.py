@@ -8,7 +8,6 @@ what the controllers may not have known.
 
 from __future__ import annotations
 
-import importlib.resources
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -32,9 +31,9 @@ from cogging._core import (
 )
 from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
-from cogging.files import parse_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.papers.fitting import shipped_toml
 
 # Not reported, assumed.
 SAMPLE_RATE = 10_000.0  # Hz
@@ -127,8 +126,7 @@ class Calibrated:
 
 def shipped(motor: Motor) -> Calibrated:
     """The calibrated values that come with the package (written by calibration.py)."""
-    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text(encoding="utf-8")
-    part = parse_toml(text)[motor.name]
+    part = shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]
     return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
 
 

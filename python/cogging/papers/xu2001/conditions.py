@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
-import importlib.resources
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from cogging._core import OutputFeedbackArc, OutputFeedbackArcParameters, Pid
-from cogging.files import parse_toml
+from cogging.arrays import FloatArray
 from cogging.logs.log import Log
+from cogging.model.controller import ListedController
+from cogging.papers.fitting import shipped_toml
 from cogging.papers.xu2001.setup import (
     CONTROLLERS,
     SEED,
+    SEEDS,
     SETS,
     Unknowns,
     arc_parameters,
+    indexes_by_seed,
     pid_parameters,
     run,
 )
 
-#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 4.
+#: Models of the plant: what each holds fixed; 0 takes an effect away. A model is nested in those that fix less.
+LAWS: dict[str, dict[str, float]] = {
+    "smooth_stribeck": {},
+    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
+    "smooth_coulomb_without_offset": {"static_excess": 0.0, "stribeck_velocity": 0.01, "offset": 0.0},
+    "exact_stribeck": {"coulomb_width": 0.0},
+    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
+}
+JOINT_LAW = "smooth_coulomb_without_offset"
+#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 3.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
-JOINT_FREE = (*PID_FREE, "adaptation_factor", "earlier_runs")
+JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
 #: Which numbers of Table 1 a fit takes: sets by controller.
 PID: Mapping[str, Sequence[str]] = {"PID": SETS}
 ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
@@ -56,23 +68,27 @@ class Conditions:
         fields = {"adaptation": [self.adaptation_factor * rate for rate in printed.adaptation]}
         return printed.replace(**{**fields, **self.changes})
 
-    def logs(self, controller: str, sets: Sequence[str] = SETS, seed: int = SEED) -> dict[str, Log]:
-        """The recorded runs of a controller of Table 1, by set."""
-        if controller == "PID":
-            return run(self.unknowns, Pid(pid_parameters()), sets=sets, seed=seed)
-        arc = OutputFeedbackArc(self.arc_parameters())
-        return run(self.unknowns, arc, sets=sets, seed=seed, earlier_runs=self.earlier_runs)
+    def controller(self, name: str) -> ListedController:
+        """A controller of Table 1, as it begins the first of the runs."""
+        return Pid(pid_parameters()) if name == "PID" else OutputFeedbackArc(self.arc_parameters())
 
-    def all_logs(self, seed: int = SEED) -> dict[str, dict[str, Log]]:
-        """Both controllers in all sets."""
-        return {controller: self.logs(controller, seed=seed) for controller in CONTROLLERS}
+    def logs(self, controller: str, seed: int = SEED) -> dict[str, Log]:
+        """The recorded runs of a controller of Table 1, by set."""
+        return run(self.unknowns, self.controller(controller), seed=seed, earlier_runs=self.earlier_runs)
+
+    def by_seed(self, controller: str, sets: Sequence[str] = SETS, seeds: Sequence[int] = SEEDS) -> FloatArray:
+        """The indexes of a controller of Table 1 by set, seed of the encoder noise and index, (sets, seeds, 6)."""
+        made, runs = self.controller(controller), self.earlier_runs
+        return indexes_by_seed(self.unknowns, made, seeds=seeds, sets=sets, earlier_runs=runs)
+
+    def table(self) -> dict[str, FloatArray]:
+        """The means of the indexes over SEEDS by controller, (3, 6)."""
+        return {controller: self.by_seed(controller).mean(axis=1) for controller in CONTROLLERS}
 
 
 def shipped_file() -> dict[str, Any]:
     """What plant.toml holds."""
-    return parse_toml(
-        importlib.resources.files("cogging.papers.xu2001").joinpath("plant.toml").read_text(encoding="utf-8")
-    )
+    return shipped_toml("cogging.papers.xu2001", "plant.toml")
 
 
 def conditions_of(part: Mapping[str, Any]) -> Conditions:
@@ -85,6 +101,6 @@ def conditions_of(part: Mapping[str, Any]) -> Conditions:
     )
 
 
-def joint_conditions(law: str = "smooth_stribeck") -> Conditions:
+def joint_conditions(law: str = JOINT_LAW) -> Conditions:
     """The conditions that are fitted to all numbers of Table 1, by friction law: those of the reproduced table."""
     return conditions_of(shipped_file()["joint"][law])

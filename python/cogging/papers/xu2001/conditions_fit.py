@@ -11,14 +11,21 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
 from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.xu2001.conditions import Conditions
-from cogging.papers.xu2001.setup import CONTROLLERS, INDEXES, TABLE_1, Unknowns, arc_parameters, indexes, to_dict
+from cogging.papers.xu2001.conditions import JOINT_LAW, LAWS, Conditions
+from cogging.papers.xu2001.setup import (
+    CONTROLLERS,
+    INDEXES,
+    SEEDS,
+    TABLE_1,
+    Unknowns,
+    to_dict,
+)
 
 #: du_rms = c_u u_rms is printed to one digit and takes no part.
 FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
+_FITTED = [INDEXES.index(index) for index in FITTED]
 
-#: Where the search begins and what each law holds fixed: 0 takes an effect away. The values that an earlier search had
-#: found for smooth_stribeck on the PID columns, rounded.
+#: Where the search begins: what an earlier one had found for smooth_stribeck on the PID columns, rounded.
 START = {
     "coulomb": 0.154,
     "coulomb_width": 1.7e-3,
@@ -30,14 +37,6 @@ START = {
     "ripple": 0.0783,
     "ripple_period": 0.0419,
 }
-LAWS: dict[str, dict[str, float]] = {
-    "smooth_stribeck": {},
-    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
-    "exact_stribeck": {"coulomb_width": 0.0},
-    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
-}
-JOINT_LAW = "smooth_stribeck"
-RATES = ("adaptation_1", "adaptation_2", "adaptation_3")  # factors on the rates of Gamma where each is free
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,12 @@ class Problem:
     Attributes:
         fitted: the sets of each controller whose numbers take part.
         law: of friction, one of LAWS.
-        start: where the search begins, by name; with `adaptation_factor`, or RATES, where that is free.
+        start: where the search begins, by name; with `adaptation_factor` where that is free.
         adaptation_factor: where it is not free.
         earlier_runs: of the ARC.
         changes: of the ARC's printed numbers, by field.
         iterations: at most, with long and with short steps.
+        seeds: of the encoder noise; what is fitted is the mean over them.
     """
 
     fitted: Mapping[str, Sequence[str]]
@@ -61,6 +61,7 @@ class Problem:
     earlier_runs: int = 0
     changes: Mapping[str, Any] = field(default_factory=dict)
     iterations: tuple[int, int] = (12, 8)
+    seeds: Sequence[int] = SEEDS
 
     def names(self) -> list[str]:
         """The free quantities."""
@@ -70,11 +71,7 @@ class Problem:
         """The conditions of values in the order of names(), to the digits that the file keeps."""
         free = {name: round_to_digits(float(value)) for name, value in zip(self.names(), values, strict=True)}
         factor = free.pop("adaptation_factor", self.adaptation_factor)
-        changes = dict(self.changes)
-        if any(name in free for name in RATES):
-            printed = arc_parameters().adaptation
-            changes["adaptation"] = [free.pop(name) * rate for name, rate in zip(RATES, printed, strict=True)]
-        return Conditions(Unknowns(**{**LAWS[self.law], **free}), factor, self.earlier_runs, changes)
+        return Conditions(Unknowns(**{**LAWS[self.law], **free}), factor, self.earlier_runs, self.changes)
 
 
 @dataclass(frozen=True)
@@ -106,39 +103,50 @@ class Fit:
         return {**found, "unknowns": to_dict(self.conditions.unknowns)}
 
 
-def log_ratios(conditions: Conditions, fitted: Mapping[str, Sequence[str]]) -> FloatArray:
+def log_ratios(conditions: Conditions, fitted: Mapping[str, Sequence[str]], seeds: Sequence[int] = SEEDS) -> FloatArray:
     """Logarithms of simulated / printed for the fitted indexes of the sets of each controller, (numbers,)."""
-    found = []
-    for controller in CONTROLLERS:
-        sets = fitted.get(controller, ())
-        logs = conditions.logs(controller, sets) if sets else {}
-        for name in sets:
-            measured = indexes(logs[name])
-            printed = dict(zip(INDEXES, TABLE_1[controller][name], strict=True))
-            found += [measured[index] / printed[index] for index in FITTED]
-    return np.asarray(np.log(np.array(found)))
+    found = [
+        conditions.by_seed(name, fitted[name], seeds).mean(axis=1) / [TABLE_1[name][place] for place in fitted[name]]
+        for name in CONTROLLERS
+        if name in fitted
+    ]
+    return np.asarray(np.log(np.concatenate(found)[:, _FITTED]).ravel())
 
 
-def calibrate(problem: Problem, starts: int = 1) -> Fit:
-    """Fit from several starts: the first as stated, the others with each quantity off by a factor of about 1.5."""
+def calibrate(problem: Problem, starts: int = 1, nested: Sequence[Fit] = ()) -> Fit:
+    """Fit from several starts: the first as stated, the others with each quantity off by a factor of about 1.5.
+
+    The ends of the fits of nested models are further starts, and stand for what this model reaches where its own
+    searches end higher, so that no nested model has a smaller error.
+    """
     numbers = len(FITTED) * sum(len(sets) for sets in problem.fitted.values())
     first = np.array([problem.start[name] for name in problem.names()])
 
     def gap(values: FloatArray) -> FloatArray:
         try:
-            return log_ratios(problem.conditions(values), problem.fitted)
+            return log_ratios(problem.conditions(values), problem.fitted, problem.seeds)
         except DivergedError:
             return np.full(numbers, 5.0)  # worse than any run that ends
 
-    results: list[tuple[float, FloatArray, FloatArray]] = []
-    for start in range(starts):
-        spread = 0.4 * np.random.default_rng([2001, start]).normal(size=first.size) if start else 0.0
-        long, short = problem.iterations
-        values, _ = fit_logarithms(gap, first * np.exp(spread), step=0.03, iterations=long)
-        values, y = fit_logarithms(gap, values, step=0.006, iterations=short)
-        results.append((float(np.sqrt(np.mean(y**2))), values, y))
+    begins = [
+        first * np.exp(0.4 * np.random.default_rng([2001, start]).normal(size=first.size) if start else 0.0)
+        for start in range(starts)
+    ]
+    for fit in nested:
+        known = start_of(fit.conditions)
+        begins.append(np.array([known.get(name) or problem.start[name] for name in problem.names()]))
+    results = [(rms(fit.gap), fit.conditions, fit.gap) for fit in nested]
+    for begin in begins:
+        values, _ = fit_logarithms(gap, begin, step=0.03, iterations=problem.iterations[0])
+        values, y = fit_logarithms(gap, values, step=0.006, iterations=problem.iterations[1])
+        results.append((rms(y), problem.conditions(values), y))
     results.sort(key=lambda result: result[0])
-    return Fit(problem.conditions(results[0][1]), results[0][2], [result[0] for result in results])
+    return Fit(results[0][1], results[0][2], [result[0] for result in results])
+
+
+def rms(gap: FloatArray) -> float:
+    """The rms of log-ratios."""
+    return float(np.sqrt(np.mean(gap**2)))
 
 
 def start_of(conditions: Conditions) -> dict[str, float]:

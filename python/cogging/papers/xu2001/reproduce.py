@@ -9,45 +9,41 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cogging._core import OutputFeedbackArc, Pid
-from cogging.model.controller import ListedController
 from cogging.papers.result import Reproduction
-from cogging.papers.xu2001.conditions import ALL, JOINT_FREE, PID_FREE, joint_conditions
+from cogging.papers.xu2001.conditions import ALL, JOINT_FREE, PID_FREE, Conditions, joint_conditions
 from cogging.papers.xu2001.exploration import explore, explore_conditions
 from cogging.papers.xu2001.fast_motion import fast_motion_table, run_fast
 from cogging.papers.xu2001.figures import OF_SET, figure_errors, figure_fast, figure_increment, figure_reference
 from cogging.papers.xu2001.pid_poles import pid_poles_table
 from cogging.papers.xu2001.robust_terms import one_count_table, subsets_table
-from cogging.papers.xu2001.setup import arc_parameters, pid_parameters, run, shipped_unknowns
+from cogging.papers.xu2001.setup import CONTROLLERS, shipped_unknowns
 from cogging.papers.xu2001.tables import (
     DU_RMS,
     conditions_table,
     exploration_table,
     held_out_tables,
     joint_note,
+    seeds_table,
     table_1,
 )
 from cogging.papers.xu2001.theorem_1 import theorem_1_table
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Table 1 and Figs. 2 to 6. `progress` is told each of STEPS as it is done."""
+    """Table 1 and Figs. 2 to 6. `progress` is called with each of STEPS as it is done."""
     unknowns = shipped_unknowns()
     joint = joint_conditions()
-    controllers: dict[str, ListedController] = {
-        "PID": Pid(pid_parameters()),
-        "ARC": OutputFeedbackArc(arc_parameters()),
-    }
-    logs = joint.all_logs()
-    as_printed = {name: run(unknowns, controller) for name, controller in controllers.items()}
-    table = table_1(logs, fitted=ALL, free=JOINT_FREE, before=table_1(as_printed, free=PID_FREE))
-    tables = [table, *held_out_tables(), conditions_table()]
+    before = table_1(Conditions(unknowns).table(), free=PID_FREE)
+    table = table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)
+    tables = [table, *held_out_tables(), seeds_table(joint), conditions_table()]
     progress("table 1")
+    logs = {name: joint.logs(name) for name in CONTROLLERS}
     figures = {f"xu2001_fig{number}": figure_errors(logs, name) for name, (number, _, _) in OF_SET.items()}
     progress("figures 2 to 4")
-    fast: dict[str, ListedController] = {**controllers, "ARC": OutputFeedbackArc(joint.arc_parameters())}
     figures["xu2001_fig5"] = figure_reference()
-    figures["xu2001_fig6"] = figure_fast(run_fast(joint.unknowns, fast))
+    figures["xu2001_fig6"] = figure_fast(
+        run_fast(joint.unknowns, {name: joint.controller(name) for name in CONTROLLERS})
+    )
     claims = [fast_motion_table(unknowns, {"joint": (joint.unknowns, joint.arc_parameters())})]
     progress("figures 5, 6")
     claims += [one_count_table(), subsets_table(unknowns)]
@@ -61,5 +57,5 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     return Reproduction("xu2001", [*tables, *claims], figures, [joint_note(table), DU_RMS])
 
 
-#: What reproduce() tells its progress.
+#: The steps that reproduce() reports.
 STEPS = ("table 1", "figures 2 to 4", "figures 5, 6", "robust terms", "theorem 1, PID poles", "exploration")
