@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <string_view>
 
 #include "cogging/registers.hpp"
@@ -23,10 +24,10 @@ struct LaneMask {
   typename Register<width>::Mask part[parts];
 
   LaneMask() = default;
-  LaneMask(bool value) {  // NOLINT: one condition is a mask of equal lanes
+  COGGING_INLINE LaneMask(bool value) {  // NOLINT: one condition is a mask of equal lanes
     for (auto& p : part) p = Register<width>::mask_of(value);
   }
-  bool operator[](std::size_t i) const { return Register<width>::holds(part[i / width], i % width); }
+  COGGING_INLINE bool operator[](std::size_t i) const { return Register<width>::holds(part[i / width], i % width); }
 };
 
 template <std::size_t count>
@@ -35,12 +36,19 @@ struct Lanes {
   static_assert(parts * width == count);
   typename Register<width>::Numbers part[parts];
 
-  Lanes() = default;     // no zeros by default: scratch arrays of lanes are large
-  Lanes(double value) {  // NOLINT: a number is a pack of equal lanes
+  Lanes() = default;                    // no zeros by default: scratch arrays of lanes are large
+  COGGING_INLINE Lanes(double value) {  // NOLINT: a number is a pack of equal lanes
     for (auto& p : part) p = Register<width>::of(value);
   }
-  double operator[](std::size_t i) const { return Register<width>::get(part[i / width], i % width); }
-  void set(std::size_t i, double value) { Register<width>::set(part[i / width], i % width, value); }
+  COGGING_INLINE double operator[](std::size_t i) const { return Register<width>::get(part[i / width], i % width); }
+  COGGING_INLINE void set(std::size_t i, double value) { Register<width>::set(part[i / width], i % width, value); }
+
+  /// Numbers that stand side by side in memory.
+  COGGING_INLINE static Lanes at(const double* place) {
+    Lanes result;
+    std::memcpy(&result, place, sizeof(result));
+    return result;
+  }
 
   template <class Function>
   static Lanes map(const Function& function) {

@@ -1,13 +1,14 @@
 """Many runs of one closed loop: the core beside what else runs such loops, on the same machines, with the same answer.
 
-    python -m tests.benchmarks.peers [--runs 1 100 10000] [--rows 2001] [--rounds 3]
+    python -m tests.benchmarks.peers [--runs 1 100 2000] [--rows 2001] [--rounds 2]
 
 The problem: a PID controller at 5 kHz holds an axis with cogging (three harmonics) and smooth friction on a motion; one
 Runge-Kutta step of order 4 a sample with the command held. Machines are drawn. Each library does the same arithmetic
 in its own idiom (numba: a loop over runs; JAX: vmap of lax.scan; CasADi: map of a fold; numpy: rows over all runs at
 once; python-control and scipy: one run at a time). What each gives, the position at the end and the rms error of every
-run, is compared with the core's before anything is timed. Every figure comes from a process of its own, on one
-thread, in turns; compilation is told apart, and beside it the most memory that the process held.
+run, is compared with the core's before anything is timed. Each library runs in a process of its own, on one thread, in
+turns, few runs before many; the time of the first call beyond a later one (compilation) and the most memory that the
+process has held until then are listed beside.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ HARMONICS, PITCH, WIDTH = (1, 2, 3), 0.03, 1.0 / 900.0
 GAINS = (9600.0, 1e5, 48.0)  # kp, ki, kd
 CLOSE = 1e-6  # m
 ONE_BY_ONE = 3  # runs at most, of what takes seconds for one
+LONG = 1.0  # s, of a call that is timed once in a round
 
 
 @dataclass(frozen=True)
@@ -336,28 +338,25 @@ def differences(names: list[str], runs: int, rows: int) -> dict[str, float]:
 # Timing ---------------------------------------------------------------------------------------------------------------
 
 
-def measured(name: str, runs: int, rows: int, repeats: int) -> dict[str, float]:
-    """What this process takes: seconds to prepare and compile, median seconds of all runs, most MB that it held."""
-    problem = Problem.drawn(runs, rows)
-    begin = time.perf_counter()
-    run = PEERS[name][0](Problem.drawn(1, rows) if name == "numba" else problem)
-    run()
-    first = time.perf_counter() - begin
-    run = PEERS[name][0](problem) if name == "numba" else run
-    seconds = []
-    for _ in range(repeats):
+def measured(name: str, rows: int, repeats: int, counts: list[int]) -> list[dict[str, float]]:
+    """Seconds of all runs, median; of the first call beyond that; most MB held so far: for each number of runs."""
+    found = []
+    for runs in counts:
+        problem, seconds = Problem.drawn(runs, rows), []
         begin = time.perf_counter()
+        run = PEERS[name][0](problem)
         run()
-        seconds.append(time.perf_counter() - begin)
-    usual = statistics.median(seconds)
-    return {
-        "seconds": usual,
-        "compile": max(first - usual, 0.0),
-        "megabytes": peak_megabytes(),
-    }
+        first = time.perf_counter() - begin
+        for _ in range(1 if first > LONG else repeats):
+            begin = time.perf_counter()
+            run()
+            seconds.append(time.perf_counter() - begin)
+        usual = statistics.median(seconds)
+        found.append({"seconds": usual, "compile": max(first - usual, 0.0), "megabytes": peak_megabytes()})
+    return found
 
 
-def in_a_process(*arguments: object) -> dict[str, float]:
+def in_a_process(*arguments: object) -> Any:
     """What this module prints for these arguments, in a process of its own, on one thread."""
     alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
     command = [sys.executable, "-m", "tests.benchmarks.peers", *map(str, arguments)]
@@ -385,20 +384,27 @@ def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[Fig
     if wrong:
         raise SystemExit(f"answers differ by more than {CLOSE:g} m, nothing is timed: {wrong}")
     print(f"the same answers: {max(off.values()):.1e} m at most\n")
-    measured_ones = []
-    for runs in counts:
-        timed = [name for name in names if name not in SLOW or runs == 1]
-        found: dict[str, list[dict[str, float]]] = {name: [] for name in timed}
-        for _ in range(rounds):
-            for name in timed:
-                found[name].append(in_a_process("--alone", name, runs, rows, 1 if name in SLOW else repeats))
-        usual = {name: statistics.median(one["seconds"] for one in some) for name, some in found.items()}
-        for name in timed:
-            compiled = statistics.median(one["compile"] for one in found[name])
-            peak = max(one["megabytes"] for one in found[name])
-            step = 1e9 * usual[name] / runs / (rows - 1)
-            measured_ones.append(Figure(name, runs, step, usual[name] / usual["cogging"], compiled, peak))
-    return measured_ones
+    found: dict[tuple[str, int], list[dict[str, float]]] = {}
+    for number in range(1, rounds + 1):
+        for name in names:
+            print(f"  round {number} of {rounds}: {name}", file=sys.stderr, flush=True)
+            asked = [runs for runs in counts if name not in SLOW or runs == 1]
+            for runs, one in zip(asked, in_a_process("--alone", name, rows, repeats, *asked), strict=True):
+                found.setdefault((name, runs), []).append(one)
+    usual = {which: statistics.median(one["seconds"] for one in some) for which, some in found.items()}
+    return [
+        Figure(
+            name,
+            runs,
+            1e9 * usual[name, runs] / runs / (rows - 1),
+            usual[name, runs] / usual["cogging", runs],
+            statistics.median(one["compile"] for one in found[name, runs]),
+            max(one["megabytes"] for one in found[name, runs]),
+        )
+        for runs in counts
+        for name in names
+        if (name, runs) in found
+    ]
 
 
 def table(found: list[Figure]) -> list[str]:
@@ -413,11 +419,11 @@ def table(found: list[Figure]) -> list[str]:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--runs", type=int, nargs="+", default=[1, 100, 10_000])
+    parser.add_argument("--runs", type=int, nargs="+", default=[1, 100, 2000])
     parser.add_argument("--rows", type=int, default=2001)
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--alone", nargs=4, metavar=("NAME", "RUNS", "ROWS", "REPEATS"), help=argparse.SUPPRESS)
+    parser.add_argument("--alone", nargs="+", metavar="NAME ROWS REPEATS RUNS", help=argparse.SUPPRESS)
     parser.add_argument("--compare", nargs="+", metavar="RUNS ROWS NAMES", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.compare is not None:
@@ -425,8 +431,8 @@ def main() -> None:
         print(json.dumps(differences(names or installed(), int(runs), int(rows))))
         return
     if options.alone is not None:
-        name, *numbers = options.alone
-        print(json.dumps(measured(name, *map(int, numbers))))
+        name, rows, repeats, *counts = options.alone
+        print(json.dumps(measured(name, int(rows), int(repeats), list(map(int, counts)))))
         return
     print("\n".join(table(figures(options.runs, options.rows, options.rounds, options.repeats))))
 

@@ -90,7 +90,6 @@ class Axis {
       sticks_ = parameters_.coulomb_width == 0.0 && has_friction_ && !bristle_.exists();
     }
     has_states_ = bristle_.exists() || coupling_.exists();
-    plain_ = !has_states_ && !sticks_ && gains_.empty();
     learn_variation(bound, effects_rub);
   }
 
@@ -115,17 +114,13 @@ class Axis {
   /// no force constant multiplies; `direction` is that of Motion.
   Balance balance(const Scalar& position, const Scalar& velocity, const Scalar& direction, const Scalar& drive,
                   const Scalar& held, double time) const {
-    const auto [force, friction_level] = forces(cogging_.force(position), position, velocity, direction, time);
-    const Scalar amplified = gains_.empty() ? drive : amplify(drive, held, position, time);
-    return {amplified + force, friction_level};
+    return balance(cogging_.force(position), position, velocity, direction, drive, held, time);
   }
 
   /// Force balance over mass, m/s^2, with the smooth sign S(v); motor and load as one.
   Scalar acceleration(const Scalar& position, const Scalar& velocity, const Scalar& drive, double time,
                       const Scalar& held = 0.0) const {
-    const Scalar direction = direction_of_(velocity);
-    const auto [push, friction_level] = balance(position, velocity, direction, drive, held, time);
-    return (push - friction_level * direction) * inverse_mass_;
+    return sliding(cogging_.force(position), position, velocity, direction_of_(velocity), drive, held, time);
   }
 
   /// Coulomb level with all that the effects add to it, V, before it is kept from pushing.
@@ -146,7 +141,7 @@ class Axis {
   /// that is accurate (StepAccuracy), else as many as it takes. With coulomb_width = 0 the step is cut where the
   /// axis stops or breaks away, so that it sticks and slips exactly.
   COGGING_INLINE void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
-    if (!plain_) {
+    if (has_states_ || sticks_) {
       advance_other(state, drive, time, h);
     } else {
       const AxisState<Scalar> start = state;
@@ -164,6 +159,9 @@ class Axis {
 
   /// Takes steps as they are given, whatever they err by.
   void leave_steps() { accuracy_.leave_steps(); }
+
+  /// Steps will be at most so long, s: what such a step errs by at most is found once.
+  void expect_steps(double longest) { accuracy_.expect_steps(longest); }
 
   /// What a step of a body on this axis errs by.
   const StepAccuracy<Scalar>& accuracy() const { return accuracy_; }
@@ -194,6 +192,21 @@ class Axis {
     return laws_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
   }
 
+  // Where the cogging force is known already.
+  COGGING_INLINE Balance balance(const Scalar& cogging, const Scalar& position, const Scalar& velocity,
+                                 const Scalar& direction, const Scalar& drive, const Scalar& held, double time) const {
+    const auto [force, friction_level] = forces(cogging, position, velocity, direction, time);
+    const Scalar amplified = gains_.empty() ? drive : amplify(drive, held, position, time);
+    return {amplified + force, friction_level};
+  }
+
+  // Acceleration of an axis that slides in `direction`.
+  COGGING_INLINE Scalar sliding(const Scalar& cogging, const Scalar& position, const Scalar& velocity,
+                                const Scalar& direction, const Scalar& drive, const Scalar& held, double time) const {
+    const auto [push, friction_level] = balance(cogging, position, velocity, direction, drive, held, time);
+    return (push - friction_level * direction) * inverse_mass_;
+  }
+
   // Out of line and by value: where there are no laws, position and velocity then stay apart in registers.
   COGGING_NOINLINE Forces add_laws(Forces sum, Scalar position, Scalar velocity, Scalar direction, double time) const {
     const Motion<Scalar> motion{position, velocity, direction, time};
@@ -206,7 +219,7 @@ class Axis {
   }
 
   // The force constant's effects multiply what the amplifier puts out, `drive - held`.
-  COGGING_NOINLINE Scalar amplify(const Scalar& drive, const Scalar& held, const Scalar& position, double time) const {
+  COGGING_NOINLINE Scalar amplify(Scalar drive, Scalar held, Scalar position, double time) const {
     return drive + command_gain(position, time) * (drive - held);
   }
 
@@ -234,34 +247,19 @@ class Axis {
   COGGING_NOINLINE void advance_other(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time,
                                       double h) const {
     if constexpr (std::is_same_v<Scalar, double>) {
-      if (has_states_) {
+      if (has_states_)
         BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
-        return;
-      }
-      if (sticks_) {
+      else
         StickSlip(*this, drive, time, 0.0, h).advance(state);
-        return;
-      }
     }
-    const AxisState<Scalar> start = state;
-    const Scalar excess = move(state, drive, time, 0.0, h);
-    if (!all(excess <= 0.0)) move_in_pieces(state, start, excess, drive, time, h);
   }
 
   // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.
   COGGING_NOINLINE Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset,
                                double h) const {
-    if (gains_.empty())
-      return step(state, drive, time, offset, h, [this](Scalar x, Scalar v, Scalar u, double t) {
-        // Cogging first: in a Runge-Kutta step the position is known before the velocity.
-        const Scalar cogging = cogging_.force(x);
-        const Scalar direction = direction_of_(v);
-        const auto [force, friction_level] = forces(cogging, x, v, direction, t);
-        return (u + force - friction_level * direction) * inverse_mass_;
-      });
-    return step(state, drive, time, offset, h, [&](const Scalar& x, const Scalar& v, const Scalar& u, double t) {
-      return acceleration(x, v, u, t, drive.force);
-    });
+    return step(state, drive, time, offset, h,
+                [&](const Scalar& cogging, const Scalar& x, const Scalar& v, const Scalar& u, double t)
+                    COGGING_INLINE_LAMBDA { return sliding(cogging, x, v, direction_of_(v), u, drive.force, t); });
   }
 
   // From the start again, for each lane whose whole step was not accurate; what the others do is left.
@@ -281,7 +279,7 @@ class Axis {
     }
   }
 
-  // One step with f(position, velocity, command, time); by how much it errs more than it may.
+  // One step with f(cogging, position, velocity, command, time); by how much it errs more than it may.
   template <class Acceleration>
   COGGING_INLINE Scalar step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
                              const Acceleration& f) const {
@@ -289,7 +287,7 @@ class Axis {
       Scalar velocity, acceleration;
     };
     struct Point {
-      Scalar position, velocity;
+      Scalar cogging, position, velocity;
     };
     struct Input {
       Scalar command;
@@ -303,19 +301,22 @@ class Axis {
     // A law that jumps at the end of the step must not be felt in it: look just before.
     const double just_before = events_.empty() ? start + h : start + h * (1.0 - 1e-9);
     const auto [k1, k2, k3, k4] = runge_kutta(
-        Slope{v1, f(x, v1, u_start, start)}, h, Input{u_middle, start + half}, Input{u_end, just_before},
-        [&](const Slope& slope, double length) {
-          return Point{x + length * slope.velocity, v1 + length * slope.acceleration};
+        Slope{v1, f(cogging_.force(x), x, v1, u_start, start)}, h, Input{u_middle, start + half},
+        Input{u_end, just_before},
+        [&](const Slope& slope, double length) COGGING_INLINE_LAMBDA {
+          const Scalar position = x + length * slope.velocity, velocity = v1 + length * slope.acceleration;
+          return Point{cogging_.force(position), position, velocity};
         },
-        [&](const Point& at, const Input& input) {
-          return Slope{at.velocity, f(at.position, at.velocity, input.command, input.time)};
+        [&](const Point& at, const Input& input) COGGING_INLINE_LAMBDA {
+          return Slope{at.velocity, f(at.cogging, at.position, at.velocity, input.command, input.time)};
         },
-        [&](const Slope& first, const Slope& second, const Slope& third, const Point& last) {
+        [&](const Slope& first, const Slope& second, const Slope& third, const Point& last) COGGING_INLINE_LAMBDA {
           // Stored now, so that the next reading need not wait for the last slope.
           state.position = x + sixth * (first.velocity + 2.0 * (second.velocity + third.velocity) + last.velocity);
         });
     const Scalar a1 = k1.acceleration, a2 = k2.acceleration, a3 = k3.acceleration, a4 = k4.acceleration;
     state.velocity = v1 + sixth * (a1 + 2.0 * (a2 + a3) + a4);
+    if (!drive.lagging && accuracy_.is_easy(h, a1, a2, a3, v1, state.velocity)) return -1.0;
     Scalar excess = accuracy_.excess(h, a1, a2, a3, a4, v1, state.velocity, state.speed_max);
     if (accuracy_.has_kinks()) excess = larger(excess, excess_at_kinks(x, v1, state, h, a1, a2, a3, a4));
     if (!accuracy_.varies() && !(drive.lagging && accuracy_.controls())) return excess;
@@ -335,17 +336,11 @@ class Axis {
     return excess;
   }
 
-  // Force balance of an axis that slides in `direction`.
-  double sliding(double position, double velocity, double drive, double held, double time, double direction) const {
-    const auto [push, friction_level] = balance(position, velocity, direction, drive, held, time);
-    return (push - friction_level * direction) * inverse_mass_;
-  }
-
   // What advance_sticking asks of a body.
   bool slide(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double length,
              double direction) const {
-    return step(state, drive, time, offset, length, [&](double x, double v, double u, double t) {
-             return sliding(x, v, u, drive.force, t, direction);
+    return step(state, drive, time, offset, length, [&](double cogging, double x, double v, double u, double t) {
+             return sliding(cogging, x, v, direction, u, drive.force, t);
            }) <= 0.0;
   }
 
@@ -354,9 +349,10 @@ class Axis {
   double quickest() const { return accuracy_.quickest(); }
 
   double breakaway(const AxisState<double>& state, const Drive<double>& drive, double time, double offset) const {
-    const double u = drive.at(offset) + drive.force;
+    const double u = drive.at(offset) + drive.force, cogging = cogging_.force(state.position);
     for (double direction : {-1.0, 1.0})
-      if (!(sliding(state.position, 0.0, u, drive.force, time + offset, direction) * direction <= 0.0))
+      if (const double a = sliding(cogging, state.position, 0.0, direction, u, drive.force, time + offset);
+          !(a * direction <= 0.0))
         return direction;  // a force that is no number is no rest either
     return 0.0;
   }
@@ -366,7 +362,6 @@ class Axis {
   Scalar inverse_mass_ = 1.0;
   SmoothSign<Scalar> direction_of_;
   bool has_friction_ = false, sticks_ = false, has_states_ = false;
-  bool plain_ = true;                                  // smooth friction without states or gains: the fast way
   std::vector<Effect<Scalar>> laws_, gains_, events_;  // by what they answer to
   StepAccuracy<Scalar> accuracy_;
   Bristle bristle_;

@@ -66,6 +66,27 @@ class StepAccuracy {
   /// A law joins that changes within this speed about rest, m/s; infinite: it does not.
   void add_turning(const Scalar& velocity) { turning_ = smaller(turning_, velocity * velocity); }
 
+  /// Steps will be at most so long, s, and rounding: the speeds at which waves make none of them err.
+  void expect_steps(double longest) {
+    const double h = 1.001 * longest, impulse = h * h * h * h * h / (1400.0 * share);
+    double in_time = in_time_;
+    bool amplified = gain_stiffness_ + gain_along_ + gain_in_time_ > 0.0;
+    for (const Fading& law : fading_) in_time += law.force, amplified = amplified || law.gain > 0.0;
+    slowest_ = impulse * in_time;
+    fastest_ = 0.8 / std::cbrt(impulse * along_);
+    const bool bounded = controls_ && !has_kinks() && !amplified && h * h * stiffness_ < 0.99 * ringing_max;
+    longest_ = bounded ? h : 0.0;
+  }
+
+  /// Whether a step needs no more to be accurate, in all lanes: then both kinds of excess are at most 0. At the speed
+  /// of start and end, which are nearly the same, waves do no harm, and friction does not turn.
+  COGGING_INLINE bool is_easy(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& v1,
+                              const Scalar& v_end) const {
+    const Scalar speed = abs(v1), first = a2 - a1, second = abs(a3 - a2);
+    return h <= longest_ && all(speed >= slowest_) && all(speed <= fastest_) && all(6.0 * abs(v_end - v1) <= speed) &&
+           all(h * (second * second * second) <= share * speed * (7.5 * (first * first) + second * second));
+  }
+
   /// By how much one step of length h errs more than it may, m/s: at most 0 where it is accurate. Of the accelerations
   /// of the stages, the velocity at start and end, and the largest speed before.
   COGGING_INLINE Scalar excess(double h, const Scalar& a1, const Scalar& a2, const Scalar& a3, const Scalar& a4,
@@ -159,7 +180,8 @@ class StepAccuracy {
   double along_ = 0.0, in_time_ = 0.0;             // m/s^2 times 1/m^4, 1/s^4
   double gain_along_ = 0.0, gain_in_time_ = 0.0;   // the same for a drive of 1 V
   double quickest_ = 0.0;
-  Scalar turning_ = std::numeric_limits<double>::max();  // (m/s)^2, of the narrowest law about rest
+  double longest_ = 0.0, slowest_ = 0.0, fastest_ = 0.0;  // s, m/s, m/s: of steps whose waves are bounded
+  Scalar turning_ = std::numeric_limits<double>::max();   // (m/s)^2, of the narrowest law about rest
   bool varies_ = false, controls_ = true, rough_ = false;
   double path_ = std::numeric_limits<double>::infinity(), change_ = std::numeric_limits<double>::infinity();
   double duration_ = std::numeric_limits<double>::infinity();

@@ -7,6 +7,7 @@
 
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -51,8 +52,7 @@ Raises:
   ReferencePoint at(double time) const override {
     if (time < time_.front()) return {position_.front(), 0.0, 0.0};
     if (time > time_.back()) return {position_.back(), 0.0, 0.0};
-    const auto above = std::upper_bound(time_.begin(), time_.end(), time);
-    const std::size_t i = std::min(static_cast<std::size_t>(above - time_.begin()), time_.size() - 1) - 1;
+    const std::size_t i = interval(time);
     const double h = time_[i + 1] - time_[i], s = (time - time_[i]) / h;
     const double rise = (position_[i + 1] - position_[i]) / h;
     const double curve = velocity_[i] + velocity_[i + 1] - 2.0 * rise;
@@ -63,6 +63,18 @@ Raises:
   }
 
  private:
+  // The last sample at or before a time within the motion, but for the last of all: looked for first where it would be
+  // among samples at even times.
+  std::size_t interval(double time) const {
+    const std::size_t last = time_.size() - 2;
+    const double even = (time - time_.front()) / (time_.back() - time_.front()) * static_cast<double>(last + 1);
+    std::size_t i = std::min(whole_part<std::size_t>(even), last);
+    if (i < last && time >= time_[i + 1]) ++i;
+    if (time >= time_[i] && (i == last || time < time_[i + 1])) return i;
+    const auto above = std::upper_bound(time_.begin(), time_.end(), time);
+    return std::min(static_cast<std::size_t>(above - time_.begin()), last + 1) - 1;
+  }
+
   void check(const std::vector<double>& column, std::string_view label) const {
     require(column.size() == time_.size(), label, "must be as long as time (" + format(double(time_.size())) + ")",
             static_cast<double>(column.size()));

@@ -165,7 +165,8 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
   const double sample_time = 1.0 / controller.sample_rate(), limit = controller.command_limit();
   require(reference.sample_rate() == controller.sample_rate(), "sample_rate", "must be that of the reference's rows",
           controller.sample_rate());
-  const Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
+  Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
+  axis.expect_steps(sample_time / options.steps_per_sample);
   Amplifier<Scalar> amplifier(plant.effects, sample_time);
   ForceNoise force_noise(plant.noise, sample_time, options.seed);
   NormalNumbers encoder_noise(options.seed ^ 0x9e3779b97f4a7c15ULL);

@@ -67,8 +67,9 @@ class AxesInLanes {
   using Scalar = Lanes<count>;
 
   AxesInLanes(const Plant<Scalar>& pack, const std::array<const Plant<double>*, count>& plants,
-              LanesAtWork<count>& at_work)
+              LanesAtWork<count>& at_work, double longest_step)
       : together_(pack.axis, pack.cogging, pack.effects), at_work_(at_work) {
+    together_.expect_steps(longest_step);
     for (const Plant<double>* plant : plants) alone_.emplace_back(plant->axis, plant->cogging, plant->effects);
   }
 
@@ -117,7 +118,7 @@ class MachinesInLanes {
         plants_(plants_of(runs)),
         pack_(packed_plant<count>(plants_)),
         bounds_(detail::bounds_of(pack_.axis.travel)),
-        axes_(pack_, plants_, at_work_),
+        axes_(pack_, plants_, at_work_, sample_time / options.steps_per_sample),
         amplifier_(pack_.effects, sample_time),
         steps_(options.steps_per_sample),
         state_{start, options.initial_velocity} {
