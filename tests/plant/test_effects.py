@@ -166,7 +166,6 @@ EXCEPTIONS = {
     # each law that is tried stands there with its fields
     "diagnosis/balance/candidates.py": {"center", "width", "pitch", "order", "origin"},
     "diagnosis/balance/evidence.py": COGGING,
-    "diagnosis/report/figures.py": {"center"},  # of a text in a figure
     "design/": {"periods", "start", "stop"},  # of an observer; a window of time
     "simulation/sweep": {"start", "stop"},  # the same
     "simulation/varied.py": {"start", "stop"},
