@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.diagnosis.next_step import NextStep, next_step
-from cogging.diagnosis.report.pictures import curve_picture, pictures_of
+from cogging.diagnosis.report.pictures import STYLE, curve_picture, pictures_of
 from cogging.diagnosis.report.sentences import capital, certainty_text, explained_text, headline, meaning, standing_text
 from cogging.diagnosis.report.words import (
     law,
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect, Value
 
 TEMPLATE = Path(__file__).with_name("page.html.j2")
-STYLE = Path(__file__).with_name("page.css")
 MAIN = 10  # parameters of the first screen
 
 

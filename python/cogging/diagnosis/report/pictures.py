@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.entries import NamedEffect
 
+STYLE = Path(__file__).with_name("page.css")
 PERIODS = 2  # maximum number of spatial periods on a page
 AVERAGED = 0.01  # s of a point over time
 SIZE = (5.2, 2.7)  # inches; a point of the fonts is then 0.9 px wide on a phone
@@ -44,6 +46,8 @@ COLOURS = {
 METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
 IDENTIFIER = re.compile(r'<g id="[^"]*_\d+">')  # the same in every figure
 PATH = re.compile(r' d="[^"]*"')
+VARIABLE = re.compile(r"(--\w+): (#\w+)")
+USED = re.compile(r"var\((--\w+)\)")
 DECIMALS = re.compile(r"(\.\d\d)\d+")
 
 
@@ -110,6 +114,13 @@ def picture(draw: Callable[[Any], object], finding: str) -> Picture:
     for colour, variable in COLOURS.items():
         svg = svg.replace(colour, f"var({variable})")
     return Picture(svg, finding)
+
+
+def in_schemes(svg: str) -> dict[str, str]:
+    """Return a picture's SVG as files of their own, light and dark: with the colours of page.css for its variables."""
+    light, dark = (rule.split("}")[0] for rule in STYLE.read_text(encoding="utf-8").split(":root {")[1:3])
+    colours = {scheme: dict(VARIABLE.findall(rule)) for scheme, rule in (("light", light), ("dark", dark))}
+    return {scheme: USED.sub(lambda used, of=of: of[used[1]], svg) for scheme, of in colours.items()}
 
 
 def _labels(result: Diagnosis) -> dict[str, str]:
