@@ -62,7 +62,7 @@ def test_the_figure_of_the_readme_is_that_of_the_page(run, tmp_path):
         made, shipped = ((folder / name).read_text() for folder in (tmp_path, ROOT / "docs" / "pictures"))
         words = [re.findall(r">([^<>]+)</text>", one) for one in (made, shipped)]
         assert words[0] == words[1]
-        points = [re.findall(r'[ML] (\S+) (\S+)', one) for one in (made, shipped)]
+        points = [re.findall(r"[ML] (\S+) (\S+)", one) for one in (made, shipped)]
         assert np.array(points[0], float) == pytest.approx(np.array(points[1], float), abs=0.5)
 
 
