@@ -33,7 +33,7 @@ ACTS_ON = {
     "state": "the axis, with states of its own",
 }
 MASS, VISCOUS, COULOMB, WIDTH = 0.3, 2.0, 0.4, 5e-3  # of the axis of the figures
-MOTION = {"type": "point_to_point", "start": 0.03, "distance": 0.44, "velocity": 0.5, "acceleration": 4.0}
+MOTION = {"type": "point_to_point", "start": -0.1, "distance": 0.62, "velocity": 0.5, "acceleration": 4.0}
 MOTION |= {"jerk": 80.0, "dwell": 0.1, "repeats": 2}
 
 
@@ -124,6 +124,7 @@ def lacking(effect: Effect) -> dict[str, FloatArray]:
     log = cogging.simulate(model, MOTION, seed=1)
     velocity = np.gradient(log.position, log.time)
     friction = VISCOUS * velocity + COULOMB * 2.0 / np.pi * np.arctan(velocity / WIDTH)
-    missing = log.command - MASS * np.gradient(velocity, log.time) - friction
+    applied = 0.5 * (log.command + np.roll(log.command, 1))  # a command acts from its row on
+    missing = applied - MASS * np.gradient(velocity, log.time) - friction
     rows = {"time": log.time, "position": log.position, "velocity": velocity, "command": log.command}
     return {**rows, "lacking": -missing}
