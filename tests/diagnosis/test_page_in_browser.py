@@ -76,13 +76,13 @@ def test_figures_and_bars_stack_on_a_phone(report):
 
 
 def test_a_table_that_scrolls_has_a_shadow_where_it_is_cut(report):
-    _, seen = report
+    result, seen = report
     seen.page.set_viewport_size({"width": 390, "height": 844})
     cut = seen.page.evaluate(
         "[...document.querySelectorAll('.scroll')].filter(t => t.scrollWidth > t.clientWidth)"
         ".map(t => getComputedStyle(t).backgroundImage)"
     )
-    assert cut
+    assert cut or "gap_before" not in result.series
     assert all(shadow.count("linear-gradient") == 4 for shadow in cut)
 
 

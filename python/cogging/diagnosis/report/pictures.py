@@ -45,6 +45,7 @@ COLOURS = {
 }
 METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
 IDENTIFIER = re.compile(r'<g id="[^"]*_\d+">')  # the same in every figure
+BREAK = re.compile(r"\s*\n\s*")
 PATH = re.compile(r' d="[^"]*"')
 VARIABLE = re.compile(r"(--\w+): (#\w+)")
 USED = re.compile(r"var\((--\w+)\)")
@@ -110,6 +111,7 @@ def picture(draw: Callable[[Any], object], finding: str) -> Picture:
         FigureCanvasSVG(figure).print_svg(written, metadata={"Date": None})
     svg = written.getvalue()
     svg = IDENTIFIER.sub("<g>", METADATA.sub("", svg[svg.index("<svg") :]))
+    svg = BREAK.sub(" ", svg)
     svg = PATH.sub(lambda path: DECIMALS.sub(r"\1", path[0]), svg)
     for colour, variable in COLOURS.items():
         svg = svg.replace(colour, f"var({variable})")
