@@ -127,4 +127,4 @@ def lacking(effect: Effect) -> dict[str, FloatArray]:
     applied = 0.5 * (log.command + np.roll(log.command, 1))  # a command acts from its row on
     missing = applied - MASS * np.gradient(velocity, log.time) - friction
     rows = {"time": log.time, "position": log.position, "velocity": velocity, "command": log.command}
-    return {**rows, "lacking": -missing}
+    return {name: values[2:-2] for name, values in {**rows, "lacking": -missing}.items()}
