@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from cogging.diagnosis.entries import Limit, NamedEffect, Step
 
 DIGITS = 4  # of a number without an interval, and fewest of one with an interval
+WHOLE = 6  # digits before the point of a number with an interval that is written without a power of ten
 
 
 def term_text(term: Mapping[str, Any], unit: str) -> str:
@@ -100,7 +101,8 @@ def numbers(value: Any, interval: Sequence[Any] = (None, None)) -> str:
     if low is None or high is None or not 0.0 < high - low < np.inf:
         return f"{value:.{DIGITS}g}"
     places = np.floor(np.log10([max(abs(low), abs(high)), high - low]))
-    digits = int(np.clip(places[0] - places[1] + 2, DIGITS, 12))
+    whole = places[0] + 1 if places[0] < WHOLE else 0
+    digits = int(np.clip(places[0] - places[1] + 2, max(DIGITS, whole), 12))
     return f"{value:#.{digits}g}".removesuffix(".")
 
 
