@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -181,7 +181,7 @@ def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
     return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
 
 
-def _means(values: Sequence[float], few: int) -> Any:
+def _means(values: FloatArray, few: int) -> FloatArray:
     """Return the mean of every `few` values; nan if one of them is."""
-    whole = np.asarray(values)[: len(values) // few * few]
-    return whole.reshape(-1, few).mean(axis=1)
+    whole = values[: len(values) // few * few]
+    return np.asarray(whole.reshape(-1, few).mean(axis=1))
