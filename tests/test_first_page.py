@@ -1,9 +1,12 @@
 """The first page, from a CSV to a better model: its commands run as printed and print what it says."""
 
 import os
+import re
+import runpy
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import cogging
@@ -49,6 +52,18 @@ def test_the_patched_model_is_the_machine_that_made_the_logs(run):
     assert spring.center == pytest.approx(0.2, abs=2e-3)
     assert better.axis.mass == pytest.approx(3.2, rel=0.01)
     assert better.units.command == "N"
+
+
+def test_the_figure_of_the_readme_is_that_of_the_page(run, tmp_path):
+    """Its words exactly, its numbers within half a point."""
+    draw = runpy.run_path(str(ROOT / "docs" / "pictures" / "diagnosis.py"))["main"]
+    draw(run[0] / "page.html", tmp_path)
+    for name in ("diagnosis_light.svg", "diagnosis_dark.svg"):
+        made, shipped = ((folder / name).read_text() for folder in (tmp_path, ROOT / "docs" / "pictures"))
+        words = [re.findall(r">([^<>]+)</text>", one) for one in (made, shipped)]
+        assert words[0] == words[1]
+        points = [re.findall(r"[ML] (\S+) (\S+)", one) for one in (made, shipped)]
+        assert np.array(points[0], float) == pytest.approx(np.array(points[1], float), abs=0.5)
 
 
 def test_the_logs_are_what_the_script_beside_them_makes(tmp_path):

@@ -86,11 +86,11 @@ def write_api(folder: Path) -> None:
         if old.stem not in (*rooms(), "datasets"):
             old.unlink()
     for room, names in rooms().items():
-        _put(folder / f"{room}.md", page(room, names))
-    _put(folder / "datasets.md", "# Data sets\n\n```{eval-rst}\n.. automodule:: cogging.datasets\n```\n" + _loaders())
+        put(folder / f"{room}.md", page(room, names))
+    put(folder / "datasets.md", "# Data sets\n\n```{eval-rst}\n.. automodule:: cogging.datasets\n```\n" + _loaders())
 
 
-def _put(path: Path, text: str) -> None:
+def put(path: Path, text: str) -> None:
     """Write what has changed: what has not need not be read again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")

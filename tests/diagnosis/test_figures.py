@@ -1,22 +1,13 @@
-"""Figures of a gap: bands, spectra, directions."""
+"""Figures of a gap: bands, the spectrum, what becomes of colours and text."""
+
+import re
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
-from cogging.diagnosis.report.figures import NO_MOTION, direction_of, draw_profile, spectrum
+from cogging.diagnosis.report.pictures import COLOURS, in_schemes, picture, pictures_of, spectrum
 from cogging.plot.gaps import Rows, binned
-
-
-def test_a_profile_without_a_direction_says_so():
-    time = np.arange(2000) / 1000.0
-    series = {name: [np.linspace(0.0, 1.0, 2000)] for name in ("gap", "position", "acceleration", "command")}
-    series |= {"time": [time], "velocity": [np.ones(2000)], "mask": [np.ones(2000, bool)]}
-    forward, backward = Figure().subplots(1, 2)
-    for axes, way in ((forward, "forward"), (backward, "backward")):
-        draw_profile(axes, {"one way": series}, "position", direction_of(way))
-    assert [text.get_text() for text in forward.texts] == []
-    assert [text.get_text() for text in backward.texts] == [NO_MOTION]
+from tests.fixtures.drawn_results import drawn_result
 
 
 def test_bands_hold_the_truth_and_the_spectrum_its_scale():
@@ -31,3 +22,27 @@ def test_bands_hold_the_truth_and_the_spectrum_its_scale():
     frequency, density = spectrum(np.arange(20000) / 1000.0, rng.normal(0.0, 2.0, 20000))
     assert frequency[-1] == pytest.approx(500.0, rel=1e-2)
     assert np.sqrt(np.mean(density**2)) == pytest.approx(2.0 / np.sqrt(500.0), rel=0.05)
+
+
+def test_every_colour_of_a_figure_is_one_of_the_page_in_light_and_dark():
+    pictures = pictures_of(drawn_result(np.random.default_rng(1), "ambiguous"))
+    drawn = "".join(one.svg for part in pictures.values() for one in part)
+    assert set(re.findall(r"#[0-9a-f]{6}", drawn)) == set()
+    used = set(re.findall(r"var\((--\w+)\)", drawn))
+    assert {"--first", "--second", "--soft"} <= used <= set(COLOURS.values())
+    light, dark = in_schemes(drawn).values()
+    assert "var(" not in light + dark
+    assert light.count("#0072b2") == dark.count("#56b4e9") > 0
+
+
+def test_a_label_is_text_in_a_figure():
+    drawn = picture(lambda axes: axes.set_ylabel("</svg><script>"), "A label.").svg
+    assert "&lt;/svg&gt;&lt;script&gt;" in drawn
+    assert "<script" not in drawn
+
+
+def test_no_part_of_a_figure_has_a_name_that_nothing_refers_to():
+    drawn = picture(lambda axes: axes.plot([0.0, 1.0], marker="o"), "A line.").svg
+    names = re.findall(r'id="([^"]*)"', drawn)
+    assert names
+    assert all(f"url(#{name})" in drawn or f'"#{name}"' in drawn for name in names)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from markupsafe import Markup, escape
 
+from cogging.diagnosis.report.page import _interval
 from cogging.diagnosis.report.pictures import pictures_of
+from cogging.diagnosis.report.words import numbers
 from tests.fixtures.drawn_results import drawn_result
 
 
@@ -25,7 +27,8 @@ def test_the_report_says_what_why_and_what_next(found):
         "viscous asymmetry",
         "standard deviations above the noise",
         "How sure",
-        "Before and after",
+        "The model before and after",
+        "Gap against each coordinate",
         "Tested effects",
         "effects.viscous_asymmetry.difference",
         "How to read this page",
@@ -45,21 +48,34 @@ def test_a_shape_of_its_own_stands_on_page_and_screen(found):
     assert words in text
     assert "viscous asymmetry with a non-standard law" in page
     assert words not in found.text(verbose=True)
-    assert page.count("data:image/png") == found.html().count("data:image/png") + 1
+    assert page.count("<svg") == found.html().count("<svg") + 1
     assert told.to_dict()["effects"][0]["shape"] == "other"
     without = replace(told.effects[0], curve=None, in_model=False)
     assert "it is not in the model" in replace(told, effects=(without,)).text(verbose=True)
 
 
-def test_a_way_that_the_axis_did_not_move_has_no_empty_picture():
-    """Of an axis that only moved forward: neither a profile nor a folded period backward."""
-    result = drawn_result(np.random.default_rng(1), "ambiguous")
-    one_way = [np.asarray(result.series["velocity"][0]) > 0.01]
-    pictures = pictures_of(replace(result, series={**result.series, "mask": one_way}))
-    both = pictures_of(result)
-    for part, lost in (("coordinates", 1), ("folded", 1), ("time", 0)):
-        assert len(pictures[part]) == len(both[part]) - lost
-    assert not any("backward" in one.finding for part in pictures.values() for one in part if "Gap" in one.finding)
+def test_intervals_have_digits_that_tell_their_ends_apart():
+    for value, low, high, shown in (
+        (0.012, 0.01196, 0.01204, "0.011960 … 0.012040"),
+        (3.2, 3.199999, 3.200001, "3.1999990 … 3.2000010"),
+        (9.0, 8.844, 9.291, "8.844 … 9.291"),
+        (14.04, 13.98, 14.1, "13.98 … 14.10"),
+        (90000.0, 89950.0, 90050.0, "89950 … 90050"),
+        (0.0, 0.0, 0.0, "0 … 0"),
+    ):
+        assert _interval(low, high) == shown
+        assert float(numbers(value, (low, high))) == value
+    assert _interval(None, None) == numbers(None) == numbers(np.inf) == "–"
+
+
+def test_the_first_screen_shows_the_gap_along_the_coordinate_of_the_effect():
+    result = drawn_result(np.random.default_rng(1), "named", count=1)
+    (effect,) = result.effects
+    along = replace(result, effects=(replace(effect, where={"coordinate": "velocity", "range": None}),))
+    first, over_time = pictures_of(along)["first"]
+    assert "against velocity" in first.finding
+    assert "over time" in over_time.finding
+    assert not any("against velocity" in one.finding for one in pictures_of(along)["coordinates"])
 
 
 HOSTILE = '"><script>alert(1)</script><img src=x onerror=y>&'

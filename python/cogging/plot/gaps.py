@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COORDINATES = {"position": "m", "velocity": "m/s", "time": "s", "command": "V", "acceleration": "m/s^2"}
+#: Labels of the residuals of a Diagnosis or a Location.
+GAPS = {"gap_before": "before: re-tuned", "gap_after": "after: patched", "gap": "re-tuned"}
 USUAL = ("position", "velocity", "time", "command")
 BINS = 40
 FEWEST = 20  # rows of a bin; the mean of fewer is noise
@@ -43,6 +45,7 @@ def residual(
     residual: npt.ArrayLike | None = None,
     against: str | Sequence[str] | None = None,
     *,
+    period: float | None = None,
     units: Any = None,
     ax: Any = None,
 ) -> Panels:
@@ -56,6 +59,7 @@ def residual(
             coordinate (n,) where `against` names it.
         residual: V, (n,), of coordinates.
         against: one or more of position, velocity, time, command, acceleration; None: the first four as available.
+        period: m; the position is plotted modulo this period.
         units: labels of command and position (cogging.Units); None: those of the model.
         ax: as many axes as coordinates; None: a new figure.
 
@@ -88,12 +92,15 @@ def residual(
     for spare in panels[len(chosen) :]:
         spare.remove()
     panels = Panels(panels[: len(chosen)])
+    if period is not None:
+        rows = {label: _folded(one, period) for label, one in rows.items()}
     means = {name: {label: binned(one, name) for label, one in rows.items()} for name in chosen}
     up = scale_of("V", *(part for each in means.values() for one in each.values() for part in one[1:2]), units=units)
     for panel, name in zip(panels, chosen, strict=True):
         along = scale_of(COORDINATES.get(name, "1"), *(one[0] for one in means[name].values()), units=units)
         _draw(panel, means[name], along, up)
-        panel.set(xlabel=along.label(name), ylabel=up.label("mean residual"))
+        shown = f"{name} modulo the period" if period is not None and name == "position" else name
+        panel.set(xlabel=along.label(shown), ylabel=up.label("mean residual"))
     legend(panels[0])
     return panels
 
@@ -136,6 +143,14 @@ def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
     return tuple(np.where(kept, values, np.nan) for values in (middle, mean, half))  # type: ignore[return-value]
 
 
+def _folded(rows: Rows, period: float) -> Rows:
+    if not period > 0.0:
+        raise ValueError(f"period: must be positive, got {period:g}")
+    if "position" not in rows.coordinates:
+        raise ValueError("period: needs the coordinate position, got none")
+    return rows._replace(coordinates={**rows.coordinates, "position": rows.coordinates["position"] % period})
+
+
 def _of_arrays(found: Any, residual: npt.ArrayLike, against: Any) -> dict[str, Rows]:
     values = numbers("residual", residual)
     if hasattr(found, "keys"):
@@ -158,12 +173,11 @@ def _of_result(found: Any) -> dict[str, Rows]:
         raise TypeError(
             f"found: must be a Diagnosis, a Location or coordinates with a residual, got {described(found)}"
         )
-    gaps = {"gap_before": "as re-tuned", "gap_after": "with what was found", "gap": "as re-tuned"}
-    if not any(name in series for name in gaps):
+    if not any(name in series for name in GAPS):
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")
     same = "gap_after" in series and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None)
-    names = [name for name in gaps if name in series and not (same and name == "gap_after")]
-    return {gaps[name]: joined(series, name) for name in names}
+    names = [name for name in GAPS if name in series and not (same and name == "gap_after")]
+    return {GAPS[name]: joined(series, name) for name in names}
 
 
 def joined(series: Mapping[str, Any], name: str) -> Rows:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.diagnosis.next_step import NextStep, next_step
-from cogging.diagnosis.report.pictures import curve_picture, pictures_of
+from cogging.diagnosis.report.pictures import STYLE, curve_picture, pictures_of
 from cogging.diagnosis.report.sentences import capital, certainty_text, explained_text, headline, meaning, standing_text
 from cogging.diagnosis.report.words import (
     law,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from cogging.diagnosis.entries import NamedEffect, Value
 
 TEMPLATE = Path(__file__).with_name("page.html.j2")
-STYLE = Path(__file__).with_name("page.css")
+MAIN = 10  # parameters of the first screen
 
 
 def html(result: Diagnosis, *, title: str = "", step: NextStep | None = None) -> str:
@@ -81,7 +81,8 @@ def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, 
         "limits": _limits(result),
         "axis": result.axis_lines(),
         "notes": result.notes,
-        "parameters": _parameters(result),
+        "parameters": (rows := _parameters(result)),
+        "main": [row for row in rows if row["path"].startswith(("axis.", "effects."))][:MAIN],
         "model": to_toml(result.model.to_dict()),
         "pictures": pictures_of(result),
         "measured": "gap_before" in result.series,
@@ -92,9 +93,9 @@ def _bars(result: Diagnosis) -> list[dict[str, Any]]:
     """Return label, size, share of the largest and colour of each gap."""
     gap = result.gap
     sizes = [
-        ("as given", gap.given, "before"),
-        ("re-tuned", gap.before, "before"),
-        ("patched", gap.after if result.effects else None, "after"),
+        ("before: as given", gap.given, "before"),
+        ("before: re-tuned", gap.before, "before"),
+        ("after: patched", gap.after if result.effects else None, "after"),
         ("noise floor", gap.floor, "floor"),
         ("confirm logs, re-tuned", gap.confirm_before, "before"),
         ("confirm logs, patched", gap.confirm_after if result.effects else None, "after"),
@@ -154,7 +155,7 @@ def _fields(meanings: Meanings, terms: Sequence[Mapping[str, Value]]) -> list[di
         {
             "field": field if len(terms) == 1 else f"{field} ({i + 1})",
             "meaning": meanings[field][1] if field in meanings else "",
-            "value": numbers(value.value),
+            "value": numbers(value.value, value.ci95),
             "unit": "" if value.unit == "1" else value.unit,
             "interval": _interval(*value.ci95),
         }
@@ -176,7 +177,7 @@ def _tables(meanings: Meanings, terms: Sequence[Mapping[str, Value]]) -> list[di
                 if len(entries) != length:
                     continue
                 low, high = (list(end) if isinstance(end, Sequence) else [end] * length for end in value.ci95)
-                column = [(numbers(one), _interval(low[k], high[k])) for k, one in enumerate(entries)]
+                column = [(numbers(x, e), _interval(*e)) for x, *e in zip(entries, low, high, strict=True)]
                 columns.append(column)
                 has_interval = any(interval != "–" for _, interval in column)
                 heads.append((f"{field}{number}{f', {value.unit}' if value.unit != '1' else ''}", has_interval))
@@ -187,7 +188,9 @@ def _tables(meanings: Meanings, terms: Sequence[Mapping[str, Value]]) -> list[di
 
 
 def _interval(low: float | None, high: float | None) -> str:
-    return "–" if low is None and high is None else f"{numbers(low)} … {numbers(high)}"
+    if low is None and high is None:
+        return "–"
+    return " … ".join(numbers(end, (low, high)) for end in (low, high))
 
 
 def _further(result: Diagnosis) -> list[str]:
@@ -213,8 +216,8 @@ def _parameters(result: Diagnosis) -> list[dict[str, Any]]:
             "unit": "" if parameter.unit == "1" else parameter.unit,
             "given": numbers(before.get(path)),
             "nominal": numbers(nominal.get(path)),
-            "final": numbers(parameter.value),
-            "interval": _interval(*result.model.intervals.get(path, (None, None))),
+            "final": numbers(parameter.value, ends := result.model.intervals.get(path, (None, None))),
+            "interval": _interval(*ends),
             "new": path.startswith("effects.") and path not in nominal,
         }
         for path, parameter in parameters_of(result.model).items()

@@ -1,157 +1,187 @@
-"""Pictures of the page: one panel each, with its finding as text."""
+"""Figures of the page: `cogging.plot` as inline SVG, in the colours of page.css for light and dark."""
 
 from __future__ import annotations
 
-import base64
 import io
+import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.diagnosis.places import length_text, quantity_text, shape_text
-from cogging.diagnosis.report.figures import (
-    NO_MOTION,
-    PANELS,
-    Peak,
-    Series,
-    direction_of,
-    draw_curve,
-    draw_folded,
-    draw_profile,
-    draw_shape,
-    draw_spectrum,
-    draw_trace,
-)
+import numpy as np
+
+from cogging import plot
+from cogging.arrays import FloatArray
+from cogging.diagnosis.places import COORDINATE_UNITS, length_text
 from cogging.diagnosis.report.words import other_shape_text, plain
 from cogging.model.units import Units
+from cogging.plot.canvas import legend, styled
+from cogging.plot.gaps import GAPS
+from cogging.plot.scales import scale_of
+from cogging.plot.series import look
+from cogging.plot.traces import draw_trace
 
 if TYPE_CHECKING:
     from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.entries import NamedEffect
 
-PERIODS, SHAPES = 3, 6  # maximum number of folded periods and of coordinates on a page
+STYLE = Path(__file__).with_name("page.css")
+PERIODS = 2  # maximum number of spatial periods on a page
+AVERAGED = 0.01  # s of a point over time
+SIZE = (5.2, 2.7)  # inches; a point of the fonts is then 0.9 px wide on a phone
+AXES = (0.145, 0.19, 0.84, 0.71)  # of the figure: left, bottom, width, height
+OPTIONS = {"svg.fonttype": "none", "svg.hashsalt": "cogging", "figure.facecolor": "none", "axes.facecolor": "none"}
+#: Variables of page.css for the colours of `cogging.plot`.
+COLOURS = {
+    "#0072b2": "--first",
+    "#e69f00": "--second",
+    "#000000": "--ink",
+    "#202020": "--ink",
+    "#404040": "--soft",
+    "#d9d9d9": "--line",
+}
+METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
+IDENTIFIER = re.compile(r'<g id="[^"]*_\d+">')  # the same in every figure
+BREAK = re.compile(r"\s*\n\s*")
+PATH = re.compile(r' d="[^"]*"')
+VARIABLE = re.compile(r"(--\w+): (#\w+)")
+USED = re.compile(r"var\((--\w+)\)")
+DECIMALS = re.compile(r"(\.\d\d)\d+")
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A panel of the page.
+    """A figure of the page.
 
     Attributes:
-        source: data URL of a PNG.
+        svg: its element.
         finding: sentence on what it shows.
     """
 
-    source: str
+    svg: str
     finding: str
 
 
-def gaps_of(result: Diagnosis) -> dict[str, dict[str, Any]]:
-    """Return the rows of the logs by name with the gap before and after; empty if nothing was measured."""
-    series = result.series
-    if "gap_before" not in series:
-        return {}
-    shared = {name: series[name] for name in ("time", "position", "velocity", "acceleration", "command", "mask")}
-    labels = {"before: re-tuned model": "gap_before"}
-    if result.effects:
-        labels["after: patched model"] = "gap_after"
-    return {label: {**shared, "gap": series[name]} for label, name in labels.items()}
-
-
 def pictures_of(result: Diagnosis) -> dict[str, list[Picture]]:
-    """Return the pictures of a result by part of the page."""
-    gaps, units = gaps_of(result), result.model.units
-    parts: dict[str, list[Picture]] = {"shapes": [], "time": [], "folded": [], "coordinates": []}
-    if not gaps:
-        return parts
-    parts["time"] = [_trace(gaps, units, near=near) for near in (False, True)]
-    parts["coordinates"] = [_profile(gaps, units, *panel) for panel in PANELS] + [_spectrum(gaps, units)]
-    if result.location is not None:
-        for shape in result.location.significant[:SHAPES]:
-            finding = f"Missing: {shape_text(shape, units)}."
-            parts["shapes"].append(picture(partial(draw_shape, shape=shape, units=units), finding))
-        waves = [wave.value for wave in result.location.waves if wave.coordinate == "spatial period"]
-        parts["folded"] = [_folded(gaps, units, period, sign) for period in waves[:PERIODS] for sign in (1.0, -1.0)]
-    # skip directions in which the axis did not move
-    return {part: [one for one in pictures if NO_MOTION not in one.finding] for part, pictures in parts.items()}
+    """Return the figures of a result by part of the page: those of the first screen, and the others."""
+    if "gap_before" not in result.series:
+        return {"first": [], "coordinates": []}
+    along = [str(effect.where.get("coordinate")) for effect in result.effects]
+    along += [] if result.unlisted is None else [str(result.unlisted["coordinate"])]
+    names = list(dict.fromkeys([name for name in along if name in COORDINATE_UNITS and name != "frequency"]))
+    names += [name for name in ("position", "velocity", "acceleration", "command") if name not in names]
+    by_name = [name for name in names if name != "time"]
+    waves = [] if result.location is None else result.location.waves
+    periods = [wave.value for wave in waves if wave.coordinate == "spatial period"][:PERIODS]
+    return {
+        "first": [_profile(result, by_name[0]), _over_time(result)],
+        "coordinates": [_profile(result, name) for name in by_name[1:]]
+        + [_profile(result, "position", period) for period in periods]
+        + [_spectrum(result)],
+    }
 
 
 def curve_picture(effect: NamedEffect, units: Units) -> Picture | None:
-    """Return the picture of the force of an effect with a non-standard law; None if it has no curve."""
+    """Return the figure of the force of an effect with a non-standard law; None if it has no curve."""
     if effect.curve is None:
         return None
-    finding = f"{plain(effect.name)}: {other_shape_text(effect, units)}."
-    return picture(lambda axes: draw_curve(axes, effect, units), finding)
+    curve, name = effect.curve, str(effect.curve["coordinate"])
+
+    def draw(axes: Any) -> None:
+        axes.plot(curve["places"], curve["force"])
+        axes.set(xlabel=f"{name} ({units.of(COORDINATE_UNITS[name])})", ylabel=f"force ({units.command})")
+
+    return picture(draw, f"{plain(effect.name)}: {other_shape_text(effect, units)}.")
 
 
-def picture(draw: Callable[[Any], object], finding: str = "") -> Picture:
-    """Return a drawing as a picture that is readable at the width of a phone.
-
-    Args:
-        draw: function that draws on axes.
-        finding: sentence on what it shows; by default the value that `draw` returns.
-    """
+def picture(draw: Callable[[Any], object], finding: str) -> Picture:
+    """Return what a function draws on axes as a picture with a sentence on what it shows."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(5.6, 3.1), layout="constrained", facecolor="none")
-    axes = figure.subplots()
-    axes.set_facecolor("none")  # the background of the page is light or dark
-    returned = draw(axes)
-    buffer = io.BytesIO()
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph")  # the font may lack a letter of a name
-        figure.savefig(buffer, format="png", dpi=140, facecolor="none")
-    source = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
-    return Picture(source, finding or str(returned))
+    written = io.StringIO()
+    with styled(), mpl.rc_context(OPTIONS), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # the font that measures may lack a letter of a name
+        figure = Figure(figsize=SIZE, layout="none")  # fixed margins: a layout takes half of the time
+        draw(figure.add_axes(AXES))
+        FigureCanvasSVG(figure).print_svg(written, metadata={"Date": None})
+    svg = written.getvalue()
+    svg = IDENTIFIER.sub("<g>", METADATA.sub("", svg[svg.index("<svg") :]))
+    svg = BREAK.sub(" ", svg)
+    svg = PATH.sub(lambda path: DECIMALS.sub(r"\1", path[0]), svg)
+    for colour, variable in COLOURS.items():
+        svg = svg.replace(colour, f"var({variable})")
+    return Picture(svg, finding)
 
 
-def _trace(gaps: Mapping[str, Series], units: Units, *, near: bool) -> Picture:
-    def draw(axes: Any) -> str:
-        rms = draw_trace(axes, gaps, units, near=near)
-        sizes = ", ".join(f"{_when(label)} {value:.3g} {units.of('V')} rms" for label, value in rms.items())
-        return "A twelfth of the log, enlarged." if near else f"Gap over time: {sizes}."
-
-    return picture(draw)
+def in_schemes(svg: str) -> dict[str, str]:
+    """Return a picture's SVG as files of their own, light and dark: with the colours of page.css for its variables."""
+    light, dark = (rule.split("}")[0] for rule in STYLE.read_text(encoding="utf-8").split(":root {")[1:3])
+    colours = {scheme: dict(VARIABLE.findall(rule)) for scheme, rule in (("light", light), ("dark", dark))}
+    return {scheme: USED.sub(lambda used, of=of: of[used[1]], svg) for scheme, of in colours.items()}
 
 
-def _profile(gaps: Mapping[str, Series], units: Units, name: str, label: str, unit: str, way: str) -> Picture:
-    def draw(axes: Any) -> str:
-        peaks = draw_profile(axes, gaps, name, direction_of(way))
-        axes.set(xlabel=f"{label} ({units.of(unit)})", ylabel=f"mean gap ({units.of('V')})")
-        words = ", ".join(f"{_when(which)} {_peak_text(one, unit, units)}" for which, one in peaks.items())
-        return f"Gap against {label}: {words or NO_MOTION}."
-
-    return picture(draw)
+def _labels(result: Diagnosis) -> dict[str, str]:
+    return {name: GAPS[name] for name in ("gap_before", "gap_after") if name == "gap_before" or result.effects}
 
 
-def _spectrum(gaps: Mapping[str, Series], units: Units) -> Picture:
-    def draw(axes: Any) -> str:
-        peaks = draw_spectrum(axes, gaps, units)
-        words = ", ".join(f"{_when(which)} largest at {one[1]:.3g} Hz" for which, one in peaks.items() if one)
-        return f"Spectrum of the gap: {words}."
-
-    return picture(draw)
+def _profile(result: Diagnosis, name: str, period: float | None = None) -> Picture:
+    within = "" if period is None else f" within {length_text(period, result.model.units)}"
+    draw = partial(plot.residual, result, against=name, period=period)
+    return picture(lambda axes: draw(ax=axes), f"Mean gap against {name}{within}, with 95 % bands.")
 
 
-def _folded(gaps: Mapping[str, Series], units: Units, period: float, sign: float) -> Picture:
-    way = "forward" if sign > 0.0 else "backward"
+def _over_time(result: Diagnosis) -> Picture:
+    """Return the gap of the first log over time, without rows at rest."""
+    series, units = result.series, result.model.units
+    time = np.asarray(series["time"][0]) - series["time"][0][0]
+    moving = np.asarray(series["mask"][0]) > 0
+    few = max(1, round(AVERAGED / float(np.median(np.diff(time)))))
+    gaps = {name: _means(np.where(moving, series[name][0], np.nan), few) for name in _labels(result)}
+    up = scale_of("V", *gaps.values(), units=units)
 
-    def draw(axes: Any) -> str:
-        amplitudes = draw_folded(axes, gaps, period, sign, units)
-        sizes = [f"{size:.2g} {units.of('V')}" for size in amplitudes.values() if size is not None]
-        words = f"amplitude {sizes[0]}" if sizes else NO_MOTION
-        words += f", {sizes[1]} after" if len(sizes) > 1 else ""
-        return f"Gap within {length_text(period, units)} of position, moving {way}: {words}."
+    def draw(axes: Any) -> None:
+        for place, (name, gap) in enumerate(gaps.items()):
+            draw_trace(axes, _means(time, few), up(gap), label=GAPS[name], **look(place, dense=True))
+        axes.set(xlabel="time (s)", ylabel=up.label("gap"))
+        legend(axes)
 
-    return picture(draw)
-
-
-def _when(label: str) -> str:
-    return label.partition(":")[0]
+    return picture(draw, f"Gap of the first log over time, averaged over {1e3 * AVERAGED:.0f} ms.")
 
 
-def _peak_text(peak: Peak, unit: str, units: Units) -> str:
-    if peak is None:
-        return "not significant"
-    return f"peak of {peak[0]:+.2g} {units.of('V')} near {quantity_text(peak[1], unit, units)}"
+def _spectrum(result: Diagnosis) -> Picture:
+    """Return the amplitude density of the gap of the longest log, zero at rest."""
+    series = result.series
+    longest = int(np.argmax([len(time) for time in series["time"]]))
+
+    def draw(axes: Any) -> None:
+        for place, (name, label) in enumerate(_labels(result).items()):
+            gap = np.where(np.asarray(series["mask"][longest]) > 0, series[name][longest], 0.0)
+            axes.loglog(*spectrum(series["time"][longest], gap), label=label, **look(place, dense=True))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter("{x:g}")  # powers of ten are formulas, which take long to set
+        axes.set(xlabel="frequency (Hz)", ylabel=f"gap ({result.model.units.of('V/√Hz')})")
+        legend(axes)
+
+    return picture(draw, "Amplitude density of the gap.")
+
+
+def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies and amplitude density (per √Hz), by Welch's method with Hann windows of an eighth."""
+    step = float(np.median(np.diff(time)))
+    length = min(len(values), max(256, 2 * (len(values) // 16)))
+    window = np.hanning(length)
+    parts = [values[first : first + length] for first in range(0, len(values) - length + 1, max(1, length // 2))]
+    power = np.mean([np.abs(np.fft.rfft(window * (part - part.mean()))) ** 2 for part in parts], axis=0)
+    density = np.sqrt(2.0 * power * step / float((window**2).sum()))
+    return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
+
+
+def _means(values: FloatArray, few: int) -> FloatArray:
+    """Return the mean of every `few` values; nan if one of them is."""
+    whole = values[: len(values) // few * few]
+    return np.asarray(whole.reshape(-1, few).mean(axis=1))

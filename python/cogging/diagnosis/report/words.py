@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,9 @@ from cogging.model.units import Units
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import Limit, NamedEffect, Step
+
+DIGITS = 4  # of a number without an interval, and fewest of one with an interval
+WHOLE = 6  # digits before the point of a number with an interval that is written without a power of ten
 
 
 def term_text(term: Mapping[str, Any], unit: str) -> str:
@@ -90,13 +93,17 @@ def law(vocabulary: Mapping[str, Effect], name: str) -> str:
     return f"{plain(name.removesuffix('_change'))} of the axis differs from its stated value"
 
 
-def numbers(value: Any) -> str:
-    """Return a number or a list of numbers for a table; a dash for an unknown one."""
-    if value is None:
+def numbers(value: Any, interval: Sequence[Any] = (None, None)) -> str:
+    """Return a number for a table; a dash for an unknown one, and two digits of the width of an interval."""
+    if value is None or not np.isfinite(value):
         return "–"
-    if isinstance(value, int | float):
-        return f"{value:.4g}" if np.isfinite(value) else "–"
-    return ", ".join(numbers(one) for one in value)
+    low, high = interval
+    if low is None or high is None or not 0.0 < high - low < np.inf:
+        return f"{value:.{DIGITS}g}"
+    places = np.floor(np.log10([max(abs(low), abs(high)), high - low]))
+    whole = places[0] + 1 if places[0] < WHOLE else 0
+    digits = int(np.clip(places[0] - places[1] + 2, max(DIGITS, whole), 12))
+    return f"{value:#.{digits}g}".removesuffix(".")
 
 
 def where_words(where: Mapping[str, Any], units: Units) -> str:
