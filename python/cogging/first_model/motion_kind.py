@@ -229,8 +229,9 @@ def _alike(
 def _course(distance: float, shape: tuple[float, float, float, float]) -> PointToPoint:
     """A move of this length and shape."""
     velocity, acceleration, jerk, _ = shape
-    limits = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
-    return PointToPoint(PointToPointParameters(distance=distance, **limits))
+    return PointToPoint(
+        PointToPointParameters(distance=distance, velocity=velocity, acceleration=acceleration, jerk=jerk)
+    )
 
 
 def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:

@@ -279,9 +279,7 @@ def performance(
         >>> last.error_rms < last.error_max
         True
     """
-    if isinstance(time, Log):
-        time, error, command = time.time, time.error, time.command
-    columns: Any = (time, error, command)
+    columns: Any = (time.time, time.error, time.command) if isinstance(time, Log) else (time, error, command)
     return _core.performance(*columns, start=start, stop=stop, final_window=final_window)
 
 
