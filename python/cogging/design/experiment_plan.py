@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,15 +41,13 @@ from cogging.model.model import Model, is_number
 from cogging.model.parameters import parameters_of
 from cogging.model.units import Units
 from cogging.outputs import to_json, to_toml, write_files
+from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_plan
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread, on_threads
 from cogging.shown import nearest, quoted
 from cogging.simulation.arguments import MODEL
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 COPIES = 1000  # simulated copies of a motion, for the frequency of a correct decision
 HOPELESS = 0.6  # frequency of a correct decision below which a motion does not separate rivals
@@ -404,17 +402,7 @@ class ExperimentPlan(ByValue):
             "notes": list(self.notes),
         }
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw position, speed and acceleration of the motion over time.
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: three axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return whole_plan(self, units=units, ax=ax).figure
+    plot = plot_method(whole_plan, "Draw position, speed and acceleration of the motion over time.", "three axes")
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the motion as a reference file (TOML), and beside it its samples (.csv) and the plan (.plan.json).

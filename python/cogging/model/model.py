@@ -28,14 +28,13 @@ from cogging.files import LARGEST, FieldError, parse_toml, read_text, read_toml,
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
+from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_model
 from cogging.shown import nearest, quoted
 from cogging.tables import html_table
 from cogging.values import ByValue, line_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cogging.export.control import ControlLoop
 
 #: Parameter struct and class of each controller by its name in model files.
@@ -141,17 +140,9 @@ class Model(ByValue):
         cogging = "no cogging" if self.cogging is None else line_of(self.cogging, self.units.of)
         return html_table(f"Model: {self._brief()}", ["field", "value", "unit", "95 %"], rows, [cogging])
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Plot the cogging over position with its 95 % band, and the friction over velocity.
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return whole_model(self, units=units, ax=ax).figure
+    plot = plot_method(
+        whole_model, "Plot the cogging over position with its 95 % band, and the friction over velocity.", "axes"
+    )
 
     def plant(self) -> Plant:
         """Return the plant to simulate."""
