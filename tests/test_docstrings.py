@@ -23,6 +23,7 @@ def documented():
         if inspect.isclass(value):
             yield from ((f"{name}.{word}", member) for word, member in vars(value).items() if word[0] != "_")
     yield from ((f"plot.{name}", getattr(cogging.plot, name)) for name in cogging.plot.__all__)
+    yield from ((f"effects.{name}", effect) for name, effect in cogging.EFFECTS.items())
 
 
 TEXTS = {name: inspect.getdoc(value) or "" for name, value in documented()}

@@ -78,10 +78,23 @@ MISTAKES = {
         lambda: cogging.closed_loop_batch([PLANT], [MODEL.make_controller()], SINE, duration="1 s"),
         r"closed_loop_batch: duration: must be a number, got '1 s'",
     ),
-    "gains for a loop's controller": (
-        lambda: cogging.closed_loop(PLANT, MODEL.controller, SINE),
-        r"controller: PidParameters\.command must be given, got nothing: a controller is an object with",
+    "gains of two controllers": (
+        lambda: cogging.closed_loop(PLANT, cogging.AdaptiveRobustParameters(), SINE),
+        r"controller: must be Arc or Dcarc with these parameters, got AdaptiveRobustParameters alone",
     ),
+    "gains of two types": (
+        lambda: cogging.Model(MODEL.axis, controller=cogging.AdaptiveRobustParameters()),
+        r"controller_type: must be arc or dcarc with AdaptiveRobustParameters, got None",
+    ),
+    "gains of another type": (
+        lambda: MODEL.replace(controller=cogging.SpeedParameters()),
+        r"controller_type: must be speed with SpeedParameters, got 'pid'",
+    ),
+    "a controller for its gains": (
+        lambda: cogging.Model(MODEL.axis, controller=MODEL.make_controller()),
+        r"controller: must be the parameters of one of .* got Pid: give its \.parameters",
+    ),
+    "a row of a log": (lambda: LOG[3], r"Log: rows: must be a slice such as log\[100:200\], .* got 3"),
     "a shown progress": (lambda: cogging.identify(LOG, MODEL, progress="yes"), r"progress: must be True, False or a"),
 }
 

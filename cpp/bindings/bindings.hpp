@@ -127,8 +127,7 @@ struct BoundStruct {
 };
 
 /// The doc of its class.
-std::string doc_of(const py::module_& module, const std::string& class_name, const std::string& doc,
-                   const BoundStruct& bound);
+std::string doc_of(const std::string& doc, const BoundStruct& bound);
 /// Keyword constructor with the struct's own defaults and its validation, properties with unit and meaning, FIELDS
 /// (name -> (unit, meaning)), to_dict and replace.
 void bind_fields(const py::object& type, const BoundStruct& bound);
@@ -150,6 +149,8 @@ BoundField bound_field(const std::string_view (&texts)[3], const cogging::Trait&
           types.substr(next, types.find('\n') - next),
           [](const void* member) { return py::cast(*static_cast<const Member*>(member)); },
           [](void* member, const std::string& name, const py::handle& value) {
+            if constexpr (std::is_same_v<Member, bool>)  // pybind11 makes one of any number
+              if (!py::detail::make_caster<bool>{}.load(value, false)) throw py::cast_error();
             *static_cast<Member*>(member) = taken<Member>(name, py::cast<typename Taken<Member>::type>(value));
           }};
 }
@@ -174,7 +175,7 @@ BoundStruct bound_struct() {
 template <class Struct>
 py::class_<Struct> bind_parameters(py::module_& module, const std::string& class_name, const std::string& doc,
                                    const BoundStruct& bound = bound_struct<Struct>()) {
-  py::class_<Struct> type(module, class_name.c_str(), doc_of(module, class_name, doc, bound).c_str());
+  py::class_<Struct> type(module, class_name.c_str(), doc_of(doc, bound).c_str());
   bind_fields(type, bound);
   return type;
 }

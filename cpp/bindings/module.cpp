@@ -50,6 +50,28 @@ bool may_hold_no_number(const py::handle& value, int depth = 4) {
   return std::string_view(Py_TYPE(object)->tp_name).starts_with("numpy.bool") || py::hasattr(value, "__array__");
 }
 
+// The signature that help() shows names what a reader gives: pybind11 names all that can be made a number.
+void name_plain_types(const py::module_& module) {
+  constexpr std::pair<std::string_view, std::string_view> plain[] = {
+      {"typing.SupportsFloat | typing.SupportsIndex", "float"},
+      {"typing.SupportsInt | typing.SupportsIndex", "int"},
+      {"typing.Annotated[numpy.typing.ArrayLike, numpy.float64]", "numpy.typing.ArrayLike"}};
+  const auto rename = [&](PyObject* function) {
+    if (PyInstanceMethod_Check(function)) function = PyInstanceMethod_GET_FUNCTION(function);
+    if (!PyCFunction_Check(function)) return;
+    char* doc = const_cast<char*>(reinterpret_cast<PyCFunctionObject*>(function)->m_ml->ml_doc);  // pybind11's own copy
+    std::string text = doc ? doc : "";
+    for (const auto& [long_name, name] : plain)
+      for (std::size_t at; (at = text.find(long_name)) != std::string::npos;) text.replace(at, long_name.size(), name);
+    if (doc) std::copy_n(text.c_str(), text.size() + 1, doc);  // never longer
+  };
+  for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
+    rename(value.ptr());
+    if (PyType_Check(value.ptr()))
+      for (const auto& [own, method] : py::dict(value.attr("__dict__"))) rename(method.ptr());
+  }
+}
+
 // A call that no signature takes is answered by pybind11 in many lines of C++ types. It is answered in one instead, by
 // cogging.calls, which reads the signature; every other error passes as it is.
 template <class... Self>
@@ -117,10 +139,11 @@ PYBIND11_MODULE(core_of_main, module) {
   bind_batch(module);
   bind_estimation(module);
   bind_table(module);
-  tell_calls_in_one_line(module);
-  tell_calls_in_one_line(module.attr("effects"));
-  refuse_uninitialised_objects(module);
-  refuse_uninitialised_objects(module.attr("effects"));
+  for (const py::module_& part : {module, py::module_(module.attr("effects"))}) {
+    name_plain_types(part);
+    tell_calls_in_one_line(part);
+    refuse_uninitialised_objects(part);
+  }
 }
 
 // pybind11 waits for ever in any other interpreter of the process than the first, before it asks the module anything.

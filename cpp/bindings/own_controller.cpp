@@ -293,6 +293,7 @@ void PythonController::update(double applied) {
 
 GivenController take_controller(const py::object& given) {
   std::optional<GivenController> taken;
+  std::string classes;  // those whose parameters were given
   const auto take = [&]<class C>() {
     if (taken || !py::isinstance<C>(given)) return;
     if (py::type::handle_of(given).is(py::type::of<C>())) {
@@ -304,7 +305,14 @@ GivenController take_controller(const py::object& given) {
                          ", whose own methods would not be called, got " + class_of(given) + ": give " + what_is_one +
                          ", which may hold a " + kind);
   };
-  Alternatives<AnyController<>>::for_each([&]<class C>() { take.template operator()<C>(); });
+  Alternatives<AnyController<>>::for_each([&]<class C>() {
+    if (!py::isinstance<typename C::Parameters>(given)) return take.template operator()<C>();
+    classes += (classes.empty() ? "" : " or ") + class_name(C::name);
+    taken = C(given.cast<const typename C::Parameters&>());
+  });
+  if (classes.find(" or ") != std::string::npos)
+    throw py::type_error("controller: must be " + classes + " with these parameters, got " + class_of(given) +
+                         " alone, which both have");
   take.operator()<CompiledController>();
   if (taken) {
     if (auto* compiled = std::get_if<CompiledController>(&*taken)) compiled->reset();

@@ -32,18 +32,14 @@ void fill(const BoundStruct& bound, char* place, const py::kwargs& given) {
 
 }  // namespace
 
-std::string doc_of(const py::module_& module, const std::string& class_name, const std::string& doc,
-                   const BoundStruct& bound) {
+std::string doc_of(const std::string& doc, const BoundStruct& bound) {
   std::string text = doc + "\n\nFields:\n";
   for (const BoundField& field : bound.fields) {
     text += "    " + field.name;
     if (!field.unit.empty() && field.unit != "1") text += " (" + field.unit + ")";
     text += ": " + field.meaning + "\n";
   }
-  const std::string part = module.attr("__name__").cast<std::string>().ends_with(".effects") ? "effects." : "";
-  return text + "\nRaises:\n    ValueError: a value breaks its rule; the message names field, rule and value." +
-         "\n\nExample:\n    >>> one = cogging." + part + class_name + "()" +
-         "\n    >>> one.replace(**one.to_dict()) == one\n    True";
+  return text + "\nRaises:\n    ValueError: a value breaks its rule; the message names field, rule and value.";
 }
 
 void bind_fields(const py::object& type, const BoundStruct& all) {

@@ -158,7 +158,7 @@ Example:
   py::class_<Performance>(module, "Performance", R"(The indexes of one run: what `performance` gives.
 
 Example:
-    >>> print(f"{cogging.performance(log.time, log.error, log.command).command_rms:.3f} V")
+    >>> print(f"{cogging.performance(log).command_rms:.3f} V")
     0.421 V)")
       .def_readonly("error_max", &Performance::error_max, "max |e|, m")
       .def_readonly("error_rms", &Performance::error_rms, "sqrt(mean e^2), m")
@@ -183,20 +183,5 @@ Example:
       py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(),
       py::arg("start") = -std::numeric_limits<double>::infinity(),
       py::arg("stop") = std::numeric_limits<double>::infinity(), py::arg("final_window") = 2.0,
-      R"(Indexes over the rows with start <= time < stop (s); arrays (n,): s, m, V.
-
-error_final_max looks at the last `final_window` seconds of them (Xu and Yao 2001, section 4.2).
-
-Args:
-    time, error, command: of a log.
-    start, stop: s.
-    final_window: s.
-
-Returns:
-    The indexes.
-
-Example:
-    >>> last = cogging.performance(log.time, log.error, log.command, start=1.0)
-    >>> last.error_rms < last.error_max
-    True)");
+      "The indexes over the rows with start <= time < stop (s) of arrays (n,) in s, m, V: cogging.performance.");
 }

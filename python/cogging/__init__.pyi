@@ -24,7 +24,6 @@ from cogging._core import (
     desired_compensation_condition,
     desired_compensation_matrix,
     friction_slope_max,
-    performance,
     project,
     replay_controller,
 )
@@ -51,7 +50,7 @@ from cogging.friction.friction_curve import FrictionParameter
 from cogging.design.pid import pid_gains, pid_poles
 from cogging.identification.identification_result import Identification
 from cogging.identification.identification import identify
-from cogging.logs.log import Log, read_log
+from cogging.logs.log import Log, performance, read_log
 from cogging.mapping.fit_map import fit_map
 from cogging.mapping.map_fit import MapFit
 from cogging.model.controller import Controller, ReferencePoint

@@ -22,6 +22,7 @@ MOST_LISTED = 12  # names that a message lists where none is similar
 PATH: tuple[type, ...] = (str, os.PathLike)
 ARRAY = "an array of real numbers"
 UNCHECKED = re.compile(r"\[(object|typing\.Any)\]")  # a list whose entries the core checks itself: controllers
+WHOLE, NUMBER, TEXT = re.compile(r"\bint\b"), re.compile(r"\b(float|int)\b"), re.compile(r"\bstr\b")
 FIXED_SIZE = re.compile(r"FixedSize\((\d+)\)")
 
 
@@ -206,7 +207,7 @@ def told_of_no_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) 
     for word, value in call.arguments.items():
         annotation = call.parameters[word].annotation if word in call.parameters else ""
         is_array = _is_array(annotation)
-        if not is_array and ("Supports" not in annotation or "str" in annotation):
+        if not is_array and (not NUMBER.search(annotation) or "str" in annotation):
             continue
         is_scalar = not is_array and "Sequence[" not in annotation
         wrong = [value] * isinstance(value, bool | np.bool_) if is_scalar else no_number_in(value)
@@ -251,9 +252,9 @@ def _fits(annotation: str, value: Any) -> bool:
     """Return whether one value, or one entry of a list, has the type of an annotation."""
     if classes := _core_classes(annotation):
         return any(one.__name__ in classes for one in type(value).__mro__)
-    if "SupportsInt" in annotation:
+    if WHOLE.search(annotation):
         return isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if "SupportsFloat" in annotation or "Sequence[" in annotation:
+    if NUMBER.search(annotation) or "Sequence[" in annotation:
         return isinstance(value, int | float | np.number) and not isinstance(value, bool)
     return isinstance(value, {"str": str, "bool": bool, "bytes": bytes}.get(annotation, object))
 
@@ -270,9 +271,9 @@ def _rule_of(annotation: str) -> str:
         return "a list"
     if several:
         size = FIXED_SIZE.search(annotation)
-        whole = "whole " if "SupportsInt" in annotation else ""
+        whole = "whole " if WHOLE.search(annotation) else ""
         return f"{size.group(1) if size else 'a list of'} {whole}numbers"
-    for word, rule in (("SupportsInt", "a whole number"), ("SupportsFloat", "a number"), ("str", "a text")):
-        if word in annotation:
+    for words, rule in ((WHOLE, "a whole number"), (NUMBER, "a number"), (TEXT, "a text")):
+        if words.search(annotation):
             return rule
     return {"bool": "True or False"}.get(annotation, annotation)

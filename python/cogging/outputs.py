@@ -20,7 +20,7 @@ from typing import Any
 
 import tomli_w
 
-from cogging.files import InputError, require_file
+from cogging.files import InputError, parse_toml, require_file
 from cogging.shown import printable
 
 AnyPath = str | os.PathLike[str]
@@ -256,13 +256,99 @@ def _canonical(path: AnyPath) -> str:
     return unicodedata.normalize("NFD", place).casefold() if sys.platform == "darwin" else place
 
 
-def to_toml(document: Mapping[str, Any]) -> str:
-    """Return a document as TOML, numbers to their last bit; raise ValueError for text that UTF-8 cannot encode."""
+def to_toml(document: Mapping[str, Any], *, like: str = "") -> str:
+    """Return a document as TOML, numbers to their last bit; raise ValueError for text that UTF-8 cannot encode.
+
+    Args:
+        document: the content.
+        like: an earlier text of it, whose comments and order of lines are kept.
+    """
     text = tomli_w.dumps(document)
+    with contextlib.suppress(ValueError):  # a layout that _updated does not follow
+        updated = _updated(like, document) if like else text
+        text = updated if parse_toml(updated) == parse_toml(text) else text
     for line in text.splitlines() if re.search("[\ud800-\udfff]", text) else ():
         if re.search("[\ud800-\udfff]", line):
             raise ValueError(f"{printable(line)}: must be text that UTF-8 holds, got half of a pair of surrogates")
     return text
+
+
+LINE = re.compile(r"""((?:"(?:\\.|[^"\\])*"|'[^']*'|[^"'#])*)(#.*)?""")  # of a value: TOML, comment
+WAS = 24  # letters of a replaced value that its comment still shows
+
+
+def _updated(text: str, document: Mapping[str, Any]) -> str:
+    """Return a TOML text with the values of a document; a comment of a changed value says what it was."""
+    left: dict[tuple[str, int], dict[str, Any]] = {}
+
+    def collect(name: str, number: int, table: Mapping[str, Any]) -> None:
+        left[name, number] = {}
+        for key, value in table.items():
+            path = f"{name}.{key}" if name else key
+            if isinstance(value, Mapping):
+                collect(path, 0, value)
+            elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+                for place, entry in enumerate(value):
+                    collect(path, place, entry)
+            else:
+                left[name, number][key] = value
+
+    def end_section() -> None:
+        written[last:last] = map(_toml_line, left[here], left.pop(here).values()) if here in left else ()
+
+    collect("", 0, document)
+    written: list[str] = []
+    here, last, seen = ("", 0), 0, {"": 1}
+    lines = iter(text.splitlines())
+    for line in lines:
+        if line.lstrip().startswith("["):
+            end_section()
+            name = line.partition("]")[0].strip(" [")
+            here, seen[name] = (name, seen.get(name, 0)), seen.get(name, 0) + 1
+            if here in left:
+                written.append(line)
+                last = len(written)
+        elif line.lstrip().startswith("#") or "=" not in line:
+            written.append(line)
+        else:
+            start, _, value = line.partition("=")
+            rows, depth, comment = [line], 0, ""
+            while True:
+                toml, comment = (part or "" for part in LINE.fullmatch(value).groups())  # type: ignore[union-attr]
+                depth += toml.count("[") - toml.count("]")
+                if depth <= 0 or (value := next(lines, None)) is None:  # type: ignore[assignment]
+                    break
+                rows.append(value)
+            key, old = next(iter(parse_toml("\n".join(rows)).items()))
+            if key not in left.get(here, {}):
+                continue
+            new = left[here].pop(key)
+            if new != old:
+                was = f"; was {toml.strip()}" if len(rows) == 1 and len(toml) < WAS else ""
+                comment = comment and re.sub("; was [^;]*$", "", comment) + was
+                rows = [f"{f'{start.rstrip()} = {_toml_value(new)}':<27} {comment}".rstrip()]
+            written += rows
+            last = len(written)
+    end_section()
+    return "\n".join([*written, *_further(left)]) + "\n"
+
+
+def _further(left: Mapping[tuple[str, int], Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the lines of the sections that the earlier text lacks."""
+    for (name, _), values in left.items():
+        if values:
+            yield from ("", f"[[{name}]]" if name == "effects" else f"[{name}]")
+            yield from map(_toml_line, values, values.values())
+
+
+def _toml_line(key: str, value: Any) -> str:
+    return f"{tomli_w.dumps({key: 0}).partition(' = ')[0]} = {_toml_value(value)}"
+
+
+def _toml_value(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_toml_value, value))}]"
+    return tomli_w.dumps({"x": value}).removeprefix("x = ").strip()
 
 
 def to_json(document: Any, *, indent: int = 1) -> str:

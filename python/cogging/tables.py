@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import importlib
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -30,11 +31,6 @@ def library(name: str, submodule: str = "") -> Any:
         raise ImportError(f"{name} is needed but not installed: pip install 'cogging[{extra}]'") from error
 
 
-def to_pandas(table: Mapping[str, Any]) -> Any:
-    """Return columns by name as a pandas DataFrame."""
-    return library("pandas").DataFrame(dict(table))
-
-
 def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Mapping[str, str], **more: Any) -> Any:
     """Return a pandas DataFrame with the units of its columns in `attrs["units"]`.
 
@@ -45,8 +41,25 @@ def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Ma
     """
     frame = library("pandas").DataFrame(dict(columns) if isinstance(columns, Mapping) else list(columns))
     frame.attrs.update(more)
-    frame.attrs["units"] = {name: units[name] for name in frame.columns if units.get(name, "1") not in ("", "1")}
+    frame.attrs["units"] = _with_unit(frame.columns, units)
     return frame
+
+
+def parquet_of(columns: Mapping[str, Any], units: Mapping[str, str]) -> bytes:
+    """Return columns by name as a Parquet file, with their units for pandas (`attrs["units"]`) and in each field."""
+    pyarrow, parquet = library("pyarrow"), library("pyarrow", "parquet")
+    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    table = pyarrow.table({name: one.tolist() if one.dtype == object else one for name, one in arrays.items()})
+    fields = [field.with_metadata({"units": units.get(field.name, "")}) for field in table.schema]
+    # The key from which pandas.read_parquet restores attrs.
+    known = {"PANDAS_ATTRS": json.dumps({"units": _with_unit(columns, units)})}
+    sink = pyarrow.BufferOutputStream()
+    parquet.write_table(table.cast(pyarrow.schema(fields, known)), sink, write_page_checksum=True)
+    return bytes(sink.getvalue().to_pybytes())
+
+
+def _with_unit(names: Iterable[str], units: Mapping[str, str]) -> dict[str, str]:
+    return {name: units[name] for name in names if units.get(name, "1") not in ("", "1")}
 
 
 def html_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[Any]], notes: Iterable[str] = ()) -> str:

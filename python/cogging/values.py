@@ -6,8 +6,14 @@ and mappings, so neither has a hash.
 
 from __future__ import annotations
 
+import collections
 import copyreg
 import dataclasses
+import importlib
+import inspect
+import math
+import re
+import typing
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -15,7 +21,7 @@ import numpy as np
 
 from cogging import _core
 
-SHOWN = 4  # entries of a list in a repr
+SHOWN = 6  # entries of a list in a repr
 #: Maps a unit in V and m to the label that a model gives it (Units.of).
 UnitLabel = Callable[[str], str]
 #: Properties that define an object of the core without a parameter struct, with their units.
@@ -27,6 +33,37 @@ DEFINING = {
     "Performance": dict.fromkeys(("error_max", "error_rms", "error_final_max"), "m")
     | {"command_rms": "V", "command_change_rms": "V", "command_chatter": ""},
     "Sampled": {"samples": ""},
+}
+CONTROLS = "model, move, controller=parameters"
+#: Example of each parameter struct: its arguments, and those of `simulate`; of an effect the arguments alone.
+EXAMPLES = {
+    "AxisParameters": ("mass=0.12, viscous=0.2, travel=[0.0, 0.5]", "model.replace(axis=parameters), move"),
+    "EncoderParameters": ("resolution=1e-6", "model.replace(encoder=parameters), move"),
+    "NoiseParameters": ("force=0.02", "model.replace(noise=parameters), move"),
+    "PidParameters": ("kp=9600.0, ki=1e5, kd=48.0, mass=0.12", CONTROLS),
+    "CascadeParameters": ("kp=150.0, kv=40.0", CONTROLS),
+    "SpeedParameters": ("kp=40.0, mass=0.12", CONTROLS),
+    "AdaptiveRobustParameters": (
+        "cogging_harmonics=[1, 2], cogging_adaptation=10.0",
+        "model, move, controller=cogging.Dcarc(parameters)",
+    ),
+    "OutputFeedbackArcParameters": ("robust_factor=0.5", CONTROLS),
+    "ObserverBasedParameters": ("periods=[0.05], mass=0.12", CONTROLS),
+    "PointToPointParameters": ("start=0.05, distance=0.4, velocity=0.4", "model, cogging.PointToPoint(parameters)"),
+    "SineParameters": ("center=0.2, amplitude=0.1", "model, cogging.Sine(parameters), duration=2.0"),
+    "FilteredSineParameters": ("center=0.2, amplitude=0.1", "model, cogging.FilteredSine(parameters), duration=2.0"),
+    "CoggingModulation": "period=0.05, sine=[0.0, 0.01], cosine=[0.0, 0.02], pitch=0.5, order=2",
+    "PreslidingFriction": "stiffness=3000.0",
+    "PositionDependentFriction": "nodes=[0.0, 0.5], levels=[0.0, 0.05]",
+    "EmpiricalForce": "position_nodes=[0.0, 0.5], position_forces=[0.0, 0.1]",
+    "CommandDelay": "delay=1e-3",
+    "ActuatorLag": "time_constant=1e-3",
+    "CommandSaturation": "limit=5.0",
+    "CommandDeadZone": "width=0.01",
+    "EncoderPeriodicError": "period=1e-3, sine=1e-6",
+    "EncoderScaleError": "scale=1e-4",
+    "Backlash": "gap=1e-5, mass_ratio=0.3",
+    "FlexibleMode": "frequency=200.0, mass_ratio=0.3",
 }
 
 
@@ -96,10 +133,8 @@ def line_of(value: Any, label: UnitLabel) -> str:
     kind = _core_class(value)
     name, struct = kind.__name__, value if hasattr(kind, "FIELDS") else getattr(value, "parameters", None)
     if struct is not None:
-        fields = _core_class(struct)
-        now, default = struct.to_dict(), fields().to_dict()
-        changed = [key for key in now if not same(now[key], default[key]) or len(now) == 1]
-        contents = ", ".join(f"{key}={brief(now[key], label(fields.FIELDS[key][0]))}" for key in changed)
+        units = struct.FIELDS
+        contents = ", ".join(f"{key}={brief(one, label(units[key][0]))}" for key, one in struct.to_dict().items())
     elif name == "SplineHarmonics":
         contents = _basis_contents(value, label)
     elif name == "CoggingModel":
@@ -183,8 +218,36 @@ def _refuse_pickle(self: Any) -> Any:
     raise TypeError(f"cannot pickle '{kind.__module__}.{kind.__qualname__}' object")
 
 
+class _Signature:
+    """The signature of a class of the core, as the docstring of its constructor states it."""
+
+    def __get__(self, _: object, kind: Any) -> inspect.Signature:
+        line = (kind.__init__.__doc__ or "").partition("\n")[0]
+        if not line.startswith("__init__(self"):  # that of a user's own subclass
+            raise AttributeError("__signature__")
+        line = re.sub(
+            r'typing\.Annotated\[numpy\.typing\.ArrayLike[^"]*"[^"]*"\]|numpy\.typing\.ArrayLike', "numpy.ndarray", line
+        )
+        space: dict[str, Any] = {"typing": typing, "collections": collections, "numpy": np, "inf": math.inf}
+        space["cogging"] = importlib.import_module("cogging")
+        exec(compile(f"def {line}: ...", "signature", "exec", dont_inherit=True), space)
+        found = inspect.signature(space["__init__"])
+        return found.replace(parameters=list(found.parameters.values())[1:], return_annotation=inspect.Signature.empty)
+
+
+def _example(kind: Any) -> str:
+    name = kind.__name__
+    arguments, use = EXAMPLES.get(name, ""), "model.replace(effects=[parameters]), move"
+    if isinstance(arguments, tuple):
+        arguments, use = arguments
+    elif not arguments:
+        arguments = next(f"{key}=0.01" for key, role in kind.ROLES.items() if role["role"] == "amplitude")
+    part = "effects." if hasattr(kind, "ROLES") else ""
+    return f">>> parameters = cogging.{part}{name}({arguments})\n    >>> log = cogging.simulate({use})"
+
+
 def as_values() -> None:
-    """Give the classes of the core equality, repr, copies and pickles.
+    """Give the classes of the core equality, repr, copies, pickles, a signature and an example.
 
     Every class gets a `__reduce__`, if only one that refuses: Python's default for protocols 0 and 1 would create an
     uninitialised pybind11 object, which ends the process.
@@ -192,7 +255,9 @@ def as_values() -> None:
     for kind in (*vars(_core).values(), *vars(_core.effects).values()):
         if not isinstance(kind, type) or issubclass(kind, Exception):
             continue
-        methods: dict[str, Any] = {}
+        methods: dict[str, Any] = {"__signature__": _Signature()}
+        if hasattr(kind, "ROLES") or kind.__name__ in EXAMPLES:
+            methods["__doc__"] = f"{kind.__doc__}\n\nExample:\n    {_example(kind)}"
         if kind.__reduce__ is object.__reduce__:
             methods["__reduce__"] = _reduce_state if hasattr(kind, "__setstate__") else _refuse_pickle
         is_value = hasattr(kind, "FIELDS") or hasattr(kind, "parameters") or kind.__name__ in DEFINING

@@ -133,7 +133,7 @@ def sound(name: str, annotation: str, random: Random, pool: Pool) -> Any:
         return "own"
     if annotation == "bool":
         return bool(random.integers(2))
-    if "SupportsInt" in annotation and "SupportsFloat" not in annotation:
+    if annotation == "int":
         return int(random.integers(0, 5))
     return float(10.0 ** random.uniform(-3, 1))
 

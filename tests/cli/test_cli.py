@@ -29,6 +29,19 @@ def test_simulate_writes_a_log(folder, capsys):
     assert not np.array_equal(log.command, other.command)
 
 
+def test_a_model_without_a_controller_runs_under_an_assumed_one(folder, capsys):
+    (folder / "bare.toml").write_text(MODEL[: MODEL.index("[controller]")])
+    call = ["--reference", "ref.toml", "--controller", "pid"]
+    assert main(["simulate", "bare.toml", *call, "--out", "log.csv"]) == 0
+    assert main(["predict", "bare.toml", *call, "--samples", "2"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("controller: a PID of three poles at 60 1/s at 1000 Hz, for the model's mass\n") == 2
+    log = cogging.read_log("log.csv")
+    assert cogging.repeat(log).error.tolist() == log.error.tolist()
+    poles = [log.metadata["model"]["controller"][gain] for gain in ("kp", "ki", "kd")]
+    np.testing.assert_allclose(cogging.pid_poles(*poles, mass=0.12), -60.0, rtol=1e-3)
+
+
 def bad_calls():
     yield "unknown key", MODEL + "speed = 3\n", REFERENCE, r"model.toml: line 21: controller.speed: is unknown"
     yield "outside", MODEL, REFERENCE.replace("0.1\n", "0.9\n"), "reference: must stay within travel [0, 0.51]"

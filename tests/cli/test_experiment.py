@@ -77,8 +77,26 @@ def test_what_cannot_be_used_is_answered_in_one_line(file, text, said, folder, c
     assert main([*CALL, "--result", "result.json"]) == 2
     answer = capsys.readouterr().err
     assert answer.startswith(f"cogging: {said}"), answer
+    assert ("fifth of the speed: command at " in answer) == ("command = 0.01" in text)
     assert answer.count("\n") == 1
     assert not list(folder.glob("next*"))
+
+
+def test_limits_that_are_not_there_are_drafted(folder, capsys):
+    (folder / "limits.toml").unlink()
+    assert main(CALL) == 0
+    said = capsys.readouterr().out
+    assert said.endswith(f"limits.toml written\nnext: cogging {' '.join(CALL)}\n")
+    limits = cogging.MotionLimits.read("limits.toml")
+    assert limits == cogging.MotionLimits(0.255, 1.27, 20.0, travel=(0.0, 0.51))
+    motion = "start = 0.05\ndistance = 0.4\nvelocity = 0.3\nacceleration = 4.0\njerk = 400.0\n"
+    (folder / "ref.toml").write_text(f'type = "point_to_point"\n{motion}')
+    assert main(["simulate", "model.toml", "--reference", "ref.toml", "--out", "log.csv"]) == 0
+    log = cogging.read_log("log.csv")
+    assert main([*CALL[:4], "seen.toml", *CALL[5:], "--logs", "log.csv"]) == 0
+    seen = cogging.MotionLimits.read("seen.toml")
+    assert seen.velocity == pytest.approx(0.3, rel=0.03)
+    assert seen.command == pytest.approx(np.abs(log.command).max(), rel=0.01)
 
 
 def test_a_goal_that_the_result_does_not_allow(folder, capsys):

@@ -132,7 +132,7 @@ def test_a_sweep_file_with_anything_in_it_is_no_traceback(seed, folder, capsys):
     (folder / "sweep.toml").write_text(to_toml(good))
     status = main(["sweep", "sweep.toml", "--threads", "1"])
     out, error = capsys.readouterr()
-    assert (status, out.count("\n"), error.count("\n")) in [(0, 2, 0), (2, 0, 1)]
+    assert (status, out.count("\n") > 9, error.count("\n")) in [(0, True, 0), (2, False, 1)]
     assert (folder / "runs.csv").exists() == (status == 0)
     assert not (folder / "runs.csv.pieces").exists()
 

@@ -31,6 +31,24 @@ def with_entry(name, row, value):
     return {**COLUMNS, name: column}
 
 
+def test_rows_of_a_log_are_a_log():
+    log = Log(**COLUMNS, estimates=np.outer(TIME, [1.0, 2.0]), metadata={"seed": 1})
+    for part in (log[100:200], log[(log.time > 0.0995) & (log.time < 0.1995)], log.between(0.1, 0.2)):
+        assert (len(part), part.time[0], part.metadata) == (100, TIME[100], {"seed": 1})
+        for name in NAMES:
+            np.testing.assert_array_equal(getattr(part, name), COLUMNS[name][100:200])
+        np.testing.assert_array_equal(part.estimates, log.estimates[100:200])
+    assert log[100:200].position.base is not None  # no copy
+    whole = cogging.performance(log.time, log.error, log.command, start=0.1, stop=0.2)
+    assert cogging.performance(log, start=0.1, stop=0.2) == cogging.performance(log.between(0.1, 0.2)) == whole
+    for rows, rule in (
+        (slice(5, 5), "at least 1 row"),
+        (slice(None, None, -1), "strictly increasing"),
+    ):
+        with pytest.raises(ValueError, match=f"time: must (have|be) {rule}"):
+            log[rows]
+
+
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("row", [0, 137, ROWS - 1])

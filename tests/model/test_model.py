@@ -1,5 +1,6 @@
 """Model and reference files: what is read, what is written, what is refused and how."""
 
+import re
 import textwrap
 
 import numpy as np
@@ -47,6 +48,27 @@ def test_written_and_read_again_is_the_same(write, tmp_path):
     assert again.to_dict() == model.to_dict()
     x = np.linspace(0, 0.5, 50)
     np.testing.assert_array_equal(again.cogging.force(x), model.cogging.force(x))
+
+
+def test_a_changed_model_keeps_the_comments_of_its_file(write, tmp_path):
+    path = write(re.sub("(=.*)$", r"\1  # of this line", CONTRACT, flags=re.MULTILINE))
+    text = path.read_text()
+    model = cogging.Model.read(path)
+    model.write(tmp_path / "same.toml", like=path)
+    same = (tmp_path / "same.toml").read_text().splitlines()
+    assert [line for line in text.splitlines() if line not in same] == []
+    effects = [cogging.effects.ConstantForce(force=0.2), *model.effects[1:], cogging.effects.Gravity(moment=0.1)]
+    changed = model.replace(
+        axis=model.axis.replace(mass=0.5), effects=effects, controller=None, controller_type=None, intervals={}
+    )
+    changed.write(tmp_path / "changed.toml", like=path)
+    kept = (tmp_path / "changed.toml").read_text()
+    assert cogging.Model.read(tmp_path / "changed.toml") == changed
+    assert re.search(r"^mass = 0\.5 +# of this line; was 0\.12$", kept, re.MULTILINE)
+    assert re.search('^name = "constant_force" +# of this line; was "cable_spring"\nforce = 0.2$', kept, re.MULTILINE)
+    path.write_text("axis.mass = 0.12  # a layout that is not followed\n")
+    changed.write(tmp_path / "plain.toml", like=path)
+    assert cogging.Model.read(tmp_path / "plain.toml") == changed
 
 
 def test_the_controllers_width_stays_when_the_axis_changes(write, tmp_path):

@@ -332,7 +332,7 @@ def test_intervals_of_a_fit():
 def test_a_sweep_is_lines_of_a_grid_or_points(second):
     vary = {"axis.mass": [0.11, 0.13, 0.12]} | ({"axis.coulomb": second} if second else {})
     runs = cogging.sweep(MODEL, MOVE, vary, duration=0.05)
-    ax = cogging.plot.sweep(runs, "error_max")
+    ax = cogging.plot.sweep(runs, "error_max", "axis.mass")
     lines = [line for line in ax.lines if line.get_linestyle() != "None"]
     if second is None or len(second) == 2:
         assert len(lines) == len(second or [0])

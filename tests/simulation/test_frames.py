@@ -92,10 +92,30 @@ def test_a_sweep_as_parquet(runs, tmp_path):
 
     runs.write(tmp_path / "runs.Parquet")
     right(pandas.read_parquet(tmp_path / "runs.Parquet").set_index("run"), runs)
+    given = {name: unit for name, unit in UNITS.items() if unit != "1"}
+    for frame in (pandas.read_parquet(tmp_path / "runs.Parquet"), runs.to_pandas()):
+        assert {name: frame.attrs["units"].get(name) for name in given} == given
     schema = parquet.read_schema(tmp_path / "runs.Parquet")
     assert {name: schema.field(name).metadata[b"units"].decode() for name in UNITS} == UNITS
     assert str(schema.field("reason").type) == "string"
     assert str(schema.field("run").type) == "int64"
+
+
+def test_the_summary_of_a_sweep(runs):
+    drawn = {"axis.viscous": {"from": 0.1, "to": 0.3}, "controller.kp": {"from": 1e3, "to": 1e4}}
+    found = cogging.sweep(SMALL, MOVE, drawn, method="sobol", runs=64)
+    shares = found.influence()
+    assert list(shares) == ["controller.kp", "axis.viscous"]
+    x, y = found.table["controller.kp"], found.table["error_rms"]
+    ranks = y.argsort().argsort()
+    groups = np.array_split(ranks[x.argsort()], 10)
+    within = sum(((group - group.mean()) ** 2).sum() for group in groups) / (64 - 10)
+    assert shares["controller.kp"] == pytest.approx(1.0 - within / ranks.var(ddof=1), abs=0.05)
+    assert found.plot().axes[0].get_xlabel().startswith("controller.kp")
+    assert "alone: controller.kp 9" in found.text()
+    assert "\n  8 failed: mass: must be" in runs.text()
+    assert "24 runs over axis.mass, controller.kp, encoder.noise, reference.frequency, 12 failed\n" in runs.text()
+    assert set(cogging.sweep(SMALL, MOVE, {"axis.mass": [0.1]}).influence().values()) == {0.0}
 
 
 def test_a_sweep_as_csv(runs, tmp_path):

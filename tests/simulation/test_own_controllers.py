@@ -402,11 +402,6 @@ def having(**members):
 
 REFUSED = [
     *[(value, TypeError, "must be a controller of cogging or an object with .*, got ") for value in NONE_AT_ALL],
-    (
-        cogging.PidParameters(),
-        TypeError,
-        r"PidParameters\.command must be given, got nothing: a controller is an object",
-    ),
     (Proportional, TypeError, r"must be an object, got the class .*Proportional.*: call it"),
     (SimpleNamespace(command=command), TypeError, r"SimpleNamespace\.sample_rate must be given, got nothing"),
     (SimpleNamespace(sample_rate=1e3), TypeError, r"SimpleNamespace\.command must be given, got nothing"),

@@ -10,7 +10,8 @@ from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_diagnose
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import status_line
-from cogging.outputs import check_outputs, to_toml, with_sidecars
+from cogging.files import read_text
+from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
@@ -74,7 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
             title = ", ".join(printable(Path(path).name) for path in arguments.logs)
             files[arguments.report] = [result.html(title=title, step=following).encode()]
         if arguments.out:
-            files[arguments.out] = [to_toml(result.model.to_dict()).encode()]
+            files[arguments.out] = [result.model.to_toml(read_text(arguments.model)).encode()]
     print_result(
         arguments,
         result.text(verbose=arguments.verbose),

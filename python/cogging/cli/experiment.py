@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import os
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_command import command_line, files, log_options, option
+from cogging.cli.next_command import command_line, experiment_again, files, log_options, option
 from cogging.cli.parser import Commands, add_command, add_seed, require_seed
 from cogging.cli.terminal import status_line
-from cogging.files import FieldError, InputError, read_text
+from cogging.files import FieldError, InputError, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.shown import printable
 
 PURPOSES = "separate: alternatives of the result; detect: small effects; fit: narrow intervals"
 LIMITS = """LIMITS.toml:
@@ -41,7 +43,12 @@ def add_parser(commands: Commands) -> None:
         "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result, whose motion is not proposed again"
     )
     add_log_options(command)
-    command.add_argument("--limits", required=True, metavar="LIMITS.toml", help="limits of the machine, as below")
+    command.add_argument(
+        "--limits",
+        required=True,
+        metavar="LIMITS.toml",
+        help="limits of the machine, as below; drafted if it is not there",
+    )
     command.add_argument(
         "--goal",
         choices=("separate", "detect", "fit"),
@@ -57,7 +64,7 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the motion, write its files, print what is to be expected."""
     from cogging.design.experiment_plan import NoMotion, beside, plan_experiment, read_result
-    from cogging.design.motion_limits import MotionLimits
+    from cogging.design.motion_limits import MotionLimits, draft_limits
     from cogging.file_schema import LIMITS
     from cogging.model.model import Model
 
@@ -68,11 +75,25 @@ def run(arguments: argparse.Namespace) -> None:
     inputs += with_sidecars(arguments.logs)
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
+    logs = read_logs(arguments, arguments.logs)
+    if not os.path.lexists(arguments.limits):
+        try:
+            draft = draft_limits(model, logs)
+        except ValueError as error:
+            raise InputError(f"{arguments.model}: {error}") from None
+        print_result(
+            arguments,
+            f"{printable(arguments.limits)} was not there: drafted. Check each line, then give the command again",
+            document=MotionLimits.from_dict(parse_toml(draft)).to_dict(),
+            files={arguments.limits: [draft.encode()]},
+            next_command=experiment_again(arguments),
+        )
+        return
     limits = MotionLimits.read(arguments.limits)
     result = None if arguments.result is None else read_result(arguments.result)
     options = {
         "result": result,
-        "logs": read_logs(arguments, arguments.logs),
+        "logs": logs,
         "goal": arguments.goal,
         "seed": arguments.seed,
     }

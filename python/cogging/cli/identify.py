@@ -8,7 +8,8 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_identify
 from cogging.cli.parser import Commands, add_command
-from cogging.outputs import check_outputs, to_toml, with_sidecars
+from cogging.files import read_text
+from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
 
@@ -50,6 +51,6 @@ def run(arguments: argparse.Namespace) -> None:
     names = [printable(path) for path in arguments.logs]
     logs = read_logs(arguments, arguments.logs)
     found = identify(logs, model, free=free, cutoff=arguments.cutoff, names=names, progress=not arguments.quiet)
-    files = {arguments.out: [to_toml(found.model.to_dict()).encode()]} if arguments.out else {}
+    files = {arguments.out: [found.model.to_toml(read_text(arguments.model)).encode()]} if arguments.out else {}
     following = after_identify(arguments, found)
     print_result(arguments, found.text(), document=found.to_dict(), files=files, next_command=following)

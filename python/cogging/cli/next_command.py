@@ -265,6 +265,20 @@ def with_model(path: AnyPath, model: Model, reference: AnyPath | None = None) ->
     return experiment(path)
 
 
+def experiment_again(arguments: argparse.Namespace) -> str:
+    """Return the same call."""
+    return command_line(
+        "experiment",
+        option("--model", arguments.model),
+        option("--result", arguments.result),
+        ["--logs", *files(arguments.logs)] if arguments.logs else [],
+        log_options(arguments),
+        option("--limits", arguments.limits),
+        ["--goal", arguments.goal] if arguments.goal else [],
+        option("--out", arguments.out),
+    )
+
+
 def experiment(model: AnyPath, *words: str) -> str:
     """Return the call that computes a motion for a model."""
     out = option("--out", free_name("experiment.toml"))

@@ -6,11 +6,14 @@ import argparse
 import contextlib
 import shutil
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cogging.cli.terminal import print_error, print_text
 from cogging.files import InputError
 from cogging.shown import LONGEST_LINE, nearest, printable, quoted, shortened
+
+if TYPE_CHECKING:
+    from cogging.model.model import Model
 
 WIDEST = 100  # letters of a line of help: longer ones are hard to read
 SEEDS = 1 << 64  # number of seeds
@@ -129,6 +132,25 @@ def add_run_files(command: argparse.ArgumentParser) -> None:
     """Add the model and the reference of a command that simulates."""
     command.add_argument("model", metavar="MODEL.toml", help="the machine and its controller")
     command.add_argument("--reference", required=True, metavar="REF.toml", help="the reference motion")
+    command.add_argument("--controller", choices=("pid",), help="in place of the model's: a PID for its mass")
+
+
+def run_model(arguments: argparse.Namespace) -> Model:
+    """Return the model of add_run_files, with the controller that was asked for."""
+    from cogging.design.pid import assumed_pid
+    from cogging.model.model import Model
+
+    model = Model.read(arguments.model)
+    if arguments.controller is None:
+        return model
+    return model.replace(controller=assumed_pid(model.axis), controller_type=arguments.controller)
+
+
+def run_controller(arguments: argparse.Namespace) -> str:
+    """Return the line about the controller that was asked for, or nothing."""
+    from cogging.design.pid import ASSUMED
+
+    return "" if arguments.controller is None else f"controller: {ASSUMED}, for the model's mass\n"
 
 
 def add_seed(command: argparse.ArgumentParser, of: str) -> None:

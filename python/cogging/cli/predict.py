@@ -6,7 +6,17 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, free_name, option
-from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, naming_files, require_seed, require_whole
+from cogging.cli.parser import (
+    Commands,
+    add_command,
+    add_run_files,
+    add_seed,
+    naming_files,
+    require_seed,
+    require_whole,
+    run_controller,
+    run_model,
+)
 from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs
 from cogging.simulation.reference import files_of_reference
@@ -43,6 +53,12 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
     options = {"samples": arguments.samples, "seed": arguments.seed}
     with naming_files(arguments), status_line(arguments, "predict"):
-        prediction = predict_error(arguments.model, arguments.reference, **options)
+        prediction = predict_error(run_model(arguments), arguments.reference, **options)
     following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))
-    print_result(arguments, prediction.text(), document=prediction.to_dict(), indent=2, next_command=following)
+    print_result(
+        arguments,
+        f"{run_controller(arguments)}{prediction.text()}",
+        document=prediction.to_dict(),
+        indent=2,
+        next_command=following,
+    )

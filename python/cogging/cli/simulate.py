@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import argparse
 
-from cogging._core import performance
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, files, option
-from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, naming_files, require_seed, require_whole
+from cogging.cli.parser import (
+    Commands,
+    add_command,
+    add_run_files,
+    add_seed,
+    naming_files,
+    require_seed,
+    require_whole,
+    run_controller,
+    run_model,
+)
 from cogging.cli.terminal import status_line
+from cogging.logs.log import performance
 from cogging.model.model import STEPS_MAX
 from cogging.outputs import check_outputs, sidecar
 from cogging.shown import printable
@@ -55,13 +65,13 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
     with status_line(arguments, "simulate") as begin:
         with naming_files(arguments):
-            log = simulate(arguments.model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
+            log = simulate(run_model(arguments), arguments.reference, seed=arguments.seed, steps_per_sample=steps)
         begin("writing the log")
         log.write(arguments.out)
     document = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}
-    indexes = performance(log.time, log.error, log.command)
+    indexes = performance(log)
     worst = f"{abs(log.error).max():.3g} {log.units.position}"
     text = f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {worst}"
     following = command_line("audit", files([arguments.out]), option("--model", arguments.model))
     document |= {name: getattr(indexes, name) for name in INDEXES}
-    print_result(arguments, text, document=document, next_command=following)
+    print_result(arguments, run_controller(arguments) + text, document=document, next_command=following)

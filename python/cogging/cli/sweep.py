@@ -34,25 +34,30 @@ def add_parser(commands: Commands) -> None:
         "run, with its numbers, errors and command. If it is interrupted, finished runs are kept, and the same "
         "command continues from there.",
         epilog=FILE,
-        examples=("cogging sweep sweep.toml --out runs.csv", "cogging sweep sweep.toml --out runs.parquet --threads 2"),
+        examples=(
+            "cogging sweep sweep.toml --out runs.csv",
+            "cogging sweep sweep.toml --out runs.parquet --threads 2 --figure runs.png",
+        ),
     )
     command.add_argument("sweep", metavar="SWEEP.toml", help="the runs, as below")
     command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")
+    group.add_argument("--figure", metavar="OUT.png", help="plot the rms error over the most influential input")
     add_answer_options(group, json="a summary of the runs")
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
+    from cogging.plot.shown_figure import picture
     from cogging.simulation.runs_table import is_parquet
     from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
     from cogging.tables import library
 
     require_whole("--threads", arguments.threads, 0, THREADS_MAX)
     asked = read_sweep(arguments.sweep)
-    outputs = {"--out": arguments.out, "--json": json_file(arguments)}
+    outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.sweep))
     try:
         if is_parquet(arguments.out):
@@ -68,5 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
         indexes[name] = {"smallest": low, "median": middle, "largest": high}
     summary = {"out": arguments.out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units)}
     following = after_many_runs(asked["model"], asked["reference"])
-    text = f"{printable(arguments.out)}: {runs!r}"
-    print_result(arguments, text, document={**summary, "indexes": indexes}, indent=2, next_command=following)
+    document = {**summary, "indexes": indexes, "influence": runs.influence()}
+    files = {arguments.figure: [picture(runs.plot())]} if arguments.figure else {}
+    text = f"{printable(arguments.out)}: {runs.text()}"
+    print_result(arguments, text, document=document, indent=2, files=files, next_command=following)

@@ -209,7 +209,7 @@ class Bounds(ByValue):
         >>> bounds
         Bounds(mass [0.112944, 0.127056] V/(m/s^2), ...)
         >>> cogging.Dcarc(bounds.adaptive_robust(bandwidth=100.0))
-        Dcarc(error_gain=100 1/s, ...)
+        Dcarc(sample_rate=5000 Hz, error_gain=100 1/s, ...)
     """
 
     model: Model = field(repr=False)

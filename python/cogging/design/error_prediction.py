@@ -28,7 +28,7 @@ from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs
 from cogging.simulation.reference import read_reference, reference_from
-from cogging.tables import frame_of, to_pandas
+from cogging.tables import frame_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -318,20 +318,14 @@ class ErrorPrediction(ByValue):
         return {"controller": names, "machine": np.tile(np.arange(self.samples), count), **drawn, **found}
 
     def to_pandas(self) -> Any:
-        """The table as a pandas DataFrame.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
-        return to_pandas(self.table())
-
-    def to_frame(self) -> Any:
         """The table as a pandas DataFrame, with the units of the indexes in `attrs["units"]`.
 
         Raises:
             ImportError: pandas is not there; names the extra that brings it.
         """
         return frame_of(self.table(), dict.fromkeys(INDEXES, self.units.of("m")))
+
+    to_frame = to_pandas
 
     def text(self) -> str:
         """The table for the screen, um."""

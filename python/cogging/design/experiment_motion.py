@@ -279,15 +279,16 @@ class Machine:
 
     def run(self, model: Model, elements: Sequence[Element]) -> Run | None:
         """Run the elements at the largest scale that keeps the limits; None if there is none, or nothing moves."""
+        runs = (self.at_scale(model, elements, scale) for scale in SCALES)
+        return next((run for run in runs if run is not None and max(run.taken.values()) <= 1.0), None)
+
+    def at_scale(self, model: Model, elements: Sequence[Element], scale: float) -> Run | None:
+        """Run the elements slowed by a scale, whatever limits it breaks; None if nothing moves or the loop diverges."""
         controller = model.make_controller() if self.controller is None else self.controller
-        for scale in SCALES:
-            slower = tuple(replace(element, scale=scale * element.scale) for element in elements)
-            motion = planned(slower, self.limits, min(controller.sample_rate, RATE))
-            log = self.log(model, motion) if np.ptp(motion.samples["reference"]) > 0.0 else None
-            taken = {} if log is None else taken_of(motion, log, self.limits)
-            if log is not None and max(taken.values()) <= 1.0:
-                return Run(slower, motion, log, taken)
-        return None
+        slower = tuple(replace(element, scale=scale * element.scale) for element in elements)
+        motion = planned(slower, self.limits, min(controller.sample_rate, RATE))
+        log = self.log(model, motion) if np.ptp(motion.samples["reference"]) > 0.0 else None
+        return None if log is None else Run(slower, motion, log, taken_of(motion, log, self.limits))
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,16 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cogging._core import PidParameters, Sampled
+from cogging._core import Sampled
 from cogging.arrays import FloatArray
 from cogging.calls import PATH, Kind, check_arguments
 from cogging.design.experiment_motion import (
     CHANGES,
+    SCALES,
     SURVEY,
     Element,
     Look,
@@ -27,7 +28,7 @@ from cogging.design.experiment_motion import (
     shapes,
 )
 from cogging.design.motion_limits import MotionLimits
-from cogging.design.pid import pid_gains
+from cogging.design.pid import ASSUMED, assumed_pid
 from cogging.diagnosis.balance.decision import BLOCK, THRESHOLD, score_of
 from cogging.diagnosis.balance.evidence import orthonormal
 from cogging.diagnosis.diagnosis_result import Diagnosis
@@ -40,15 +41,13 @@ from cogging.model.model import Model, is_number
 from cogging.model.parameters import parameters_of
 from cogging.model.units import Units
 from cogging.outputs import to_json, to_toml, write_files
+from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_plan
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread, on_threads
 from cogging.shown import nearest, quoted
 from cogging.simulation.arguments import MODEL
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 COPIES = 1000  # simulated copies of a motion, for the frequency of a correct decision
 HOPELESS = 0.6  # frequency of a correct decision below which a motion does not separate rivals
@@ -334,7 +333,6 @@ PURPOSE = {
 }
 ROUNDS, FRESH, TOGETHER = 9, 5, 4  # rounds of drawn motions, those independent of the best so far, motions per round
 PARTS, PART_MIN = 3, 2.0  # largest number of elements, and shortest duration of each, s
-POLE, POLE_RATE = 60.0, 1000.0  # 1/s and Hz, of the loop assumed without a stated controller
 QUIET = 0.01  # of the force of the largest acceleration: assumed noise without a stated one
 
 
@@ -404,17 +402,7 @@ class ExperimentPlan(ByValue):
             "notes": list(self.notes),
         }
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw position, speed and acceleration of the motion over time.
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: three axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return whole_plan(self, units=units, ax=ax).figure
+    plot = plot_method(whole_plan, "Draw position, speed and acceleration of the motion over time.", "three axes")
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the motion as a reference file (TOML), and beside it its samples (.csv) and the plan (.plan.json).
@@ -520,7 +508,11 @@ def plan_experiment(
             whole = one.added_to(whole)
         survey = machine.run(whole, (SURVEY,))
         if survey is None:
-            raise NoMotion("no motion of this machine keeps them, not even at a fifth of the speed")
+            slow = next(filter(None, (machine.at_scale(whole, (SURVEY,), scale) for scale in SCALES[::-1])), None)
+            over = {} if slow is None else {name: share for name, share in slow.taken.items() if share > 1.0}
+            reached = ", ".join(f"{name} at {100.0 * share:.3g} % of its limit" for name, share in over.items())
+            why = "no motion of this machine keeps them, not even at a fifth of the speed"
+            raise NoMotion(f"{why}: {reached or 'it does not move, or leaves its travel'}")
         machine = machine.listening(whole, survey)
         if goal == "separate":
             told = separate(machine, model, found, vocabulary, survey)
@@ -578,17 +570,13 @@ def _with_loop_and_noise(
     model: Model, controller: AnyController | None, limits: MotionLimits, notes: list[str]
 ) -> Model:
     """The model with a controller and noise: its own, or an assumed PID and noise, with a note."""
-    mass, viscous = model.axis.mass, model.axis.viscous
     if controller is None and model.controller is None:
-        kp, ki, kd = pid_gains([-POLE] * 3, mass)
-        own = PidParameters(sample_rate=POLE_RATE, kp=kp, ki=ki, kd=kd, mass=mass, viscous=viscous)
-        model = model.replace(controller=own, controller_type="pid")
+        model = model.replace(controller=assumed_pid(model.axis))
         notes.append(
-            f"the model states no controller: planned with a PID of three poles at {POLE:g} 1/s at {POLE_RATE:g} Hz; "
-            "the motion under yours may exceed the limits"
+            f"the model states no controller: planned with {ASSUMED}; the motion under yours may exceed the limits"
         )
     if model.noise.force == 0.0 and model.encoder.resolution == 0.0 and model.encoder.noise == 0.0:
-        force = QUIET * mass * limits.acceleration
+        force = QUIET * model.axis.mass * limits.acceleration
         model = model.replace(noise=model.noise.replace(force=force))
         notes.append(
             f"the model states neither noise nor the encoder's resolution: {force:.3g} {model.units.of('V')} rms "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +15,7 @@ from cogging.calls import PATHS, check_arguments, check_constructor
 from cogging.estimation.statistics import moving_average
 from cogging.file_schema import LIMITS, LIMITS_NEEDED
 from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.log_check.log_audit import audit
 from cogging.logs.log import Log
 from cogging.model.model import Model, is_number
 from cogging.shown import quoted
@@ -22,6 +23,7 @@ from cogging.values import ByValue
 
 DURATION = (2.0, 600.0)  # s, of a motion
 JERK_RISE = 0.01  # s, in which the acceleration rises to its limit without a stated jerk
+STROKE, RAMP = 0.5, 0.2  # travels a second, and s to that velocity, of drafted limits
 LASTING = 0.02  # s, over which a machine's acceleration is averaged, against held commands and noise
 
 
@@ -132,6 +134,44 @@ class MotionLimits(ByValue):
         jerk = self.acceleration / JERK_RISE if self.jerk is None else self.jerk
         known = travel, jerk, command if math.isfinite(command) else None
         return MotionLimits(self.velocity, self.acceleration, self.duration, *known)
+
+
+def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
+    """Return the text of a limits file with what the model and logs show, and what is assumed.
+
+    Raises:
+        ValueError: neither the model nor a log shows a travel.
+    """
+    found = [audit(log) for log in logs]
+    low, high = model.axis.travel
+    if not math.isfinite(high - low):
+        if not found:
+            raise ValueError(
+                "axis.travel: must be given in the model, or a log in --logs, to draft limits, got neither"
+            )
+        low, high = (end(one.travel[i] for one in found) for i, end in enumerate((min, max)))
+    velocity, acceleration = STROKE * (high - low), STROKE * (high - low) / RAMP
+    told, command = f"assumed: the travel in {1.0 / STROKE:g} s", None
+    if found:
+        velocity, acceleration, command = (
+            max(max(map(abs, getattr(one, name))) for one in found) for name in ("speed", "acceleration", "command")
+        )
+        told = "found: the largest in these logs"
+    ramp = told if found else f"assumed: {RAMP:g} s to that velocity"
+    rows = [
+        ("velocity", f"{velocity:.3g}", f"m/s; {told}"),
+        ("acceleration", f"{acceleration:.3g}", f"m/s^2; {ramp}"),
+        ("duration", "20.0", "s, of the whole motion; assumed"),
+        ("travel", f"[{low:.6g}, {high:.6g}]", "m; of the model" if not found else "m; of the model or these logs"),
+        ("# jerk", f"{acceleration / JERK_RISE:.3g}", "m/s^3; what counts if it is not given"),
+    ]
+    if command:
+        rows.append(("command", f"{command:.3g}", f"V; {told}"))
+    lines = []
+    for key, value, meaning in rows:
+        unit, _, rest = meaning.partition(";")
+        lines.append(f"{f'{key} = {value}':<27} # {model.units.of(unit)};{rest}")
+    return "\n".join(["## What the machine may do, drafted by `cogging experiment`: check each line.", *lines, ""])
 
 
 def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:

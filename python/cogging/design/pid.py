@@ -7,7 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from cogging._core import AxisParameters, PidParameters
 from cogging.calls import check_arguments
+
+POLE, RATE = 60.0, 1000.0  # 1/s and Hz, of the loop assumed without a stated controller
+ASSUMED = f"a PID of three poles at {POLE:g} 1/s at {RATE:g} Hz"
 
 
 @check_arguments()
@@ -41,6 +45,12 @@ def pid_gains(poles: Sequence[complex], mass: float) -> tuple[float, float, floa
         raise ValueError(f"poles: complex ones must come in pairs, got {list(poles)}")
     kd, kp, ki = (float(coefficient) * mass for coefficient in polynomial.real[1:])
     return kp, ki, kd
+
+
+def assumed_pid(axis: AxisParameters) -> PidParameters:
+    """Return the PID of ASSUMED for an axis whose controller is not known, with its mass and viscous friction."""
+    kp, ki, kd = pid_gains([-POLE] * 3, axis.mass)
+    return PidParameters(sample_rate=RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, viscous=axis.viscous)
 
 
 @check_arguments()

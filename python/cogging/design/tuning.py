@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from cogging.model.controller import AnyController
 from cogging.model.model import Model, is_number
 from cogging.model.units import Units
 from cogging.outputs import AnyPath, target_of, write_bytes, write_text
-from cogging.plot.canvas import grid_to_write
+from cogging.plot.canvas import grid_to_write, plot_method
 from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
@@ -41,9 +41,6 @@ from cogging.simulation.sweep import files_of_job, require_keys, run_job
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
 from cogging.tables import frame_of
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 #: The gains tuned by default: those of these fields that are not zero.
 USUAL: dict[str, tuple[str, ...]] = {
@@ -725,17 +722,11 @@ class Tuning(ByValue):
             "notes": list(self.notes),
         }
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the trade-off: rms error over its index with all trials, and its points over the delay margin.
-
-        Args:
-            units: labels of command and position (cogging.Units); None: those of the tuned model.
-            ax: two axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return whole_tuning(self, units=units, ax=ax).figure
+    plot = plot_method(
+        whole_tuning,
+        "Draw the trade-off: rms error over its index with all trials, and its points over the delay margin.",
+        "two axes",
+    )
 
     def write_figure(self, path: str | os.PathLike[str]) -> None:
         """Write the trade-off as PNG.

@@ -64,7 +64,7 @@ def model_lines(
         f"## A first model of the axis that made {name}, by `cogging init`.",
         "## found: from the log. assumed: not measured, replace it where you know better.",
         "## A line behind a single # is a proposal: remove the # to use it.",
-        "## Check each line, then fit it: cogging identify. (A fitted model is written without these comments.)",
+        "## Check each line, then fit it: cogging identify. (A fitted model keeps these comments.)",
         "",
         *_axis(units, sizes, travel, audit),
         "",

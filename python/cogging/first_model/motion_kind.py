@@ -18,7 +18,7 @@ STILL = 3.0  # quanta within a window: less is rest
 WINDOW = 0.004  # of a log, over which a speed is estimated
 SINE = 0.05  # of its amplitude: largest rms residual of a sine
 FEWEST_PERIODS = 1.0
-SAME = 0.03  # of their length, by which moves there and back may differ
+SAME = 0.03  # of their length or time, by which moves there and back may differ
 SHAPE = 0.01  # of its length: largest rms residual of a jerk-limited move
 ROWS_OF_MOVE = 400
 NO_JERK = 0.02  # of a ramp's time, in which the jerk acts: less counts as unlimited jerk
@@ -63,7 +63,7 @@ def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units:
         return min(found, key=lambda motion: motion.left)
     parts = f"{len(moves)} moves between rests, " if moves else "no rests, "
     return Motion(
-        "sampled", f"{parts}not there and back with one length and profile: kept as samples", moves=len(moves)
+        "sampled", f"{parts}not there and back with one length, profile and rest: kept as samples", moves=len(moves)
     )
 
 
@@ -126,6 +126,8 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
         return None
     velocity, acceleration, jerk, left = shape
     dwell = _dwell(t, x, moves, abs(distance), shape)
+    if dwell is None:
+        return None
     fields = {"start": _round(levels[0], distance), "distance": _round(distance, distance)}
     fields |= {"velocity": float(f"{velocity:.3g}"), "acceleration": float(f"{acceleration:.3g}")}
     if math.isfinite(jerk):
@@ -195,10 +197,15 @@ def _dwell(
     moves: list[tuple[int, int]],
     distance: float,
     shape: tuple[float, float, float, float],
-) -> float:
-    """The rest between two moves, s: from middle to middle less the move time; for one move, to the log's end."""
-    middles = [_middle(t, x, move) for move in moves]
-    between = float(np.median(np.diff(middles))) if len(middles) > 1 else float(t[-1])
+) -> float | None:
+    """The rest between two moves, s: from middle to middle less the move time; for one move, to the log's end.
+
+    None if the moves do not follow one another in one time.
+    """
+    times = np.diff([_middle(t, x, move) for move in moves]) if len(moves) > 1 else t[-1:]
+    between = float(np.median(times))
+    if np.abs(times - between).max() > SAME * between:
+        return None
     return max(between - _course(distance, shape).move_time, 0.0)
 
 
@@ -222,8 +229,9 @@ def _alike(
 def _course(distance: float, shape: tuple[float, float, float, float]) -> PointToPoint:
     """A move of this length and shape."""
     velocity, acceleration, jerk, _ = shape
-    limits = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
-    return PointToPoint(PointToPointParameters(distance=distance, **limits))
+    return PointToPoint(
+        PointToPointParameters(distance=distance, velocity=velocity, acceleration=acceleration, jerk=jerk)
+    )
 
 
 def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,12 +16,10 @@ from cogging.calls import check_arguments, did_you_mean
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
 from cogging.model.units import UNITS, Units
+from cogging.plot.canvas import plot_method
 from cogging.resources import on_one_blas_thread
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PARAMETER_UNITS = {
     "coulomb": "V",
@@ -322,17 +320,9 @@ class FrictionCurve(ByValue):
         headers = ["parameter", "value", "from", "to", "unit"]
         return html_table(f"FrictionCurve: {self._brief()}", headers, rows, self.notes)
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the points and the laws over speed (cogging.plot.friction_curve).
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return plot.friction_curve(self, units=units, ax=ax).figure.figure
+    plot = plot_method(
+        plot.friction_curve, "Draw the points and the laws over speed (cogging.plot.friction_curve).", "axes"
+    )
 
     def text(self) -> str:
         """The fits in a few lines for the screen."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,11 +14,9 @@ from cogging.calls import did_you_mean
 from cogging.identification.unmodelled import MISSING
 from cogging.log_check.log_audit import Audit
 from cogging.model.model import Model
+from cogging.plot.canvas import plot_method
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CORRELATED = 0.8  # correlation above which two parameters are listed as correlated
 EXPLAINED = 0.5  # share of the command's power below which the model is said to explain too little
@@ -245,17 +243,11 @@ class Identification(ByValue):
         title = f"Identification: {percent(self.explained)} of the command explained"
         return html_table(title, headers, rows, [*self.warnings, *self.notes])
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the parameters with their 95 % intervals, and what they were before (cogging.plot.intervals).
-
-        Args:
-            units: labels of command and position (cogging.Units); None: those of the model.
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return plot.intervals(self, units=units, ax=ax).figure.figure
+    plot = plot_method(
+        plot.intervals,
+        "Draw the parameters with their 95 % intervals, and what they were before (cogging.plot.intervals).",
+        "axes",
+    )
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""

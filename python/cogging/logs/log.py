@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from cogging import plot
-from cogging._core import format_rows
+from cogging import _core, plot
+from cogging._core import Performance, format_rows
 from cogging.arrays import FloatArray, no_number_in
 from cogging.calls import PATHS, check_arguments, check_constructor
 from cogging.files import LARGEST, FieldError, InputError, read_toml
@@ -26,7 +26,7 @@ from cogging.outputs import Checksum, checksum_of, sidecar, target_of, to_toml, 
 from cogging.plot.traces import UNITS
 from cogging.resources import require_table
 from cogging.shown import quoted
-from cogging.tables import frame_of, html_table
+from cogging.tables import frame_of, html_table, parquet_of
 from cogging.values import ByValue
 
 if TYPE_CHECKING:
@@ -67,6 +67,8 @@ class Log(ByValue):
     Example:
         >>> cogging.Log(time=[0.0, 0.001, 0.002], position=[0.0, 1e-6, 3e-6], command=[0.1, 0.1, 0.0])
         Log(3 rows, 0.002 s at 1000 Hz, 0 to 3e-06 m)
+        >>> log[::100], log[log.time > 1.0]
+        (Log(...), Log(...))
     """
 
     time: FloatArray
@@ -95,7 +97,7 @@ class Log(ByValue):
             object.__setattr__(self, name, values)
 
     @classmethod
-    def of(cls, columns: Mapping[str, FloatArray], metadata: Mapping[str, Any] | None = None) -> Log:
+    def of(cls, columns: Mapping[str, Any], metadata: Mapping[str, Any] | None = None) -> Log:
         """Return a log of columns by name."""
         required = {name: columns[name] for name in REQUIRED}
         further: dict[str, Any] = {name: columns.get(name) for name in (*OPTIONAL, *TRUE, "estimates")}
@@ -120,6 +122,24 @@ class Log(ByValue):
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def __getitem__(self, rows: slice | npt.ArrayLike) -> Log:
+        """Return the log of some rows, such as `log[100:200]` or `log[log.time > 1.0]`, with the same metadata."""
+        if isinstance(rows, numbers.Number | str):
+            rule = "must be a slice such as log[100:200], or an array of rows"
+            raise TypeError(f"Log: rows: {rule}, got {quoted(rows)}: a column is an attribute, as log.position")
+        chosen = rows if isinstance(rows, slice) else np.asarray(rows)
+        columns = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL, *TRUE, "estimates")}
+        return Log.of({name: None if one is None else one[chosen] for name, one in columns.items()}, self.metadata)
+
+    def between(self, start: float, stop: float = math.inf) -> Log:
+        """Return the rows with start <= time < stop (s).
+
+        Example:
+            >>> log.between(0.5, 1.0).time[[0, -1]].tolist()
+            [0.5, 0.9998]
+        """
+        return self[(self.time >= start) & (self.time < stop)]
 
     @property
     def units(self) -> Units:
@@ -195,7 +215,7 @@ class Log(ByValue):
         try:
             pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
         except ImportError as error:
-            raise InputError(f"{path}: needs {error.name} to be written: pip install 'cogging[parquet]'") from None
+            raise InputError(f"{path}: {error}") from None
         checksum = Checksum(pieces)
         files: dict[str, Iterable[bytes] | None] = {os.fspath(path): checksum}
         beside = sidecar(path)
@@ -225,13 +245,42 @@ class Log(ByValue):
         return [buffer.getvalue()]
 
     def _parquet(self) -> Iterable[bytes]:
-        import pyarrow as pa
-        import pyarrow.parquet as parquet
-
         require_table("rows", len(self), len(self.columns()), 4.0)
-        buffer = pa.BufferOutputStream()
-        parquet.write_table(pa.table(self.columns()), buffer, write_page_checksum=True)
-        return [buffer.getvalue().to_pybytes()]
+        return [parquet_of(self.columns(), self._column_units())]
+
+
+@check_arguments()
+def performance(
+    time: Log | npt.ArrayLike,
+    error: npt.ArrayLike | None = None,
+    command: npt.ArrayLike | None = None,
+    *,
+    start: float = -math.inf,
+    stop: float = math.inf,
+    final_window: float = 2.0,
+) -> Performance:
+    """Return the indexes of a run over the rows with start <= time < stop.
+
+    Args:
+        time: the log; or its time, s, with the columns error (m) and command (V).
+        error: m, if `time` is no log.
+        command: V, likewise.
+        start, stop: s.
+        final_window: s: error_final_max is over the last so many seconds of them (Xu and Yao 2001, section 4.2).
+
+    Returns:
+        The indexes.
+
+    Raises:
+        ValueError: the log has no reference, no row is left, or a number is not finite.
+
+    Example:
+        >>> last = cogging.performance(log, start=1.0)
+        >>> last.error_rms < last.error_max
+        True
+    """
+    columns: Any = (time.time, time.error, time.command) if isinstance(time, Log) else (time, error, command)
+    return _core.performance(*columns, start=start, stop=stop, final_window=final_window)
 
 
 def _numbers(name: str, given: Any, dimensions: int) -> FloatArray:

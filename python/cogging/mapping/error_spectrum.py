@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,11 @@ from cogging.arrays import FloatArray
 from cogging.calls import check_arguments
 from cogging.logs.log import Log
 from cogging.model.units import Units
+from cogging.plot.canvas import plot_method
 from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG
 from cogging.tables import frame_of
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 OVERSAMPLING = 8  # frequencies per resolution of the travel
 THRESHOLD = 8.0  # times the noise level (median of the remaining amplitudes): a stronger line is proposed
@@ -50,17 +48,11 @@ class TrackingSpectrum(ByValue):
     period_amplitudes: tuple[float, ...]
     units: Units = field(default_factory=Units)
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw amplitude over spatial frequency, and the proposed periods (cogging.plot.spectrum).
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return plot.spectrum(self, units=units, ax=ax).figure.figure
+    plot = plot_method(
+        plot.spectrum,
+        "Draw amplitude over spatial frequency, and the proposed periods (cogging.plot.spectrum).",
+        "axes",
+    )
 
     def to_frame(self) -> Any:
         """Frequencies and amplitudes as a pandas DataFrame, with units in `attrs["units"]`.

@@ -6,7 +6,7 @@ import io
 import os
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +16,10 @@ from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
 from cogging.model.units import Units
 from cogging.outputs import same_file, to_toml, write_files
-from cogging.plot.canvas import grid_to_write
+from cogging.plot.canvas import grid_to_write, plot_method
 from cogging.plot.results import WHOLE_MAP, whole_map_fit
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -200,17 +197,11 @@ class MapFit(ByValue):
         headers = ["harmonic", f"amplitude ({v})", f"standard error ({v})", "phase (rad)", "false alarm"]
         return html_table(f"MapFit: {self._brief()}", headers, rows, self.notes)
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the map with its 95 % band and the points of the scan, what is left of them, and their spectrum.
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: three axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return whole_map_fit(self, units=units, ax=ax).figure
+    plot = plot_method(
+        whole_map_fit,
+        "Draw the map with its 95 % band and the points of the scan, what is left of them, and their spectrum.",
+        "three axes",
+    )
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the `[cogging]` section of a model file, and the figure beside it as .png.

@@ -98,7 +98,7 @@ class Intervals:
                 if fallback is None:
                     raise ValueError(
                         f"{path}: the logs do not determine it, its interval is [{low:g}, {high:g}]; measure it with "
-                        f"{measurement(path)}, or give default={{{path!r}: (low, high)}}"
+                        f"{measurement(path)}, or give [bounds] (default={{{path!r}: (low, high)}})"
                     )
                 self._notes[path] = "not determined by the logs, the given default counts"
                 low, high = fallback

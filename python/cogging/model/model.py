@@ -24,18 +24,17 @@ from cogging._core import (
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, parse_toml, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
+from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_model
 from cogging.shown import nearest, quoted
 from cogging.tables import html_table
 from cogging.values import ByValue, line_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cogging.export.control import ControlLoop
 
 #: Parameter struct and class of each controller by its name in model files.
@@ -64,7 +63,7 @@ class Model(ByValue):
         encoder: resolution and noise of the position reading.
         noise: force noise, for simulation.
         controller: parameters of the controller, or None if it is unknown.
-        controller_type: its name in model files, a key of CONTROLLERS.
+        controller_type: its name in model files, a key of CONTROLLERS; needed where several have these parameters.
         uncertainty: relative 1-sigma of mass, viscous, coulomb (0 = exact).
         intervals: 95 % intervals by parameter path, `[bounds]` of a file; [-inf, inf] for a parameter that the logs do
             not determine.
@@ -92,8 +91,8 @@ class Model(ByValue):
     units: Units = field(default_factory=Units)
 
     def __post_init__(self) -> None:
-        if (self.controller is None) != (self.controller_type is None):
-            raise ValueError("controller, controller_type: both or neither must be given")
+        if self.controller is None and self.controller_type is not None:
+            raise ValueError(f"controller: must be given with controller_type {self.controller_type!r}, got None")
         if self.controller_type is not None and self.controller_type not in CONTROLLERS:
             got = f"{self.controller_type!r}{nearest(self.controller_type, CONTROLLERS)}"
             raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {got}")
@@ -102,7 +101,15 @@ class Model(ByValue):
         if self.controller is not None and not isinstance(self.controller, PARAMETERS):
             rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
             own = "simulate(model, reference, controller=...) takes a controller of your own"
+            own = "give its .parameters" if hasattr(self.controller, "parameters") else own
             raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
+        if self.controller is not None:
+            types = [name for name, (struct, _) in CONTROLLERS.items() if isinstance(self.controller, struct)]
+            kind = types[0] if self.controller_type is None and len(types) == 1 else self.controller_type
+            if kind not in types:
+                own = type(self.controller).__name__
+                raise ValueError(f"controller_type: must be {' or '.join(types)} with {own}, got {kind!r}")
+            object.__setattr__(self, "controller_type", kind)
         object.__setattr__(self, "effects", tuple(self.effects))
         refuse_two_of_one_name(self.effects)
         intervals = {path: (float(low), float(high)) for path, (low, high) in self.intervals.items()}
@@ -133,17 +140,9 @@ class Model(ByValue):
         cogging = "no cogging" if self.cogging is None else line_of(self.cogging, self.units.of)
         return html_table(f"Model: {self._brief()}", ["field", "value", "unit", "95 %"], rows, [cogging])
 
-    def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Plot the cogging over position with its 95 % band, and the friction over velocity.
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
-        return whole_model(self, units=units, ax=ax).figure
+    plot = plot_method(
+        whole_model, "Plot the cogging over position with its 95 % band, and the friction over velocity.", "axes"
+    )
 
     def plant(self) -> Plant:
         """Return the plant to simulate."""
@@ -157,7 +156,8 @@ class Model(ByValue):
             ValueError: the model has no `[controller]`.
         """
         if self.controller is None or self.controller_type is None:
-            raise ValueError("controller: must be given to simulate, got a model without [controller]")
+            rule = "must be given to simulate (--controller pid, controller=...)"
+            raise ValueError(f"controller: {rule}, got a model without [controller]")
         controller: ListedController = CONTROLLERS[self.controller_type][1](self.controller)
         return controller
 
@@ -247,12 +247,25 @@ class Model(ByValue):
         except FieldError as error:
             raise error.in_file(path, read_text(path)) from None
 
-    def write(self, path: str | os.PathLike[str]) -> None:
+    def write(self, path: str | os.PathLike[str], *, like: str | os.PathLike[str] | None = None) -> None:
         """Write a model file (TOML), without loss.
 
         The file holds name and parameters of a custom effect: `Model.read(path, effects=[it])` reads it again.
+
+        Args:
+            path: of the file.
+            like: a model file whose comments and order of lines are kept; a changed value says what it was.
         """
-        write_text(path, to_toml(self.to_dict()))
+        write_text(path, self.to_toml("" if like is None else read_text(like)))
+
+    def to_toml(self, like: str = "") -> str:
+        """Return the text of a model file; `like`: that of another one, whose comments and order of lines are kept."""
+        document = self.to_dict()
+        if "units" in (stated := parse_toml(like)):
+            document["units"] = self.units.to_dict()
+        if "simulation" in stated:
+            document["simulation"] = {"steps_per_sample": self.steps_per_sample}
+        return to_toml(document, like=like)
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any], *, effects: Sequence[Custom] = ()) -> Model:

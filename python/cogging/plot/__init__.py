@@ -19,3 +19,8 @@ __all__ = [
     "sweep",
     "trade_off",
 ]
+
+
+def __dir__() -> list[str]:
+    """Return the plots."""
+    return __all__

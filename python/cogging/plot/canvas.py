@@ -62,6 +62,31 @@ def drawn(function: F) -> F:
     return check_arguments()(styled_call)  # type: ignore[return-value]
 
 
+def plot_method(draw: Callable[..., Any], doc: str, axes: str) -> Callable[..., Figure]:
+    """Return the method `plot` of results of a class.
+
+    Args:
+        draw: of cogging.plot, or one with several panels: takes the result, `units` and `ax`.
+        doc: what it plots.
+        axes: that `ax` gives, in words.
+    """
+
+    def plot(self: Any, *, units: Any = None, ax: Any = None) -> Figure:
+        figure: Figure = draw(self, units=units, ax=ax).figure.figure
+        return figure
+
+    plot.__doc__ = f"""{doc}
+
+        Args:
+            units: labels of command and position (cogging.Units); None: those of the result.
+            ax: {axes}; None: a new figure.
+
+        Returns:
+            The figure.
+        """
+    return plot
+
+
 def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
     """Return an empty figure of a size (inches) that pyplot does not manage, so that it is freed like any object.
 

@@ -47,7 +47,7 @@ def sweep(
     Args:
         runs: SweepRuns.
         index: `error_rms`, `error_max`, `command_rms` or another column of the table.
-        against: path of the number; None: the first varied one.
+        against: path of the number; None: the one that explains most of the index's spread.
         units: labels of command and position (cogging.Units).
         ax: axes; None: a new figure.
 
@@ -69,7 +69,7 @@ def sweep(
     for argument, name, known in (("index", index, numeric), ("against", against or runs.varied[0], runs.varied)):
         if name not in known:
             raise ValueError(f"{argument}: must be of these runs, got {name!r}: {did_you_mean(name, known)}")
-    against = against or runs.varied[0]
+    against = against or next(iter(runs.influence(index)))
     x, y = (np.asarray(runs.table[name], dtype=np.float64) for name in (against, index))
     along = scale_of(runs.units.get(against, "1"), x, units=units)
     up = scale_of(runs.units.get(index, unit_of(index)), y, units=units)

@@ -44,7 +44,7 @@ def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
         >>> with open("sine.toml", "w") as file:
         ...     _ = file.write('type = "sine"\\namplitude = 0.02\\nduration = 3.0')
         >>> cogging.read_reference("sine.toml")
-        (Sine(amplitude=0.02 m), 3.0)
+        (Sine(center=0 m, amplitude=0.02 m, frequency=1 Hz), 3.0)
     """
     document = read_toml(path)
     try:

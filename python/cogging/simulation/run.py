@@ -14,8 +14,8 @@ from cogging.arrays import real_array
 from cogging.calls import check_arguments
 from cogging.effects.custom import Custom
 from cogging.logs.log import Log
-from cogging.model.controller import AnyController
-from cogging.model.model import CONTROLLERS, Model
+from cogging.model.controller import AnyController, ControllerParameters
+from cogging.model.model import CONTROLLERS, PARAMETERS, Model
 from cogging.simulation.arguments import LOG, MODEL, MOTION, PLANT, REFERENCE
 from cogging.simulation.reference import motion_of, reference_to_dict
 
@@ -25,7 +25,7 @@ def simulate(
     model: Model | str | os.PathLike[str],
     reference: Reference | Mapping[str, Any] | str | os.PathLike[str],
     *,
-    controller: AnyController | None = None,
+    controller: AnyController | ControllerParameters | None = None,
     duration: float = 0.0,
     seed: int = 0,
     steps_per_sample: int | None = None,
@@ -43,8 +43,8 @@ def simulate(
     Args:
         model: a Model, or the path of a model file.
         reference: a motion, the fields of a reference file, or the path of one.
-        controller: used instead of the model's controller: one of the core, a CompiledController, or any object that is
-            a Controller. The run works on a copy.
+        controller: used instead of the model's controller: one of the core or its parameters, a CompiledController, or
+            any object that is a Controller. The run works on a copy.
         duration: s; 0 = that of the reference file, or the end of the motion.
         seed: of force and encoder noise.
         steps_per_sample: least number of integration steps between two samples; None: the model's.
@@ -70,6 +70,8 @@ def simulate(
     """
     if not isinstance(model, Model):
         model = Model.read(model)
+    if isinstance(controller, PARAMETERS):
+        model, controller = model.replace(controller=controller, controller_type=None), None
     motion, own_duration = motion_of(reference)
     duration = duration or own_duration
     steps_per_sample = model.steps_per_sample if steps_per_sample is None else steps_per_sample
@@ -101,7 +103,7 @@ def _run(
 @check_arguments(plant=PLANT, reference=MOTION)
 def closed_loop(
     plant: Plant,
-    controller: AnyController,
+    controller: AnyController | ControllerParameters,
     reference: Reference,
     *,
     duration: float = 0.0,
@@ -119,7 +121,8 @@ def closed_loop(
 
     Args:
         plant: the machine.
-        controller: one of the core, a CompiledController, or any object that is a Controller. The run works on a copy.
+        controller: one of the core or its parameters, a CompiledController, or any object that is a Controller. The run
+            works on a copy.
         reference: the motion.
         duration: s; 0 = the end of the reference.
         seed: of force and encoder noise.

@@ -13,7 +13,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.outputs import write_bytes
 from cogging.simulation.reductions import unit_of
-from cogging.tables import frame_of, library, to_pandas
+from cogging.tables import frame_of, library, parquet_of
 from cogging.values import ByValue
 
 
@@ -29,21 +29,15 @@ class RunsTable(ByValue):
         return {}
 
     def to_pandas(self) -> Any:
-        """Return the table as a pandas DataFrame with `run` as its index.
-
-        Raises:
-            ImportError: pandas is not installed; names the extra.
-        """
-        return to_pandas(self._rows()[0]).set_index("run")
-
-    def to_frame(self) -> Any:
-        """Return the same as `to_pandas`, with the units of the columns in `attrs["units"]`.
+        """Return the table as a pandas DataFrame with `run` as its index and the units in `attrs["units"]`.
 
         Raises:
             ImportError: pandas is not installed; names the extra.
         """
         table, units = self._rows()
         return frame_of(table, _with_known_units(table, units)).set_index("run")
+
+    to_frame = to_pandas
 
     def to_xarray(self) -> Any:
         """Return an xarray Dataset: the table over `run`, recorded columns over `run` and `row`, with their `units`.
@@ -84,13 +78,7 @@ def is_parquet(path: str | os.PathLike[str]) -> bool:
 def write_runs(path: str | os.PathLike[str], table: Mapping[str, Any], units: Mapping[str, str] | None = None) -> None:
     """Write columns by name as CSV, or as Parquet with their units; numbers keep their last bit, NaN is empty."""
     if is_parquet(path):
-        pyarrow, parquet = library("pyarrow"), library("pyarrow", "parquet")
-        sink, known = io.BytesIO(), _with_known_units(table, units or {})
-        arrays = {name: np.asarray(values) for name, values in table.items()}
-        whole = pyarrow.table({name: one.tolist() if one.dtype == object else one for name, one in arrays.items()})
-        fields = [field.with_metadata({"units": known.get(field.name, "")}) for field in whole.schema]
-        parquet.write_table(whole.cast(pyarrow.schema(fields)), sink, write_page_checksum=True)
-        write_bytes(path, sink.getvalue())
+        write_bytes(path, parquet_of(table, _with_known_units(table, units or {})))
         return
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
