@@ -63,18 +63,20 @@ struct Lanes {
     for (std::size_t p = 0; p < parts; ++p) result.part[p] = a.part[p] op b.part[p]; \
     return result;                                                                   \
   }                                                                                  \
-  COGGING_INLINE Lanes& operator op##=(const Lanes & other) { return *this = *this op other; }
+  COGGING_INLINE Lanes& operator op## = (const Lanes& other) {                       \
+    return *this = *this op other;                                                   \
+  }
   COGGING_LANES_ARITHMETIC(+)
   COGGING_LANES_ARITHMETIC(-)
   COGGING_LANES_ARITHMETIC(*)
   COGGING_LANES_ARITHMETIC(/)
 #undef COGGING_LANES_ARITHMETIC
 
-#define COGGING_LANES_COMPARISON(op)                                                    \
-  COGGING_INLINE friend LaneMask<count> operator op(const Lanes & a, const Lanes & b) { \
-    LaneMask<count> result;                                                             \
-    for (std::size_t p = 0; p < parts; ++p) result.part[p] = a.part[p] op b.part[p];    \
-    return result;                                                                      \
+#define COGGING_LANES_COMPARISON(op)                                                  \
+  COGGING_INLINE friend LaneMask<count> operator op(const Lanes& a, const Lanes& b) { \
+    LaneMask<count> result;                                                           \
+    for (std::size_t p = 0; p < parts; ++p) result.part[p] = a.part[p] op b.part[p];  \
+    return result;                                                                    \
   }
   COGGING_LANES_COMPARISON(<)
   COGGING_LANES_COMPARISON(>)

@@ -33,7 +33,7 @@ PERIODS = 2  # maximum number of spatial periods on a page
 AVERAGED = 0.01  # s of a point over time
 SIZE = (5.2, 2.7)  # inches; a point of the fonts is then 0.9 px wide on a phone
 AXES = (0.145, 0.19, 0.84, 0.71)  # of the figure: left, bottom, width, height
-OPTIONS = {"svg.fonttype": "none", "svg.hashsalt": "cogging", "figure.facecolor": "none", "axes.facecolor": "none"}
+OPTIONS: dict[Any, Any] = {"svg.fonttype": "none", "svg.hashsalt": "cogging", "figure.facecolor": "none", "axes.facecolor": "none"}
 #: Variables of page.css for the colours of `cogging.plot`.
 COLOURS = {
     "#0072b2": "--first",
@@ -100,15 +100,15 @@ def curve_picture(effect: NamedEffect, units: Units) -> Picture | None:
 def picture(draw: Callable[[Any], object], finding: str) -> Picture:
     """Return what a function draws on axes as a picture with a sentence on what it shows."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     written = io.StringIO()
     with styled(), mpl.rc_context(OPTIONS), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # the font that measures may lack a letter of a name
-        figure = Figure(figsize=SIZE, layout="none")  # fixed margins: a layout takes half of the time
+        figure = Figure(figsize=SIZE)
+        figure.set_layout_engine("none")  # fixed margins: a layout takes half of the time
         draw(figure.add_axes(AXES))
-        FigureCanvasSVG(figure).print_svg(written, metadata={"Date": None})
+        figure.savefig(written, format="svg", metadata={"Date": None})
     svg = written.getvalue()
     svg = IDENTIFIER.sub("<g>", METADATA.sub("", svg[svg.index("<svg") :]))
     svg = BREAK.sub(" ", svg)
@@ -121,8 +121,11 @@ def picture(draw: Callable[[Any], object], finding: str) -> Picture:
 def in_schemes(svg: str) -> dict[str, str]:
     """Return a picture's SVG as files of their own, light and dark: with the colours of page.css for its variables."""
     light, dark = (rule.split("}")[0] for rule in STYLE.read_text(encoding="utf-8").split(":root {")[1:3])
-    colours = {scheme: dict(VARIABLE.findall(rule)) for scheme, rule in (("light", light), ("dark", dark))}
-    return {scheme: USED.sub(lambda used, of=of: of[used[1]], svg) for scheme, of in colours.items()}
+    files = {}
+    for scheme, rule in (("light", light), ("dark", dark)):
+        colours = dict(VARIABLE.findall(rule))
+        files[scheme] = USED.sub(partial(lambda of, used: str(of[used[1]]), colours), svg)
+    return files
 
 
 def _labels(result: Diagnosis) -> dict[str, str]:
