@@ -33,7 +33,12 @@ PERIODS = 2  # maximum number of spatial periods on a page
 AVERAGED = 0.01  # s of a point over time
 SIZE = (5.2, 2.7)  # inches; a point of the fonts is then 0.9 px wide on a phone
 AXES = (0.145, 0.19, 0.84, 0.71)  # of the figure: left, bottom, width, height
-OPTIONS: dict[Any, Any] = {"svg.fonttype": "none", "svg.hashsalt": "cogging", "figure.facecolor": "none", "axes.facecolor": "none"}
+OPTIONS: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "cogging",
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
+}
 #: Variables of page.css for the colours of `cogging.plot`.
 COLOURS = {
     "#0072b2": "--first",
