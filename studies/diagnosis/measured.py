@@ -1,4 +1,4 @@
-"""The measured logs one by one: `python -m cogging.diagnosis.balance.real FOLDER [NAME ...]`; FOLDER holds the public data."""
+"""The measured logs one by one: `python -m studies.diagnosis.measured FOLDER [NAME ...]`; FOLDER has the public data."""
 
 import sys
 import time

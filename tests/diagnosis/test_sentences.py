@@ -2,10 +2,13 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import cogging
+from cogging.diagnosis.entries import Value
 from cogging.diagnosis.report.printed_answer import apart_text
 from cogging.diagnosis.report.sentences import (
     HARDLY,
@@ -21,7 +24,7 @@ from cogging.diagnosis.report.sentences import (
     shared_text,
     standing_text,
 )
-from cogging.diagnosis.report.words import plain
+from cogging.diagnosis.report.words import harmonic_text, plain
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
 from tests.fixtures.laws_by_symbol import SHAPED, of_the_law
@@ -176,3 +179,13 @@ def test_screen_and_page_say_the_same(found):
     assert "viscous_asymmetry or quadratic_drag: confidence 0.36" in told.text(verbose=True)
     assert "confidence that it is viscous_asymmetry: 36 %; both depend on velocity" in told.text(verbose=True)
     assert explained_text(found.gap).endswith("of the gap")
+
+
+@pytest.mark.parametrize(
+    ("period", "said"), [(0.012, " (harmonic 2 of the known 0.024 m)"), (0.0125, ""), (0.03, "")], ids=str
+)
+def test_a_wave_is_said_to_be_a_harmonic_of_the_known_pitch(period, said):
+    known = cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.024, harmonics=[1]), sine=[[0.1]], cosine=[[0.0]])
+    model = cogging.Model(cogging.AxisParameters(mass=1.0), cogging=known)
+    wave = SimpleNamespace(parameters={"period": Value(period, "m", (None, None))})
+    assert harmonic_text(wave, model) == said

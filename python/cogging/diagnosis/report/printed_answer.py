@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cogging.diagnosis.report.sentences import headline, percent, shared_text
-from cogging.diagnosis.report.words import limit_lines, other_shape_text, step_text, term_text
+from cogging.diagnosis.report.words import harmonic_text, limit_lines, other_shape_text, step_text, term_text
 
 if TYPE_CHECKING:
     from cogging.diagnosis.diagnosis_result import Diagnosis
@@ -75,7 +75,8 @@ def _effect_line(result: Diagnosis, effect: NamedEffect) -> str:
         else:
             parameters.append(f"{name} {quantity.value:.4g}{unit}{_interval(*quantity.ci95)}")
     more = f" (and {len(effect.further)} more)" if effect.further else ""
-    return f"  {effect.name}: {', '.join(parameters) or 'a curve, in the report'}{more}"
+    name = f"{effect.name}{harmonic_text(effect, result.series.get('given', result.model))}"
+    return f"  {name}: {', '.join(parameters) or 'a curve, in the report'}{more}"
 
 
 def _interval(low: Any, high: Any) -> str:

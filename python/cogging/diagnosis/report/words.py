@@ -9,11 +9,13 @@ import numpy as np
 
 from cogging.diagnosis.places import COORDINATE_UNITS
 from cogging.effects.effect import Effect
+from cogging.model.model import Model
 from cogging.model.units import Units
 
 if TYPE_CHECKING:
     from cogging.diagnosis.entries import Limit, NamedEffect, Step
 
+HARMONIC = 0.01  # largest relative difference from a harmonic of the known pitch
 DIGITS = 4  # of a number without an interval, and fewest of one with an interval
 WHOLE = 6  # digits before the point of a number with an interval that is written without a power of ten
 
@@ -40,6 +42,20 @@ def other_shape_text(effect: NamedEffect, units: Units) -> str:
     place = f"{places[most]:.3g} {units.of(COORDINATE_UNITS[coordinate])}"
     held = "; the model has it as an empirical force" if effect.in_model else ""
     return f"{text}, with a peak of {force[most]:+.2g} {units.command} near {coordinate} {place}{held}"
+
+
+def harmonic_text(effect: NamedEffect, model: Model) -> str:
+    """Return a clause on which harmonic of the known pitch or of a turn a wave is; empty if it is none."""
+    rotary = model.units.position == "rad"
+    pitch = None if model.cogging is None else 2.0 * np.pi / min(model.cogging.basis.wavenumbers)
+    longest = 2.0 * np.pi if rotary else pitch
+    if "period" not in effect.parameters or longest is None:
+        return ""
+    ratio = longest / float(np.ravel(effect.parameters["period"].value)[0])
+    order = round(ratio)
+    if order < 1 or abs(ratio / order - 1.0) > HARMONIC:
+        return ""
+    return f" ({order} a turn)" if rotary else f" (harmonic {order} of the known {longest:.4g} {model.units.position})"
 
 
 def step_text(step: Step, unit: str) -> str:
