@@ -87,7 +87,7 @@ MISTAKES = {
         r"controller_type: must be arc or dcarc with AdaptiveRobustParameters, got None",
     ),
     "gains of another type": (
-        lambda: MODEL.replace(controller=cogging.SpeedParameters()),
+        lambda: MODEL.replace(controller=cogging.SpeedParameters(), controller_type="pid"),
         r"controller_type: must be speed with SpeedParameters, got 'pid'",
     ),
     "a controller for its gains": (

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <string_view>
 
 #include "cogging/registers.hpp"
@@ -43,13 +42,6 @@ struct Lanes {
   COGGING_INLINE double operator[](std::size_t i) const { return Register<width>::get(part[i / width], i % width); }
   COGGING_INLINE void set(std::size_t i, double value) { Register<width>::set(part[i / width], i % width, value); }
 
-  /// Numbers that stand side by side in memory.
-  COGGING_INLINE static Lanes at(const double* place) {
-    Lanes result;
-    std::memcpy(&result, place, sizeof(result));
-    return result;
-  }
-
   template <class Function>
   static Lanes map(const Function& function) {
     Lanes result;
@@ -63,20 +55,18 @@ struct Lanes {
     for (std::size_t p = 0; p < parts; ++p) result.part[p] = a.part[p] op b.part[p]; \
     return result;                                                                   \
   }                                                                                  \
-  COGGING_INLINE Lanes& operator op## = (const Lanes& other) {                       \
-    return *this = *this op other;                                                   \
-  }
+  COGGING_INLINE Lanes& operator op##=(const Lanes & other) { return *this = *this op other; }
   COGGING_LANES_ARITHMETIC(+)
   COGGING_LANES_ARITHMETIC(-)
   COGGING_LANES_ARITHMETIC(*)
   COGGING_LANES_ARITHMETIC(/)
 #undef COGGING_LANES_ARITHMETIC
 
-#define COGGING_LANES_COMPARISON(op)                                                  \
-  COGGING_INLINE friend LaneMask<count> operator op(const Lanes& a, const Lanes& b) { \
-    LaneMask<count> result;                                                           \
-    for (std::size_t p = 0; p < parts; ++p) result.part[p] = a.part[p] op b.part[p];  \
-    return result;                                                                    \
+#define COGGING_LANES_COMPARISON(op)                                                    \
+  COGGING_INLINE friend LaneMask<count> operator op(const Lanes & a, const Lanes & b) { \
+    LaneMask<count> result;                                                             \
+    for (std::size_t p = 0; p < parts; ++p) result.part[p] = a.part[p] op b.part[p];    \
+    return result;                                                                      \
   }
   COGGING_LANES_COMPARISON(<)
   COGGING_LANES_COMPARISON(>)

@@ -39,7 +39,11 @@ def members(kind):
     """Names of what pybind11 has bound: properties and methods, __eq__, __repr__ and __getstate__ among them."""
     inherited = set(dir(object)) - {"__eq__", "__repr__"}
     names = [name for name in dir(kind) if name not in inherited and not name.startswith("_pybind11")]
-    return [name for name in names if name not in ("__init__", "__setstate__", "__hash__", "__module__", "__doc__")]
+    return [
+        name
+        for name in names
+        if name not in ("__init__", "__setstate__", "__hash__", "__module__", "__doc__", "__signature__")
+    ]
 
 
 def signatures(function):

@@ -6,13 +6,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <iterator>
 #include <numbers>
 #include <type_traits>
 #include <vector>
 
 #include "cogging/basis/b_spline.hpp"
-#include "cogging/lanes.hpp"
+#include "cogging/register_types.hpp"
 
 namespace cogging {
 
@@ -138,21 +139,31 @@ class SplineHarmonics {
     return combine(order, active.spline.first, active.spline.weight.data(), active.harmonic.data(), coefficients);
   }
 
+#if defined(__GNUC__)
+  using Pair = RegisterTypes<2>::Numbers;
+  COGGING_INLINE static Pair pair_at(const double* place) {
+    Pair pair;
+    std::memcpy(&pair, place, sizeof(pair));
+    return pair;
+  }
+#endif
+
   // sum_q (sum_j weight_j A_jq) harmonic_q over the active control points j and the columns q.
   template <class Order, class Scalar, class Index>
   COGGING_INLINE Scalar combine(Order order, const Index& first, const Scalar* weight, const Scalar* harmonic,
                                 const Scalar* coefficients) const {
-    using Pair = Lanes<2>;
-    if constexpr (std::is_same_v<Scalar, double> && register_width > 1) {  // sine and cosine of a term side by side
+#if defined(__GNUC__)
+    if constexpr (std::is_same_v<Scalar, double>) {  // sine and cosine of a term side by side, in the same order
       const double* row = coefficients + first * columns();
-      Pair total = 0.0;
+      Pair total{};
       for (int q = 0; q < columns(); q += 2) {
-        Pair sum = weight[0] * Pair::at(row + q);
-        for (int j = 1; j < order; ++j) sum += weight[j] * Pair::at(row + j * columns() + q);
-        total += sum * Pair::at(harmonic + q);
+        Pair sum = weight[0] * pair_at(row + q);
+        for (int j = 1; j < order; ++j) sum += weight[j] * pair_at(row + j * columns() + q);
+        total += sum * pair_at(harmonic + q);
       }
       return total[0] + total[1];
     }
+#endif
     const int columns = this->columns();
     return with_index(first * columns, [&](const auto& start) COGGING_INLINE_LAMBDA {
       const auto amplitude = [&](int q) COGGING_INLINE_LAMBDA {

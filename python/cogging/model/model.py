@@ -227,7 +227,10 @@ class Model(ByValue):
         return made
 
     def replace(self, **changes: Any) -> Model:
-        """Return a copy with the given attributes changed."""
+        """Return a copy with the given attributes changed; parameters of another controller change its type too."""
+        kind = CONTROLLERS.get(self.controller_type or "", (None,))[0]
+        if "controller" in changes and kind is not None and not isinstance(changes["controller"], kind):
+            changes = {"controller_type": None, **changes}
         return replace(self, **changes)
 
     @classmethod

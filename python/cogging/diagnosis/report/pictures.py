@@ -113,7 +113,7 @@ def picture(draw: Callable[[Any], object], finding: str) -> Picture:
         figure = Figure(figsize=SIZE)
         figure.set_layout_engine("none")  # fixed margins: a layout takes half of the time
         draw(figure.add_axes(AXES))
-        figure.savefig(written, format="svg", metadata={"Date": None})
+        figure.savefig(written, format="svg", metadata={"Date": None}, facecolor="none", edgecolor="none")
     svg = written.getvalue()
     svg = IDENTIFIER.sub("<g>", METADATA.sub("", svg[svg.index("<svg") :]))
     svg = BREAK.sub(" ", svg)
