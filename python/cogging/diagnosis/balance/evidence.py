@@ -816,5 +816,6 @@ def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: 
     except ValueError:  # the effect rejects the value
         return
     columns.add(path, sigma, rows)
-    if role != "amplitude":
-        evidence.limits[path] = value - sigma, value + sigma
+    if role != "amplitude":  # a wave that is longer than the travel is none
+        longest = max(value, high - low) if wave is not None and name == wave.shape else np.inf
+        evidence.limits[path] = value - sigma, min(value + sigma, longest)
