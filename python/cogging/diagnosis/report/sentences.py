@@ -102,6 +102,7 @@ def names_text(effects: Sequence[NamedEffect]) -> str:
     phrases = []
     for effect in effects[:IN_HEADLINE]:
         figures = [] if effect.share is None else [f"{percent(min(effect.share, 1.0))} of the gap"]
+        figures += [] if effect.in_model else ["not in the model"]
         phrase = name_text(effect)
         if effect.alternatives:
             others = [shortened(plain(other), LONGEST) for other in effect.alternatives]
