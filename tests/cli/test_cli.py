@@ -39,7 +39,7 @@ def test_a_model_without_a_controller_runs_under_an_assumed_one(folder, capsys):
     log = cogging.read_log("log.csv")
     assert cogging.repeat(log).error.tolist() == log.error.tolist()
     poles = [log.metadata["model"]["controller"][gain] for gain in ("kp", "ki", "kd")]
-    np.testing.assert_allclose(cogging.pid_poles(*poles, mass=0.12), -60.0, rtol=1e-3)
+    np.testing.assert_allclose(cogging.pid_poles(*poles, mass=0.12), -60.0, rtol=1e-4)
 
 
 def bad_calls():

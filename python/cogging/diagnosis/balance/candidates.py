@@ -660,24 +660,24 @@ def jumps(s: Search) -> None:
     if not rows:
         return
     noise = deviation(np.concatenate([z[ok] for z, ok in zip(scores, fast, strict=True)]))
-    peaks: list[tuple[float, Log, int]] = []
+    peaks: list[tuple[float, Log, int, str]] = []
     for b, z, ok in zip(s.balances, scores, fast, strict=True):
         left, apart = np.where(ok, (z / noise) ** 2, 0.0), round(APART / b.step)
         for _ in range(MOST_JUMPS):
             at = int(np.argmax(left))
             if left[at] - np.log1p(left[at]) < 2.0 * np.log(rows):
                 break
-            peaks.append((float(left[at]), b.log, at))
+            peaks.append((float(left[at]), b.log, at, f"{b.log.time[0] + b.time[at]:.4g} s"))
             left[max(0, at - apart) : at + apart] = 0.0
     peaks.sort(key=lambda peak: -peak[0])
     cost = np.sum(student_cost(ctx.screen.rest, ctx.screen.variance))
     for count in range(1, min(len(peaks), MOST_JUMPS) + 1):
-        instants = [(log, at) for _, log, at in peaks[:count]]
+        instants = [(log, at) for _, log, at, _ in peaks[:count]]
         columns = partial(jumped, instants)
         c = ctx.filtered([b.rows(x) for b, x in zip(s.balances, columns(ctx), strict=True)], ctx.screen.taps)
         amplitudes = np.linalg.lstsq(c.T, ctx.screen.rest)[0]
         T = float(cost - np.sum(student_cost(ctx.screen.rest - amplitudes @ c, ctx.screen.variance)))
-        label = ", ".join(f"{log.time[at * s.balances[0].thinning]:.4g} s" for log, at in instants)
+        label = ", ".join(said for *_, said in peaks[:count])
         one = Found(JUMPS, label, T, count, float(rows) ** count, amplitudes, columns)
         if JUMPS not in s.found or one.score > s.found[JUMPS].score:
             s.found[JUMPS] = one

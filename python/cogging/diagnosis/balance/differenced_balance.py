@@ -325,8 +325,9 @@ class DifferencedBalance:
 
     def bristle(self, axis: AxisParameters, length: float) -> FloatArray:
         """Return the force of a Dahl contact with a presliding length (m) less that of Coulomb friction, V, (n,)."""
-        sliding = np.tanh(self.velocity / max(axis.coulomb_width, 1e-6))
-        return np.asarray(-axis.coulomb * (dahl(self.position, length) - sliding))
+        alone = AxisParameters(mass=1.0, viscous=0.0, coulomb=axis.coulomb, coulomb_width=axis.coulomb_width)
+        sliding = self.forces([quiet_plant(Model(axis=alone))])[0]
+        return np.asarray(-axis.coulomb * dahl(self.position, length) - sliding)
 
     def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
         """Return the force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).

@@ -522,7 +522,7 @@ class Evidence:
         """Return the gain in 2 ln likelihood of the mixture of friction laws over the model's own law."""
         fit = self.null
         own = [k for k, path in enumerate(self.paths) if path.startswith(("width.", "friction."))]
-        block = np.linalg.inv(fit.gram)[np.ix_(own, own)] * fit.variance
+        block = np.linalg.pinv(fit.gram, hermitian=True)[np.ix_(own, own)] * fit.variance
         return float(fit.w[own] @ np.linalg.solve(block, fit.w[own]))
 
     @property
