@@ -21,6 +21,7 @@ from cogging.diagnosis.balance.evidence import Evidence, orthonormal
 from cogging.diagnosis.entries import Limit
 from cogging.diagnosis.physical import fields_with_role
 from cogging.effects.effect import Effect, Knots, SplineKnots, Wave, kind_of
+from cogging.resources import on_threads
 
 CHANCE = 0.95  # detection probability of an effect at its limit
 PARTS = (0.25, 0.5, 0.75)  # of the range of a shape parameter: values at which an effect is evaluated
@@ -85,18 +86,27 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
     evidence = found.both
     result, columns, of = unmeasured(vocabulary, UNSEEN), [], []
     sought = [name for name in result if name in vocabulary]
-    for name in sought:
-        law = vocabulary[name]
+
+    @np.errstate(all="ignore")
+    def evaluated(name: str) -> tuple[list[Any], str]:
+        law, out = vocabulary[name], []
         size = size_of(law)
         assert size is not None
         try:
             for amount, shape, rows in _evaluations(evidence, law, size):
-                columns.append([b.rows(row)[0] for b, row in zip(evidence.balances, rows, strict=True)])
-                of.append((name, amount, shape))
+                filtered = [b.rows(row)[0] for b, row in zip(evidence.balances, rows, strict=True)]
+                out.append((filtered, (name, amount, shape)))
         except NotImplementedError as why:
-            result[name] = replace(result[name], why=str(why))
+            return out, str(why)
         except ValueError:
-            result[name] = replace(result[name], why="it cannot be evaluated along these logs")
+            return out, "it cannot be evaluated along these logs"
+        return out, ""
+
+    for name, (seen, why) in zip(sought, on_threads(evaluated, sought), strict=True):
+        columns += [rows for rows, _ in seen]
+        of += [label for _, label in seen]
+        if why:
+            result[name] = replace(result[name], why=why)
     tables = [np.array(rows) for rows in zip(*columns, strict=True)]
     names = [name for name, _, _ in of]
     lambdas = noncentralities(evidence, tables)

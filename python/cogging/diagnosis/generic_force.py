@@ -19,6 +19,7 @@ RIDGES = 10.0 ** (0.5 * np.arange(-8, 5))  # ridge parameters, relative to a col
 LASTING = 0.05  # of the power: where another coordinate predicts more, time is listed after it
 APART = 0.01  # of the range: minimum distance of nodes
 LEAST = 1e-9  # of the largest column's power: minimum power of a column
+ROWS = 10000  # of a log, which suffice for some 150 columns
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     """
     places = {name: _places(name, given) for name in BENDS}
     groups, table, left = _rows(given, places)
-    folds = np.concatenate([(np.arange(len(m)) * BLOCKS // len(m) % FOLDS)[m] for m in given.masks])
+    folds = np.concatenate([(np.arange(len(m)) * BLOCKS // len(m) % FOLDS)[m] for m in _thinned(given)])
     sums = [_sums(table[:, folds == fold], left[folds == fold]) for fold in range(FOLDS)]
     elsewhere = None if confirm is None else _sums(*_rows(confirm, places)[1:])
     curves = []
@@ -98,7 +99,8 @@ def _places(name: str, given: Discrepancy) -> FloatArray:
 def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the coordinate of each column, the columns and the unexplained force over rows in motion."""
     tables = []
-    for rows, mask in zip(gap.rows, gap.masks, strict=True):
+    masks = _thinned(gap)
+    for rows, mask in zip(gap.rows, masks, strict=True):
         parts = {
             name: hats(rows[name][mask], at) if len(at) > 1 else np.zeros((1, mask.sum()))
             for name, at in places.items()
@@ -110,7 +112,13 @@ def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArra
         parts["drive"] = drive[np.array(later)][:, mask]
         tables.append(np.vstack(list(parts.values())))
     names = np.repeat(list(parts), [len(part) for part in parts.values()])
-    return names, np.concatenate(tables, axis=1), gap.in_motion()
+    left = np.concatenate([row[mask] for row, mask in zip(gap.series, masks, strict=True)])
+    return names, np.concatenate(tables, axis=1), left
+
+
+def _thinned(gap: Discrepancy) -> list[Mask]:
+    """Return the rows in motion of each log, every n-th of a long one."""
+    return [m & (np.arange(len(m)) % max(1, len(m) // ROWS) == 0) for m in gap.masks]
 
 
 Sums = tuple[FloatArray, FloatArray, float]  # Gram matrix of columns, their products with the force, its power

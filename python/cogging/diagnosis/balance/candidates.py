@@ -7,6 +7,7 @@ each coordinate, keeps the best shape of each name and refines the best candidat
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -14,15 +15,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import freqz, lfilter, oaconvolve
+from scipy.signal import freqz, lfilter
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import hats, load_response, lost_motion, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, deviation, student_cost
+from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.residuals import quiet_plant
 from cogging.logs.log import Log
+from cogging.resources import on_threads
 
 E = VOCABULARY
 Columns = Callable[[Evidence], list[FloatArray]]  # columns (k, n) of each log along its motion
@@ -248,7 +250,7 @@ def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
         full = np.zeros(len(counted))
         full[counted] = weighed[at : at + int(counted.sum())]
         at += int(counted.sum())
-        out.append(b.adjoint(oaconvolve(full[::-1], taps)[: len(full)][::-1]))
+        out.append(b.adjoint(convolved(full[::-1], taps)[::-1]))
     return out
 
 
@@ -288,28 +290,32 @@ def sharpen(f: Callable[[float], float], x: float, step: float, rounds: int = 7)
 def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
     """Return the best shape of each name and generic force, the highest score first; `also`: own effects."""
     s = Search(ctx)
-    forces_of_place(s)
-    friction(s)
-    command(s)
-    reading(s)
-    motor_and_load(s)
-    time(s)
-    jumps(s)
-    waves(s)
-    scales = {"velocity": s.top, "distance": s.length, "time": s.duration, "force": s.force}
-    for name, effect in also.items():
-        own_effect(s, name, effect, scales)
-    unnamed(s)
-    changes_of_axis(s)
+    scans: list[Callable[[Search], None]] = [waves, forces_of_place, friction, command, reading, motor_and_load, time]
+    scans += [jumps, unnamed, changes_of_axis]
+    scans += [partial(own_effect, name=name, effect=effect) for name, effect in also.items()]
+
+    @np.errstate(all="ignore")  # each thread has its own
+    def part(scan: Callable[[Search], None]) -> Search:
+        alone = copy(s)
+        alone.found, alone.least, alone.most = {}, {}, {}
+        scan(alone)
+        return alone
+
+    for done in on_threads(part, scans):
+        s.found |= done.found
+        s.least |= done.least
+        s.most |= done.most
     best = sorted(s.found.values(), key=lambda f: -f.score)
     limit = max(best[0].score - REFINED, CERTAIN_ZERO)
-    done = [refined(s, f) if f.refine is not None and f.score > limit else f for f in best]
-    return sorted(with_cells([f for f in done if f is not None]), key=lambda f: -f.score)
+    final = on_threads(lambda f: refined(s, f) if f.score > limit else f, best)
+    return sorted(with_cells([f for f in final if f is not None]), key=lambda f: -f.score)
 
 
+@np.errstate(all="ignore")
 def refined(s: Search, f: Found) -> Found | None:
-    """Return a candidate at the best value of its number; None if the effect vanishes there."""
-    assert f.refine is not None
+    """Return a candidate at the best value of its number, if it has one; None if the effect vanishes there."""
+    if f.refine is None:
+        return f
     value, make, step = f.refine
     tried = {}
 
@@ -724,7 +730,10 @@ def waves(s: Search) -> None:
                 continue
             kappa = sharpen(size_at, kappa, 0.25 / length, 6)
             peaks.append((score, kappa))
-            if name == "cogging_harmonic" and any(abs(kappa - q) < 0.5 / length for q in known + turn):
+            in_model = [1.0 / e.to_dict()["period"] for e in s.model.effects if name == e.NAME]
+            if name == "cogging_harmonic":
+                in_model += known + turn
+            if any(abs(kappa - q) < 0.5 / length for q in in_model):
                 continue
             # a long wave with harmonics is a generic force
             long = name.startswith("~") or kappa * length < FAMILY_TURNS
@@ -929,14 +938,17 @@ def changes_of_axis(s: Search) -> None:
         s.found[f"{name}_change"] = Found(f"{name}_change", "", T, 1, 1, np.array([0.0]), None, path)
 
 
-def own_effect(s: Search, name: str, effect: Effect, scales: Mapping[str, float]) -> None:
+def own_effect(s: Search, name: str, effect: Effect) -> None:
     """Try a user-defined effect: its amplitudes as columns, on a grid of its shape parameters."""
+    scales = {"velocity": s.top, "distance": s.length, "time": s.duration, "force": s.force}
 
     def values_of(role: Mapping[str, Any]) -> FloatArray:
         space = np.geomspace if role["logarithmic"] else np.linspace
         inner = role["neutral"] is not None  # then skip the ends of the range
         grid = space(role["low"], role["high"], OWN_SHAPES + 2 * inner)[inner : OWN_SHAPES + inner]
-        return s.low + s.length * grid if role["quantity"] == "position" else scales.get(role["quantity"], 1.0) * grid
+        if role["quantity"] == "position":
+            return np.asarray(s.low + s.length * grid)
+        return np.asarray(scales.get(role["quantity"], 1.0) * grid)
 
     amplitudes = [field for field, role in effect.ROLES.items() if role["role"] == "amplitude"]
     shapes = {

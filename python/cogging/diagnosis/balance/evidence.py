@@ -11,9 +11,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
-from scipy.signal import butter, oaconvolve, sosfiltfilt
+from scipy.signal import butter, sosfiltfilt
 
 from cogging._core import Predictor
 from cogging.arrays import FloatArray, Mask
@@ -75,6 +76,12 @@ def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
     cepstrum[size // 2 + 1 :] = 0.0
     taps = np.fft.irfft(np.exp(np.fft.rfft(cepstrum)), size)
     return np.asarray(taps[: max(2, int(MEMORY * rate))] / taps[0])
+
+
+def convolved(rows: FloatArray, taps: FloatArray) -> FloatArray:
+    """Return rows (..., n) behind a filter with an impulse response, (..., n), by one transform."""
+    size = next_fast_len(rows.shape[-1] + len(taps) - 1, real=True)
+    return np.asarray(irfft(rfft(rows, size) * rfft(taps, size), size)[..., : rows.shape[-1]])
 
 
 class TooLittleMotion(ValueError):
@@ -299,12 +306,7 @@ class Evidence:
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
         """Return the valid rows of columns (p, m) of each log behind its filter, logs concatenated, (p, n)."""
-        return np.hstack(
-            [
-                oaconvolve(t, h[None, :], axes=1)[:, : t.shape[1]][:, m]
-                for t, h, m in zip(tables, taps, self.counted, strict=True)
-            ]
-        )
+        return np.hstack([convolved(t, h)[:, m] for t, h, m in zip(tables, taps, self.counted, strict=True)])
 
     @property
     def rate(self) -> float:
@@ -321,7 +323,7 @@ class Evidence:
                 continue
             most = OUTLIER * deviation(left[m])
             one = noise_filter(np.clip(left, -most, most), m, self.rate)
-            taps.append(one / deviation(oaconvolve(left, one)[: len(left)][m]))
+            taps.append(one / deviation(convolved(left, one)[m]))
         return taps
 
     @property
