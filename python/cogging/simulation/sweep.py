@@ -621,9 +621,7 @@ def run_elsewhere(
         line = f"executor: {type(executor).__name__} {' '.join(what.split())}"
         return InputError("; ".join(filter(None, (line, notice()))))
 
-    client = getattr(
-        executor, "_client", None
-    )  # of Dask, whose tasks wait for ever for a worker; it has no public name
+    client: Any = getattr(executor, "_client", None)  # of Dask, whose tasks wait for a worker for ever; no public name
     seen = math.inf  # when there was a worker; before the first, as in a queue, waiting has no limit
 
     def has_lost_its_workers(worked: bool) -> bool:
