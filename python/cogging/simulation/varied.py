@@ -146,12 +146,12 @@ class Variation(NamedTuple):
     Attributes:
         path: of the number.
         of_shares: quantiles of its distribution at shares from 0 to 1.
-        values: those of a grid, or None.
+        grid: returns the values of a grid; None if it has none.
     """
 
     path: str
     of_shares: Callable[[FloatArray], FloatArray]
-    values: FloatArray | None = None
+    grid: Callable[[], FloatArray] | None = None
 
 
 def variation_of(path: str, stated: Any, model: Model) -> Variation:
@@ -176,10 +176,12 @@ def variation_of(path: str, stated: Any, model: Model) -> Variation:
     if "values" in table:
         if not table["values"]:
             raise FieldError("vary", path, "values: must hold at least one number, got none")
-        values = np.array(table["values"], dtype=float)
-        return Variation(
-            path, lambda shares: values[np.minimum(shares * len(values), len(values) - 1).astype(int)], values
-        )
+        values, last = np.array(table["values"], dtype=float), len(table["values"]) - 1
+
+        def chosen(shares: FloatArray) -> FloatArray:
+            return np.asarray(values[np.minimum(shares * len(values), last).astype(int)])
+
+        return Variation(path, chosen, lambda: values)
     if "mean" in table:
         if table["deviation"] < 0:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
@@ -231,7 +233,8 @@ def _between(path: str, table: Mapping[str, Any]) -> Variation:
     if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
         raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
     low, high = float(low), float(high)
-    grid = None if not points else np.geomspace(low, high, points) if scale == "log" else np.linspace(low, high, points)
+    space: Any = np.geomspace if scale == "log" else np.linspace
+    grid = (lambda: np.asarray(space(low, high, points))) if points else None
     if scale == "log":
         return Variation(path, lambda shares: np.asarray(low * (high / low) ** shares), grid)
     return Variation(path, lambda shares: np.asarray(low + (high - low) * shares), grid)
@@ -266,10 +269,11 @@ def points_of(variations: list[Variation], method: str, runs: int, seed: int) ->
     if method == "grid":
         drawn = ", ".join(METHODS[1:])
         rule = f"must have values, or from, to and points, on a grid; the methods {drawn} draw it"
+        axes = []
         for variation in variations:
-            if variation.values is None:
+            if variation.grid is None:
                 raise FieldError("vary", variation.path, rule)
-        axes = [variation.values for variation in variations if variation.values is not None]
+            axes.append(variation.grid())
         runs = math.prod(map(len, axes))
     elif method not in METHODS:
         near = nearest(str(method), METHODS)
