@@ -10,7 +10,6 @@ import pytest
 import cogging
 from cogging import resources
 from tests.fixtures import command_files
-from tests.fixtures.files import MODEL
 
 limited = pytest.mark.skipif(sys.platform != "linux", reason="addresses are counted on Linux alone")
 ROOM = 150_000_000  # bytes that the process below may still take, of which 0.8 are granted
@@ -72,21 +71,6 @@ def test_what_does_not_fit_is_refused():
     assert in_parts.startswith(at_once.partition(" take ")[0])
     assert of_some.startswith(f"duration: {LINE}30 runs of 100001 rows of 5 columns take 120 MB and ")
     assert (rows, made) == ("10001 {}", "1000001")
-
-
-@limited
-def test_the_command_reports_it_in_one_line(tmp_path):
-    (tmp_path / "model.toml").write_text(MODEL)
-    (tmp_path / "ref.toml").write_text('type = "sine"\namplitude = 0.01\ncenter = 0.2\nduration = 180000.0\n')
-    code = "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, resource.RLIM_INFINITY))"
-    code += "; from cogging.cli.main import main; sys.exit(main(sys.argv[1:]))"
-    words = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "run.csv"]
-    done = subprocess.run([sys.executable, "-c", code, *words], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 2
-    said = f"cogging: model.toml with ref.toml: duration: {LINE}900000001 samples of 8 columns take 57.6 GB and "
-    assert done.stderr.startswith(said)
-    assert done.stderr.count("\n") == 1
-    assert not (tmp_path / "run.csv").exists()
 
 
 @pytest.mark.parametrize(

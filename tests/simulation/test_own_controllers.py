@@ -8,9 +8,7 @@ import functools
 import gc
 import pickle
 import re
-import shutil
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -109,23 +107,6 @@ def test_a_compiled_law_gives_the_bits_of_the_same_in_python():
     functions.cache_clear()
     gc.collect()
     same(loop(mine, seed=2, record_estimates=True), loop(Leaky(*LAW), seed=2, record_estimates=True))
-
-
-def test_a_function_of_a_c_compiler(tmp_path):
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    (tmp_path / "law.c").write_text(
-        "double command(double* s, const double* p, const double* r, double y) {\n"
-        "  const double e = y - r[0];\n  s[0] = p[2] * s[0] + e;\n"
-        "  return p[3] * r[2] - p[0] * e - p[1] * s[0] - 0.01 * s[1];\n}\n"
-        "void update(double* s, const double* p, double applied) { s[1] = applied + 0.0 * p[0]; }\n"
-    )
-    flags = ["-O1", "-ffp-contract=off", "-shared", "-fPIC"]
-    subprocess.run([compiler, *flags, "law.c", "-o", "law.so"], cwd=tmp_path, check=True)
-    library = ctypes.CDLL(str(tmp_path / "law.so"))
-    mine = cogging.CompiledController(
-        library.command, update=library.update, sample_rate=RATE, state=LAW[1], parameters=LAW[0], command_limit=2.5
-    )
-    same(loop(mine), loop(Leaky(*LAW)))
 
 
 def test_a_batch_gives_what_single_runs_give():
