@@ -22,7 +22,7 @@ MISTAKES = {
         lambda: cogging.simulate(MODEL, MOVE, sed=1),
         r"simulate: sed: is not an argument.* did you mean seed",
     ),
-    "swapped": (lambda: cogging.diagnose(MODEL, LOG), r"diagnose: logs: .* a Model: the log stands before"),
+    "swapped": (lambda: cogging.diagnose(MODEL, LOG), r"diagnose: logs: .* a Model: the log comes before"),
     "no model": (lambda: cogging.identify(LOG), r"identify\(\) missing 1 required positional argument: 'model'"),
     "an array for a log": (
         lambda: cogging.identify(np.zeros((9, 3)), MODEL),

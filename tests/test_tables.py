@@ -1,4 +1,4 @@
-"""Results as pandas frames with their units, and as the small tables that a notebook shows."""
+"""Results as pandas frames with their units, and as the tables of a notebook."""
 
 import html.parser
 import re
@@ -20,15 +20,11 @@ HOSTILE = '<script>alert("x")</script>&\u202e\x1b[31m$x$'
 
 
 @pytest.mark.parametrize("name", FRAMED)
-def test_a_result_is_a_frame_with_units(name):
+def test_a_result_is_a_frame_with_units(name, monkeypatch):
     frame = EXAMPLES[name].to_frame()
     assert isinstance(frame.attrs["units"], dict)
     assert set(frame.attrs["units"]) <= set(frame.columns)
     assert all(unit not in ("", "1") for unit in frame.attrs["units"].values())
-
-
-@pytest.mark.parametrize("name", FRAMED)
-def test_without_pandas_the_extra_is_named(name, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pandas is needed .*pip install 'cogging\[frames\]'"):
         EXAMPLES[name].to_frame()
@@ -48,7 +44,7 @@ def test_a_log_as_a_frame():
     np.testing.assert_array_equal(learned.to_frame()["estimates[1]"], LOG.command)
 
 
-def test_frames_hold_what_the_results_hold():
+def test_frames_have_the_numbers_of_the_results():
     fit, found = EXAMPLES["MapFit"], EXAMPLES["Identification"]
     frame = fit.to_frame()
     assert list(frame["amplitude"]) == [entry.amplitude for entry in fit.amplitudes]
@@ -87,8 +83,8 @@ def test_frames_of_a_diagnosis():
     gap = Gap("V", 0.1, 0.5, 0.1, None, None, "command")
     found = cogging.Diagnosis("named", tuple(effects), None, gap, None, MODEL, MODEL, ledger=steps, limits=limits)
     frame = found.to_frame()
-    told = [(effect.name, name) for effect in found.effects for name in effect.parameters]
-    assert list(zip(frame["name"], frame["parameter"], strict=True)) == told
+    expected = [(effect.name, name) for effect in found.effects for name in effect.parameters]
+    assert list(zip(frame["name"], frame["parameter"], strict=True)) == expected
     assert list(frame["value"]) == [p.value for effect in found.effects for p in effect.parameters.values()]
     assert set(found.to_frame("limits")["name"]) == set(found.limits)
     ledger = found.to_frame("ledger")
@@ -108,7 +104,7 @@ def test_tables_of_a_paper():
 
 
 @pytest.mark.parametrize(("name", "word"), [("Diagnosis", "gaps"), ("FrictionCurve", "points "), ("Tuning", "frnt")])
-def test_another_table_is_told(name, word):
+def test_an_unknown_table_is_an_error(name, word):
     with pytest.raises(ValueError, match=rf"^what: must be .* or .*, got '{word}'$"):
         EXAMPLES[name].to_frame(word)
 

@@ -1,4 +1,4 @@
-"""`[units]` in all that is said of a model: no volt and no metre where it states newton and radian."""
+"""`[units]` in all output: no volt and no metre for a model in newton and radian."""
 
 import re
 
@@ -13,13 +13,13 @@ from tests.fixtures.pid_axis import MODEL, PID, run
 
 UNITS = cogging.Units(command="N", position="rad")
 ROTARY = MODEL.replace(units=UNITS)
-#: A unit of V and m, alone or with a prefix or a power, that stands as a word.
+#: A unit of V and m, alone or with a prefix or a power, as a word of its text.
 VOLT_OR_METRE = re.compile(r"(?<![\w.])(?:[kmunµ]?[Vm])(?![\w.=]|'')")
 PICTURE = re.compile(r"<style>.*?</style>|data:image/png;base64,[^\"]*", re.DOTALL)
 
 
 def left_in(text):
-    """What of V and m a text still has, with what stands around it."""
+    """What of V and m a text still has, with the text around it."""
     return [text[max(0, found.start() - 30) : found.end() + 10] for found in VOLT_OR_METRE.finditer(text)]
 
 
@@ -84,7 +84,7 @@ RESULTS = {
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_a_result_is_told_in_the_units_of_its_model(name, log):
+def test_a_result_is_in_the_units_of_its_model(name, log):
     result = RESULTS[name](log)
     said = list(said_of(result))
     assert sum(len(text) for text in said) > 30
@@ -97,7 +97,7 @@ def test_a_result_is_told_in_the_units_of_its_model(name, log):
 def test_screen_json_and_page_of_a_diagnosis_have_no_volt_and_no_metre(verdict):
     """Of drawn results of every verdict; names of logs keep their letters."""
     generator = np.random.default_rng(7)
-    for _ in range(3):
+    for _ in range(2):
         result = drawn_result(generator, verdict, model=ROTARY)
         said = [result.text(), result.text(verbose=True), repr(result), *texts(result.to_dict())]
         assert [left for text in said for left in left_in(text)] == []
@@ -108,12 +108,6 @@ def test_screen_json_and_page_of_a_diagnosis_have_no_volt_and_no_metre(verdict):
     assert "N" in page
     if result.series:
         assert [left for text in said_of(result) for left in left_in(text)] == []
-
-
-def test_an_audit_without_labels_has_none():
-    audit = cogging.audit(run(duration=0.2), MODEL)
-    assert "units" not in audit.to_dict()
-    assert "units" not in audit.to_dict()["controller"]
 
 
 def test_parameters_and_the_page_of_a_model_are_in_its_units():
@@ -129,7 +123,7 @@ def test_parameters_and_the_page_of_a_model_are_in_its_units():
     assert left_in(page) == []
 
 
-def test_what_is_made_of_runs_has_their_units():
+def test_results_of_runs_have_their_units():
     move = cogging.PointToPoint(cogging.PointToPointParameters(start=0.1, distance=0.2, velocity=0.1, dwell=0.1))
     log = cogging.simulate(ROTARY.replace(controller=PID), move, duration=2.0)
     found = cogging.recover_controller(log)
@@ -145,54 +139,26 @@ def test_what_is_made_of_runs_has_their_units():
     assert said[2].endswith("rad)")
 
 
-def test_what_a_user_calls_things_is_no_unit(log):
-    """A name may hold `m` or `V` as words."""
-    names = ["m in log.csv", "Phase V of the motor"]
-    limits = {"kp": {"from": 5e3, "to": 2e4}}
-
-    def own(kp=9600.0):
-        return cogging.Pid(PID.replace(kp=kp))
-
-    tuning = cogging.tune(BOUNDED, MOVE, limits, controller=own, limits={"error_max": 1e-9}, **FEW)
-    assert "limit error_max: at most 1e-09 rad" in tuning.text()
-    for name in names:
-        found = cogging.identify(log, ROTARY, free=["axis.mass"], names=[name])
-        assert found.logs[0].name == name
-        assert f"{name}: force balance" in found.text()
-        with pytest.raises(cogging.InputError, match=f"^{name}: position: spans .* rad "):
-            cogging.check_against_model(cogging.Log(log.time, 1e3 * log.position, log.command), ROTARY, name)
-        audited = cogging.audit(
-            cogging.Log(log.time, log.position, log.command, metadata={"read_with": [name]}), ROTARY
-        )
-        assert f"read with {name}" in audited.text()
+def test_names_of_logs_and_limits_are_no_units(log):
+    found = cogging.identify(log, ROTARY, free=["axis.mass"], names=["Phase V of the motor, m"])
+    assert "Phase V of the motor, m: force balance" in found.text()
 
 
-def test_the_core_tells_a_run_that_diverges_without_units():
+def test_errors_are_in_the_units_of_the_model(log):
     wild = ROTARY.replace(controller=PID.replace(kd=4800.0))
     with pytest.raises(cogging.DivergedError, match="the travel is") as error:
         cogging.simulate(wild, MOVE, duration=1.0)
     assert left_in(str(error.value)) == []
-
-
-def test_an_axis_that_turns_is_asked_about_angles(log):
+    long = cogging.Log(log.time, 1e3 * log.position, log.command)
+    with pytest.raises(cogging.InputError, match=r"7 m\.csv: position: spans .* rad but .* travel is 0.51 rad"):
+        cogging.check_against_model(long, ROTARY, "7 m.csv")
     travel = ROTARY.replace(axis=ROTARY.axis.replace(travel=[0.0, 0.4]))
     in_degrees = cogging.Log(log.time, np.degrees(log.position), log.command)
     with pytest.raises(cogging.InputError, match=r"position=0\.0174533 if it is in degrees"):
         cogging.check_against_model(in_degrees, travel)
 
 
-def test_refusals_are_in_the_units_of_the_model(log):
-    long = cogging.Log(log.time, 1e3 * log.position, log.command)
-    with pytest.raises(
-        cogging.InputError, match=r"7 m\.csv: position: spans .* rad but the model's travel is 0.51 rad"
-    ):
-        cogging.check_against_model(long, ROTARY, "7 m.csv")
-    still = cogging.Log(log.time, 0.0 * log.position + 0.1, log.command)
-    with pytest.raises(ValueError, match=r"got 0\.1 rad in every row"):
-        cogging.identify(still, ROTARY)
-
-
-def test_the_command_line_says_them(tmp_path, capsys):
+def test_commands_print_and_write_them(tmp_path, capsys):
     """A line of `simulate`, and the part of a model that `map` writes."""
     model, out = tmp_path / "model.toml", tmp_path / "log.csv"
     ROTARY.write(model)
@@ -206,10 +172,10 @@ def test_the_command_line_says_them(tmp_path, capsys):
     scanned = tmp_path / "scan.csv"
     scanned.write_text(f"position,force\n{rows}\n")
     part = tmp_path / "part.toml"
-    told = ["map", str(scanned), "--pitch", "0.05", "--units", "command=N,position=rad", "--out", str(part)]
-    assert main(told) == 0
+    words = ["map", str(scanned), "--pitch", "0.05", "--units", "command=N,position=rad", "--out", str(part)]
+    assert main(words) == 0
     assert left_in(capsys.readouterr().out.replace(str(tmp_path), "")) == []
     assert 'command = "N"' in part.read_text()
     with pytest.raises(SystemExit):
-        main([*told[:5], "command=9 N", *told[6:]])
+        main([*words[:5], "command=9 N", *words[6:]])
     assert "units.command: must be the label of a unit" in capsys.readouterr().err

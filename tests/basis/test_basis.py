@@ -1,7 +1,5 @@
 """The cogging model against scipy's B-splines, the recursion as printed (eq. 6) and plain numpy sums."""
 
-import pickle
-
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline as ScipySpline
@@ -85,12 +83,6 @@ def test_beyond_the_knots_the_end_value_is_held(order):
         for end, row in zip((spline.origin, spline.end), ends, strict=True):
             near = spline.design_matrix(np.array([end - 1e-13, end + 1e-13]))
             np.testing.assert_allclose(near, [row, row], rtol=0, atol=1e-11)
-
-
-def test_spline_reports_what_it_was_made_of():
-    spline = cogging.BSpline(order=3, origin=0.02, pitch=0.05, control_points=13)
-    assert (spline.order, spline.origin, spline.pitch, spline.control_points) == (3, 0.02, 0.05, 13)
-    assert spline.end == pytest.approx(0.02 + 11 * 0.05, rel=1e-15)  # m - k + 1 spans
 
 
 # Harmonics -------------------------------------------------------------------------------------------------
@@ -189,14 +181,3 @@ def test_active_regressor_is_the_columns_that_are_not_zero(order, control_points
         dense = np.zeros(basis.coefficients)
         dense[first : first + len(active)] = active
         np.testing.assert_array_equal(dense, basis.regressor(np.array([x]))[0])
-
-
-def test_model_survives_a_pickle():
-    for terms in ({"harmonics": [2, 1]}, {"periods": [0.03, 0.011]}):
-        model = model_of(18, order=3, control_points=6, origin=0.01, **terms)
-        twin = pickle.loads(pickle.dumps(model))
-        x = np.linspace(-0.1, 0.4, 77)
-        np.testing.assert_array_equal(twin.force(x), model.force(x))
-        np.testing.assert_array_equal(twin.slope(x), model.slope(x))
-    periodic = cogging.CoggingModel(cogging.SplineHarmonics(periods=[0.024]), [[0.3]], [[-0.2]])
-    assert pickle.loads(pickle.dumps(periodic)).force(0.01) == periodic.force(0.01)

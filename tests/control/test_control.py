@@ -13,6 +13,7 @@ from scipy.interpolate import BSpline as ScipySpline
 from scipy.optimize import brentq
 
 import cogging
+from cogging.model.model import CONTROLLERS
 
 
 def friction_sign(v, width):
@@ -45,130 +46,58 @@ def drive(controller, motion, limit=0.0):
     return np.array(computed), np.array(applied)
 
 
-# PID, cascade and speed -------------------------------------------------------------------------------------------
+# PID, cascade and speed ---------------------------------------------------------------------------------------------
 
 
-def literal_pid(q, motion, limit=0.0):
-    """The formula of the contract, with the sum held where the command is cut and the error pushes further."""
+def literal(kind, q, motion, limit=0.0):
+    """The formulas of the contract. The sum of `pid` is held where the command is cut and the error pushes further;
+    the command of `speed` is moved in time: means over fine pieces of a sample."""
     Ts, total, e_prev, y_prev, commands = 1 / q["sample_rate"], 0.0, None, None, []
     for x, v, a, y in zip(*motion, strict=True):
         e = y - x
         measured = 0.0 if y_prev is None else (y - y_prev) / Ts
-        forward = measured if q["feedforward_velocity"] == "measured" else v
         rate = 0.0 if e_prev is None else (e - e_prev) / Ts
-        feedforward = q["mass"] * a + q["viscous"] * forward + q["coulomb"] * friction_sign(forward, q["coulomb_width"])
-        u = feedforward - q["kp"] * e - q["ki"] * (total + e * Ts) - q["kd"] * rate
-        upwards, cut = -q["ki"] * e > 0, abs(u) > limit > 0
-        if not (cut and (u > 0) == upwards):
-            total += e * Ts
+        forward = measured if q["feedforward_velocity"] == "measured" else v
+        u = q["mass"] * a + q["viscous"] * forward + q["coulomb"] * friction_sign(forward, q["coulomb_width"])
+        if kind == "pid":
+            u -= q["kp"] * e + q["ki"] * (total + e * Ts) + q["kd"] * rate
+            upwards, is_cut = -q["ki"] * e > 0, abs(u) > limit > 0
+            total += 0.0 if is_cut and (u > 0) == upwards else e * Ts
+        elif kind == "cascade":
+            u += q["kv"] * (-q["kp"] * e - measured)
+        else:
+            u += q["kp"] * (v - measured)
         e_prev, y_prev = e, y
         commands.append(u)
-    return np.array(commands)
-
-
-def literal_cascade(q, motion):
-    Ts, y_prev, commands = 1 / q["sample_rate"], None, []
-    for x, v, a, y in zip(*motion, strict=True):
-        measured = 0.0 if y_prev is None else (y - y_prev) / Ts
-        forward = measured if q["feedforward_velocity"] == "measured" else v
-        feedforward = q["mass"] * a + q["viscous"] * forward + q["coulomb"] * friction_sign(forward, q["coulomb_width"])
-        commands.append(q["kv"] * (q["kp"] * (x - y) - measured) + feedforward)
-        y_prev = y
-    return np.array(commands)
-
-
-def literal_speed(q, motion):
-    """Every command computed first, held over its sample, then moved in time: means over fine pieces of a sample."""
-    Ts, y_prev, computed = 1 / q["sample_rate"], None, []
-    for _, v, a, y in zip(*motion, strict=True):
-        measured = 0.0 if y_prev is None else (y - y_prev) / Ts
-        forward = measured if q["feedforward_velocity"] == "measured" else v
-        feedforward = q["mass"] * a + q["viscous"] * forward + q["coulomb"] * friction_sign(forward, q["coulomb_width"])
-        computed.append(q["kp"] * (v - measured) + feedforward)
-        y_prev = y
+    if kind != "speed":
+        return np.array(commands)
     pieces = 1000
-    held = np.repeat(computed, pieces)
-    moved = np.concatenate([np.zeros(round(q["delay"] / Ts * pieces)), held])[: held.size]
-    return moved.reshape(-1, pieces).mean(axis=1)
+    moved = np.concatenate([np.zeros(round(q["delay"] / Ts * pieces)), np.repeat(commands, pieces)])
+    return moved[: pieces * len(commands)].reshape(-1, pieces).mean(axis=1)
 
 
 FEEDFORWARD = {"mass": 0.12, "viscous": 0.166, "coulomb": 0.15}
-PID = {"sample_rate": 5000.0, "kp": 9600.0, "ki": 1e5, "kd": 48.0, **FEEDFORWARD}
-CASCADE = {"sample_rate": 2000.0, "kp": 80.0, "kv": 12.0, **FEEDFORWARD}
-SPEED = {"sample_rate": 1000.0, "kp": 0.09, "delay": 2e-3, **FEEDFORWARD}
+LAWS = [
+    ("pid", {"sample_rate": 5000.0, "kp": 9600.0, "ki": 1e5, "kd": 48.0}),
+    ("pid", {"sample_rate": 5000.0, "kp": 9600.0, "ki": 1e5, "kd": 48.0, "command_limit": 30.0}),
+    ("cascade", {"sample_rate": 2000.0, "kp": 80.0, "kv": 12.0}),
+    *(("speed", {"sample_rate": 1000.0, "kp": 0.09, "delay": d}) for d in (0.0, 2e-3, 0.7e-3, 3.25e-3, 0.05)),
+]
 
 
-@pytest.mark.parametrize("velocity", ["reference", "measured"])
-@pytest.mark.parametrize("width", [0.0, 1.11e-3])
-@pytest.mark.parametrize("seed", range(3))
-def test_pid_is_the_formula_of_the_contract(velocity, width, seed):
-    q = PID | {"coulomb_width": width, "feedforward_velocity": velocity}
-    motion = random_motion(seed, 500, q["sample_rate"])
-    computed, _ = drive(cogging.Pid(cogging.PidParameters(**q)), motion)
-    expected = literal_pid(q, motion)
-    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("velocity", ["reference", "measured"])
-@pytest.mark.parametrize("width", [0.0, 1.11e-3])
-def test_cascade_is_the_formula_of_the_contract(velocity, width):
-    q = CASCADE | {"coulomb_width": width, "feedforward_velocity": velocity}
+@pytest.mark.parametrize(("kind", "gains"), LAWS)
+@pytest.mark.parametrize(("velocity", "width"), [("reference", 1.11e-3), ("measured", 0.0)])
+def test_the_command_is_the_formula_of_the_contract(kind, gains, velocity, width):
+    struct, make = CONTROLLERS[kind]
+    q = FEEDFORWARD | gains | {"coulomb_width": width, "feedforward_velocity": velocity}
+    limit = q.get("command_limit", 0.0)
     motion = random_motion(5, 500, q["sample_rate"])
-    computed, _ = drive(cogging.Cascade(cogging.CascadeParameters(**q)), motion)
-    expected = literal_cascade(q, motion)
-    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("velocity", ["reference", "measured"])
-@pytest.mark.parametrize("delay", [0.0, 2e-3, 0.7e-3, 3.25e-3, 0.05])
-def test_speed_is_the_formula_of_the_contract(velocity, delay):
-    q = SPEED | {"delay": delay, "coulomb_width": 0.01, "feedforward_velocity": velocity}
-    motion = random_motion(6, 300, q["sample_rate"])
-    computed, _ = drive(cogging.Speed(cogging.SpeedParameters(**q)), motion)
-    expected = literal_speed(q, motion)
+    computed, applied = drive(make(struct(**q)), motion, limit)
+    expected = literal(kind, q, motion, limit)
     assert np.abs(expected).max() > 0.1
-    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("delay", [0.0, 1e-3, 1.5e-3])
-def test_the_delay_of_speed_is_that_of_the_plants_command_delay(delay):
-    """On an axis that hardly moves within a sample: whole samples bit for bit, half a sample in the mean."""
-    reference = cogging.PointToPoint(cogging.PointToPointParameters(distance=0.4, velocity=0.5, acceleration=10.0))
-    axis = cogging.AxisParameters(mass=0.1, viscous=0.1)
-    plants = [cogging.Plant(axis, effects=[cogging.effects.CommandDelay(delay=d)]) for d in (0.0, delay)]
-    controllers = [cogging.Speed(cogging.SpeedParameters(kp=2.0, delay=d)) for d in (delay, 0.0)]
-    one, other = cogging.closed_loop_batch(plants, controllers, reference, duration=1.0, logs=True)
-    difference = np.abs(one.true_position - other.true_position).max()
-    assert np.ptp(one.true_position) > 0.3
-    assert difference == 0.0 if delay != 1.5e-3 else difference < 1e-5
-    assert (one.command != other.command).any() == (delay > 0)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_anti_windup_is_the_stated_rule(seed):
-    q = PID | {"coulomb_width": 1e-3, "feedforward_velocity": "reference"}
-    motion = random_motion(10 + seed, 800, q["sample_rate"], wobble=1e-4)
-    limit = 30.0
-    controller = cogging.Pid(cogging.PidParameters(**q, command_limit=limit))
-    computed, applied = drive(controller, motion, limit)
-    assert 0.05 < (computed != applied).mean() < 0.95  # cut in some rows and not in others
-    expected = literal_pid(q, motion, limit)
-    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
-
-
-def test_anti_windup_leaves_the_limit_as_soon_as_the_error_turns():
-    def run(limit):
-        controller = cogging.Pid(cogging.PidParameters(sample_rate=1000.0, kp=1.0, ki=100.0))
-        reading = np.concatenate([np.full(2000, -1.0), np.full(200, 1e-3)])
-        still = np.zeros(2200)
-        return drive(controller, (still, still, still, reading), limit)[1]
-
-    wound, held = run(1e9), run(2.0)
-    assert (held[12:2000] == 2.0).all()
-    assert wound[-1] > 100.0  # without a limit it has summed up 2 m s
-    assert (np.abs(held[2000:]) < 2.0).all()
-    # The sum stopped within one sample's worth of the limit: kp + ki sum = 2.
-    assert held[2000] == pytest.approx(1.0 - 1e-3, abs=0.11)
+    assert limit == 0.0 or 0.05 < (computed != applied).mean() < 0.95
+    tolerance = 1e-9 if limit else 1e-10 if kind == "pid" else 1e-11
+    np.testing.assert_allclose(computed, expected, rtol=0, atol=tolerance * np.abs(expected).max())
 
 
 # The adaptive robust laws ----------------------------------------------------------------------------------
@@ -266,20 +195,24 @@ class LiteralAdaptiveRobust:
         rate = np.where((self.theta <= self.low) & (rate < 0), 0.0, rate)
         self.theta = np.clip(self.theta + self.Ts * rate, self.low, self.high)
 
-    def estimates(self):
+    def estimates(self, theta=None):
         """In the order of the package: mass, viscous, coulomb, d_n, then A_r."""
-        return np.concatenate([self.theta[:3], [-self.theta[-1]], self.theta[3:-1]])
+        theta = self.theta if theta is None else theta
+        return np.concatenate([theta[:3], [-theta[-1]], theta[3:-1]])
 
 
-LAWS = [pytest.param(cogging.Arc, False, id="arc"), pytest.param(cogging.Dcarc, True, id="dcarc")]
+ADAPTIVE = [pytest.param(cogging.Arc, False, id="arc"), pytest.param(cogging.Dcarc, True, id="dcarc")]
 
 
-@pytest.mark.parametrize(("law", "desired"), LAWS)
+@pytest.mark.parametrize(("law", "desired"), ADAPTIVE)
 def test_the_law_is_the_paper_step_by_step(law, desired):
+    """And estimates stay within their bounds with gains by which one Euler step overshoots them by far."""
     rng = np.random.default_rng(20)
-    moved = np.zeros(5)
-    for machine in range(40):
-        q = random_parameters(rng)
+    moved, touched = np.zeros(5), 0
+    for machine in range(24):
+        q, overshoots = random_parameters(rng), machine % 4 == 0
+        if overshoots:
+            q |= {name: float(10 ** rng.uniform(1, 6)) for name in q if name.endswith("_adaptation")}
         controller = law(cogging.AdaptiveRobustParameters(**q))
         literal = LiteralAdaptiveRobust(q, desired)
         np.testing.assert_array_equal(controller.estimates, literal.estimates())
@@ -292,20 +225,26 @@ def test_the_law_is_the_paper_step_by_step(law, desired):
             controller.update(u)
             literal.update()
             estimates.append((controller.estimates, literal.estimates()))
+        found, expected = np.swapaxes(estimates, 0, 1)
+        if overshoots:
+            ends = np.sort([literal.estimates(literal.low), literal.estimates(literal.high)], axis=0)
+            assert ((found >= ends[0]) & (found <= ends[1])).all(), q
+            touched += np.count_nonzero((found == ends[0]) | (found == ends[1]))
+            continue
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10, err_msg=str(q))
         found, expected, size = np.transpose(commands)
         assert (np.abs(found - expected) <= 1e-10 * size).all(), q
-        found, expected = np.swapaxes(estimates, 0, 1)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10, err_msg=str(q))
         change = np.abs(literal.estimates() - first)
         moved[:4] += change[:4] > 1e-3
         moved[4] += (change[4:] > 1e-3).any()
-    assert (moved >= 5).all()  # every kind of parameter was really adapted
+    assert (moved >= 2).all()  # every kind of parameter was adapted
+    assert touched > 500
 
 
 @given(
     rate=st.floats(-1e3, 1e3), low=st.floats(-10, 10), width=st.floats(0, 10), where=st.sampled_from([0.0, 0.3, 1.0])
 )
-@settings(deadline=None, derandomize=True, max_examples=300)
+@settings(deadline=None, derandomize=True, max_examples=100)
 def test_projection_is_eq_14(rate, low, width, where):
     high = low + width
     estimate = {0.0: low, 1.0: high}.get(where, low + where * width)
@@ -314,43 +253,18 @@ def test_projection_is_eq_14(rate, low, width, where):
     assert cogging.project(rate, estimate, low, high) == expected
 
 
-@pytest.mark.parametrize(("law", "desired"), LAWS)
-def test_estimates_stay_within_their_bounds(law, desired):
-    """Whatever the gains: also where one Euler step would overshoot a bound by far."""
-    rng = np.random.default_rng(21)
-    touched = 0
-    for machine in range(20):
-        q = random_parameters(rng)
-        for name in [n for n in q if n.endswith("_adaptation")]:
-            q[name] = float(10 ** rng.uniform(1, 6))
-        controller = law(cogging.AdaptiveRobustParameters(**q))
-        literal = LiteralAdaptiveRobust(q, desired)
-        d_low, d_high = q["disturbance_bounds"]
-        low = np.concatenate([literal.low[:3], [d_low], literal.low[3:-1]])
-        high = np.concatenate([literal.high[:3], [d_high], literal.high[3:-1]])
-        motion = random_motion(200 + machine, 200, q["sample_rate"], wobble=1e-3)
-        for x, v, a, y in zip(*motion, strict=True):
-            controller.update(
-                controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=y)
-            )
-            estimates = controller.estimates
-            assert (estimates >= low).all(), q
-            assert (estimates <= high).all(), q
-            touched += np.count_nonzero((estimates == low) | (estimates == high))
-    assert touched > 1000
-
-
-@pytest.mark.parametrize(("law", "desired"), LAWS)
+@pytest.mark.parametrize(("law", "desired"), ADAPTIVE)
 def test_the_robust_term_satisfies_20_and_30(law, desired):
     """p (u_s2 - phi^T theta_tilde + d) <= epsilon for every theta and d in the bounds, and p u_s2 <= 0."""
     rng = np.random.default_rng(22)
     closest = -math.inf
-    for machine in range(60):
+    for machine in range(25):
         off = {name + "_adaptation": 0.0 for name in (*NAMES, "cogging")}
         q = random_parameters(rng, **off)
         epsilon, delta = float(10 ** rng.uniform(-4, 1)), float(rng.choice([0.0, rng.uniform(0, 2)]))
         on = q | {"epsilon": epsilon, "disturbance_bound": delta}
-        plain, robust = (law(cogging.AdaptiveRobustParameters(**parameters)) for parameters in (q, on))
+        bounded = q | {"disturbance_bound": delta}  # without epsilon there is no robust term
+        plain, robust = (law(cogging.AdaptiveRobustParameters(**parameters)) for parameters in (bounded, on))
         literal = LiteralAdaptiveRobust(q, desired)
         motion = random_motion(300 + machine, 60, q["sample_rate"], wobble=10 ** rng.uniform(-7, -3))
         for x, v, a, y in zip(*motion, strict=True):
@@ -370,15 +284,6 @@ def test_the_robust_term_satisfies_20_and_30(law, desired):
             any_case = p * (u_s2 - phi @ (literal.theta - theta) + d)
             assert any_case <= epsilon * (1 + 1e-12) + abs(p) * rounding, on
     assert closest > 0.3  # it comes near the bound: a term of half the size would fail
-
-
-@pytest.mark.parametrize(("law", "desired"), LAWS)
-def test_no_epsilon_no_robust_term(law, desired):
-    q = random_parameters(np.random.default_rng(23))
-    motion = random_motion(24, 50, q["sample_rate"])
-    without = drive(law(cogging.AdaptiveRobustParameters(**q)), motion)[0]
-    bounded = drive(law(cogging.AdaptiveRobustParameters(**q, disturbance_bound=5.0)), motion)[0]
-    np.testing.assert_array_equal(without, bounded)
 
 
 def test_estimates_are_recorded_before_each_command():

@@ -1,4 +1,4 @@
-"""A sample that is no measurement: every controller holds its last command, learns nothing, counts it and recovers."""
+"""A sample that is not finite: every controller holds its last command, learns nothing, counts it and recovers."""
 
 import math
 
@@ -50,7 +50,7 @@ OWN = {"sample_rate": RATE, "command_limit": LIMIT}
 
 
 def parameters(kind):
-    """Those above, or, of a controller that nobody has tuned here, gains by their units where the default is 0."""
+    """Those above, or, for another controller, gains by their units where the default is 0."""
     struct = CONTROLLERS[kind][0]
     gains = {name: BY_UNIT[unit] for name, (unit, _) in struct.FIELDS.items() if unit in BY_UNIT}
     untuned = {name: gain for name, gain in gains.items() if struct().to_dict()[name] == 0.0}
@@ -63,7 +63,7 @@ def make(kind, **changes):
 
 
 def ask(controller, point, reading):
-    """The command for a reference (position, velocity, acceleration), which goes on at the same acceleration."""
+    """The command for a reference (position, velocity, acceleration) that continues at the same acceleration."""
     x, v, a = point
     if not hasattr(controller, "preview"):
         return controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=reading)
@@ -119,7 +119,7 @@ def draw_faults(seed, samples=4000, first=False):
     return faults
 
 
-@pytest.mark.parametrize(("kind", "seed"), covering(CONTROLLERS, range(4), rounds=2))
+@pytest.mark.parametrize(("kind", "seed"), covering(CONTROLLERS, range(4)))
 def test_a_controller_recovers_from_gaps(kind, seed):
     faults = draw_faults(seed, first=seed % 2 == 1)
     sound, undisturbed = run(make(kind), {})
@@ -136,7 +136,7 @@ def test_a_controller_recovers_from_gaps(kind, seed):
     assert off < 1.1 * off_undisturbed + (1e-4 if kind == "speed" else 2e-6)
 
 
-@pytest.mark.parametrize(("kind", "length"), covering(CONTROLLERS, [1, 2, 7, 16], rounds=2))
+@pytest.mark.parametrize(("kind", "length"), covering(CONTROLLERS, [1, 2, 7, 16]))
 def test_the_step_behind_a_gap_does_not_kick(kind, length):
     """Along a straight line a gap changes no later command: velocities are taken over the samples that passed."""
     changes = STILL.get(kind, {})
@@ -156,12 +156,12 @@ def test_the_step_behind_a_gap_does_not_kick(kind, length):
 
 
 @EVERY
-def test_a_gap_at_the_start_is_as_if_it_had_not_been(kind):
+def test_a_gap_at_the_start_changes_nothing(kind):
     late, fresh = make(kind), make(kind)
     points = motion(300)
     for fault in FAULTS:
         assert ask(late, points[0], fault) == 0.0
-        late.update(0.0)
+        late.update(fault)
     rng = np.random.default_rng(3)
     for point in points:
         reading = point[0] + 1e-6 * rng.normal()
@@ -173,19 +173,8 @@ def test_a_gap_at_the_start_is_as_if_it_had_not_been(kind):
     assert (late.samples_refused, fresh.samples_refused) == (len(FAULTS), 0)
 
 
-@pytest.mark.parametrize(("kind", "limit"), covering(CONTROLLERS, [0.0, LIMIT]))
-def test_without_any_reading_nothing_is_commanded(kind, limit):
-    controller = make(kind, command_limit=limit)
-    learned = controller.estimates
-    for k, point in enumerate(motion(100)):
-        assert ask(controller, point, FAULTS[k % len(FAULTS)]) == 0.0
-        controller.update(FAULTS[k % len(FAULTS)])
-    np.testing.assert_array_equal(controller.estimates, learned)
-    assert controller.samples_refused == 100
-
-
-@pytest.mark.parametrize(("kind", "place", "fault"), covering(CONTROLLERS, range(3), FAULTS, rounds=2))
-def test_a_reference_that_is_not_finite_is_refused_alike(kind, place, fault):
+@pytest.mark.parametrize(("kind", "place", "fault"), covering(CONTROLLERS, range(3), FAULTS))
+def test_a_reference_that_is_not_finite_is_refused_likewise(kind, place, fault):
     by_reference, by_reading = make(kind), make(kind)
     for k, point in enumerate(motion(60)):
         wrong = 20 <= k < 23
@@ -202,32 +191,17 @@ def test_a_reference_that_is_not_finite_is_refused_alike(kind, place, fault):
 
 
 @pytest.mark.parametrize(("kind", "fault"), covering(CONTROLLERS, FAULTS))
-def test_an_applied_command_that_is_not_finite_was_its_own(kind, fault):
-    told, untold = make(kind, command_limit=0.05), make(kind, command_limit=0.05)
+def test_an_applied_command_that_is_not_finite_is_replaced_by_the_computed_one(kind, fault):
+    one, other = make(kind, command_limit=0.05), make(kind, command_limit=0.05)
     rng = np.random.default_rng(1)
     for k, point in enumerate(motion(200)):
         reading = point[0] + 1e-5 * rng.normal()
-        command = ask(told, point, reading)
-        assert ask(untold, point, reading) == command
+        command = ask(one, point, reading)
+        assert ask(other, point, reading) == command
         applied = min(max(command, -0.05), 0.05)
-        told.update(applied)
-        untold.update(fault if k % 3 == 0 else applied)
-    assert untold.samples_refused == 0
-
-
-@pytest.mark.parametrize(("kind", "reading"), covering(CONTROLLERS, [9.9e11, -9.9e11, 1e6]))
-def test_a_huge_reading_leaves_no_lasting_harm(kind, reading):
-    """One that is just below the limit is a number as any other: what it does is undone by the readings behind it."""
-    controller = make(kind)
-    commands = []
-    points = motion(6000)
-    for k, point in enumerate(points):
-        commands.append(ask(controller, point, reading if k == 1000 else point[0]))
-        controller.update(cut(commands[-1]))
-    assert np.isfinite(commands).all()
-    assert np.isfinite(controller.estimates).all()
-    assert controller.samples_refused == 0
-    assert abs(commands[1000]) > 1e3  # nothing was held
+        one.update(applied)
+        other.update(fault if k % 3 == 0 else applied)
+    assert other.samples_refused == 0
 
 
 @EVERY
@@ -244,7 +218,7 @@ def test_what_is_held_is_cut_at_the_limit(kind):
 
 
 def test_a_held_speed_goes_through_its_delay():
-    """w = kp (v_r - v) of the samples 0, 1, 2; then w is held: the delay of 2.5 samples goes on."""
+    """w = kp (v_r - v) of the samples 0, 1, 2; then w is held: the delay of 2.5 samples continues."""
     controller = make("speed", mass=0.0, viscous=0.0, delay=2.5 / RATE, kp=1.0)
     found = []
     for k, velocity in enumerate([0.1, 0.2, 0.3, 9.0, 9.0, 9.0, 9.0, 9.0]):
@@ -253,7 +227,8 @@ def test_a_held_speed_goes_through_its_delay():
     np.testing.assert_allclose(found, [0.0, 0.0, 0.05, 0.15, 0.25, 0.3, 0.3, 0.3], rtol=1e-12, atol=1e-15)
 
 
-def test_a_gap_adds_nothing_to_the_integral():
+def test_a_refused_sample_changes_no_integral():
+    """Nothing is added in a gap, and the step of a sample that was cut is taken back once, not in each held sample."""
     controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.0)
     found = []
     for reading in [1e-3, 1e-3, math.nan, math.inf, math.nan, 1e-3]:
@@ -261,22 +236,8 @@ def test_a_gap_adds_nothing_to_the_integral():
         controller.update(found[-1])
     step = -1e5 * 1e-3 / RATE
     np.testing.assert_allclose(found, step * np.array([1, 2, 2, 2, 2, 3]), rtol=1e-12)
-
-
-def test_a_refused_sample_is_no_windup():
-    """The sum takes back the step of a sample that was cut once, not again in each sample that is held."""
     controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.03)
     for reading in [1e-3, 1e-3, math.nan, math.nan, math.nan]:
         command = controller.command(reference=0.0, reading=reading)
         controller.update(min(max(command, -0.03), 0.03))
     assert controller.command(reference=0.0, reading=0.0) == pytest.approx(-0.02, rel=1e-12)
-
-
-@EVERY
-def test_a_copy_keeps_the_count(kind):
-    controller = make(kind)
-    ask(controller, motion(1)[0], math.nan)
-    other = controller.copy()
-    ask(other, motion(1)[0], math.nan)
-    assert (controller.samples_refused, other.samples_refused) == (1, 2)
-    assert "samples_refused" in type(controller).__doc__

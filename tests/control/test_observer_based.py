@@ -1,11 +1,10 @@
-"""Observer-based cancellation: the controller against a second writing, the design against its own inequalities."""
+"""Observer-based cancellation: the controller against matrices, the design against its inequalities."""
 
 import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import cogging
@@ -28,15 +27,15 @@ def problem(**changes):
 
 
 class Reset:
-    """What lambda_0 begins with, from the whole history: of each stroke its direction, and its samples in a list."""
+    """The start of lambda_0 from the whole history: of each stroke its direction, and its samples in a list."""
 
     def __init__(self, velocity_min):
         self.velocity_min, self.strokes, self.way = velocity_min, [], 0.0
 
     def last(self, way):
-        """The estimate of the latest stroke in a direction that stands for it, or None.
+        """The representative estimate of the latest stroke in a direction, or None.
 
-        The last where |a*| was no more than its least so far and a hundredth of its largest so far, of the samples
+        It is the last where |a*| was at most its least so far plus a hundredth of its largest so far, of the samples
         above velocity_min if there are any.
         """
         found = [samples for one, samples in self.strokes if one == way and samples]
@@ -107,36 +106,12 @@ def literal(p, now, ahead, readings, applied):
     return np.array(commands), state, reset
 
 
-def against_matrices(p, now, ahead, seed):
-    """Compare commands and estimates with the literal ones, under drawn readings and applied commands."""
-    random, controller = np.random.default_rng(seed), cogging.ObserverBased(p)
-    readings = now[:, 0] + 1e-6 * random.normal(size=len(now))
-    applied = np.cumsum(random.normal(size=len(now))) * 0.1
-    found = []
-    for k in range(len(now)):
-        found.append(controller.command(reference=list(now[k]), ahead=list(ahead[k]), reading=readings[k]))
-        controller.update(applied[k])
-    expected, state, reset = literal(p, now, ahead, readings, applied)
-    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
-    np.testing.assert_allclose(controller.estimates, state, rtol=1e-6, atol=1e-7 * np.abs(state).max())
-    return reset
-
-
-def test_the_controller_against_matrices():
-    p = parameters(mass=0.7, delay=0.0, velocity_min=0.01)
-    motion = cogging.PointToPoint(
-        cogging.PointToPointParameters(distance=0.1, velocity=0.3, acceleration=3.0, jerk=100.0)
-    )
-    t = np.arange(1500) / p.sample_rate
-    preview = cogging.ObserverBased(p).preview
-    against_matrices(p, np.column_stack(motion.sample(t)), np.column_stack(motion.sample(t + preview)), seed=5)
-
-
 @pytest.mark.parametrize("velocity_min", [0.0, 0.02])
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_what_is_kept_of_lambda_0_and_where_it_begins_again(seed, velocity_min):
-    # Strokes of drawn length, direction and speed (below velocity_min too), some without a rest between, some that go
-    # on in the same direction; a velocity of rounding size at rest is rest.
+@pytest.mark.parametrize("seed", [1, 2])
+def test_commands_and_estimates_against_matrices(seed, velocity_min):
+    # Strokes of drawn length, direction and speed (below velocity_min too), some without a rest between, some that
+    # continue in the same direction; a velocity of rounding size at rest is rest. Readings and applied commands are
+    # drawn too.
     random = np.random.default_rng([2009, seed])
     p = parameters(mass=0.7, delay=0.0, velocity_min=velocity_min)
     speeds = []
@@ -146,45 +121,21 @@ def test_what_is_kept_of_lambda_0_and_where_it_begins_again(seed, velocity_min):
         speeds += [1e-18 * random.normal(size=random.choice([0, 1, 40])) * (velocity_min > 0)]
     velocity = np.concatenate([np.zeros(10), *speeds])
     now = np.column_stack([np.cumsum(velocity) / p.sample_rate, velocity, np.gradient(velocity) * p.sample_rate])
-    reset = against_matrices(p, now, now, seed)
+    ahead = np.concatenate([now[3:], np.repeat(now[-1:], 3, axis=0)])
+    controller = cogging.ObserverBased(p)
+    readings = now[:, 0] + 1e-6 * random.normal(size=len(now))
+    applied = np.cumsum(random.normal(size=len(now))) * 0.1
+    found = []
+    for k in range(len(now)):
+        found.append(controller.command(reference=list(now[k]), ahead=list(ahead[k]), reading=readings[k]))
+        controller.update(applied[k])
+    expected, state, reset = literal(p, now, ahead, readings, applied)
+    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
+    np.testing.assert_allclose(controller.estimates, state, rtol=1e-6, atol=1e-7 * np.abs(state).max())
     ways = [way for way, _ in reset.strokes]
-    assert ways.count(1.0) >= 2
-    assert ways.count(-1.0) >= 2
+    assert min(ways.count(1.0), ways.count(-1.0)) >= 2
     assert any(one == other for one, other in pairwise(ways))
-    slow = [max(speed for speed, *_ in learnt) < 0.02 for _, learnt in reset.strokes]
-    assert any(slow)
-    assert not all(slow)
-
-
-def test_backwards_is_the_mirror_of_forwards():
-    # x -> -x, u -> -u turns the machine round: with phases turned too the errors are exactly opposite.
-    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
-    errors = []
-    for sign in (1.0, -1.0):
-        sine = [[-gains.amplitude]] * 3
-        cosine = [[-sign * 0.5 * gains.amplitude]] * 3
-        machine = cogging.Plant(
-            cogging.AxisParameters(mass=1.0, viscous=1.0, travel=[-0.6, 0.6]),
-            cogging=cogging.CoggingModel(cogging.SplineHarmonics(periods=PERIODS), sine, cosine),
-        )
-        motion = cogging.PointToPoint(
-            cogging.PointToPointParameters(distance=sign * 0.4, velocity=0.4, acceleration=4.0, jerk=200.0, dwell=0.1)
-        )
-        controller = malaize2009_setup.observer(motor, gains)
-        log = cogging.closed_loop(machine, controller, motion)
-        errors.append(log.true_position - log.reference)
-    np.testing.assert_allclose(errors[1], -errors[0], atol=1e-9)
-    assert np.abs(errors[0]).max() > 1e-6
-
-
-def test_a_wrong_sign_of_the_gain_diverges():
-    # One K cannot serve both directions: without mirroring (here: the harmonics' cosine gains turned) it diverges.
-    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
-    turned = np.array(gains.observer_gain)
-    turned[4::2] *= -1.0
-    controller = cogging.ObserverBased(parameters(observer_gain=list(turned)))
-    with pytest.raises(cogging.DivergedError, match="diverged at"):
-        malaize2009_setup.run(malaize2009_setup.plant(motor, gains.amplitude), controller, motor)
+    assert {max(speed for speed, *_ in learnt) < 0.02 for _, learnt in reset.strokes} == {False, True}
 
 
 def test_rotation_by_the_measured_position_works_too():
@@ -207,7 +158,7 @@ def test_the_design_is_certified_by_its_inequalities(design):
     assert design.condition < 1e4
     # gamma_c against the state space: the norm of C_c (s - alpha - A + B L)^-1 B.
     a = np.array([[0.0, 1.0], [-(task.omega**2), -2 * task.omega]]) + task.decay_rate * np.eye(2)
-    omega = np.concatenate([[0.0], np.logspace(-2, 5, 4001)])
+    omega = np.concatenate([[0.0], np.logspace(-2, 5, 2001)])
     gain = [abs(np.linalg.solve(1j * w * np.eye(2) - a, [0.0, 1.0])[1]) for w in omega]
     assert design.gamma_c == pytest.approx(max(gain), rel=1e-4)
     assert design.gamma_n == pytest.approx(1 / (2 * np.pi * design.gamma_c * design.gamma_o), rel=1e-12)
@@ -233,7 +184,7 @@ def test_the_frozen_observer_has_the_certified_gain(design):
         c_o = np.array([0.0, design.velocity_gain, 1.0] + [1.0, 0.0] * n)
         b_o = np.eye(2 * n + 3)[:, 3:]
         worst = 0.0
-        for w in np.linspace(0.0, 1500.0, 1501):
+        for w in np.linspace(0.0, 1500.0, 301):
             response = c_o @ np.linalg.solve((1j * w - task.decay_rate) * np.eye(2 * n + 3) - a, b_o)
             worst = max(worst, np.linalg.norm(response))
         assert worst < design.gamma_o
@@ -247,9 +198,7 @@ def test_a_gain_that_grows_with_velocity_certifies_more(design):
 
 
 def test_random_machines_decay_as_certified(design):
-    rates = [malaize2009_study.decay(MOTORS["ironcore"], design, seed) for seed in range(4)]
-    print(f"\ndecay of 4 random machines inside the certificate: {np.round(rates, 1)} 1/s, certified 3")
-    assert min(rates) > 3.0
+    assert min(malaize2009_study.decay(MOTORS["ironcore"], design, seed) for seed in range(2)) > 3.0
 
 
 RULES = [
@@ -316,23 +265,3 @@ def test_observer_error_of_the_true_model_is_that_of_the_sampling():
     at_speed = (log.time > 5.0) & (log.time < 9.0)
     assert error[at_speed].max() < 1e-9 * 5
     assert gains.lambda_star == pytest.approx(5.0, rel=0.01)
-
-
-def test_the_simulated_plant_is_equation_1():
-    # (1), (2) by an independent integrator: u held at zero, start at speed.
-    motor = MOTORS["ironless"]
-    machine = malaize2009_setup.plant(motor, 0.02)
-    still = cogging.PointToPoint(cogging.PointToPointParameters(distance=1e-9, velocity=1.0, acceleration=1.0))
-    silent = cogging.Pid(cogging.PidParameters(sample_rate=10_000.0))
-    log = cogging.closed_loop(machine, silent, still, duration=0.5, initial_velocity=0.2)
-    phases = np.arange(2)
-
-    def rate(_, state):
-        x, v = state
-        push = sum(
-            0.02 * s * np.sin(2 * np.pi * x / p + f) for s, p, f in zip(motor.shape, motor.periods, phases, strict=True)
-        )
-        return [v, push - v - 0.005]
-
-    exact = solve_ivp(rate, (0, 0.5), [0.0, 0.2], t_eval=log.time, rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(log.true_position, exact.y[0], atol=1e-9)

@@ -1,4 +1,4 @@
-"""At rest exactly where a motion began: what dies away ends at 0, and nothing that is kept is a denormal number."""
+"""At rest exactly where a motion began: decaying states end at 0, and no state is a denormal number."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ SMALLEST = np.finfo(float).tiny
 
 
 def states_at_rest(kind, start, seed):
-    """The numbers that a controller keeps, ten times a second over 10 s behind a motion from `start` that is drawn."""
+    """The states of a controller, ten times a second over 10 s after a drawn motion from `start`."""
     rng = np.random.default_rng([seed, *kind.encode()])
     struct, made = CONTROLLERS[kind]
     controller = made(struct(**FIELDS[kind]))
@@ -40,16 +40,12 @@ def step(controller, point, reading):
     controller.update(command)
 
 
-@pytest.mark.parametrize(("kind", "start", "seed"), covering(FIELDS, [0.0, 0.2], range(3), rounds=2))
+@pytest.mark.parametrize(("kind", "start", "seed"), covering(FIELDS, [0.0, 0.2], range(3)))
 def test_no_state_is_denormal(kind, start, seed):
-    size = np.abs(states_at_rest(kind, start, seed))
+    states = states_at_rest(kind, start, seed)
+    size = np.abs(states)
     assert np.isfinite(size).all()
     assert not ((size > 0.0) & (size < SMALLEST)).any()
-
-
-def test_the_filter_of_the_readings_dies_away():
-    """eta of the output feedback falls by 1/e in 5 ms: behind 10 s it would be exp(-2000) of what it was."""
-    states = states_at_rest("output_feedback_arc", 0.2, seed=7)
-    lost = (states[0] != 0.0) & (states[-1] == 0.0)
-    assert np.count_nonzero(lost) >= 2
-    assert np.abs(states[-1]).max() > 0.1
+    if kind == "output_feedback_arc":  # eta falls by 1/e in 5 ms: after 10 s it would be exp(-2000) of what it was
+        assert np.count_nonzero((states[0] != 0.0) & (states[-1] == 0.0)) >= (2 if start else 0)
+        assert size[-1].max() > 0.1

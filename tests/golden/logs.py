@@ -1,7 +1,7 @@
 """The closed loops that the golden comparison runs: every controller and every effect, by fields alone.
 
 Only `cogging.Model.from_dict`, `cogging.simulate` and a log's `time`, `position` and `command` are used, so that what
-stands behind them may be rebuilt.
+is behind them may be rebuilt.
 """
 
 from __future__ import annotations
@@ -110,5 +110,5 @@ def effect_log(names: list[str], friction: str) -> Any:
 def summary(log: Any) -> dict[str, Any]:
     """Rows, and the rms and last value of each column of a log."""
     columns = {name: np.asarray(getattr(log, name)) for name in COLUMNS}
-    told = {name: {"rms": float(np.sqrt(np.mean(c**2))), "last": float(c[-1])} for name, c in columns.items()}
-    return {"rows": len(log.time), **told}
+    values = {name: {"rms": float(np.sqrt(np.mean(c**2))), "last": float(c[-1])} for name, c in columns.items()}
+    return {"rows": len(log.time), **values}

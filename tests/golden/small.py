@@ -24,7 +24,7 @@ HIDDEN: dict[str, tuple[dict[str, float], list[str]]] = {
 
 def logs() -> dict[str, Any]:
     """Rms and last value of a log of every controller and every effect, sticking and smooth in turn."""
-    told = {}
+    found = {}
     for turn, (kind, name) in enumerate(
         [("controller", name) for name in golden_logs.CONTROLLERS] + [("effect", name) for name in golden_logs.EFFECTS]
     ):
@@ -33,8 +33,8 @@ def logs() -> dict[str, Any]:
             log = golden_logs.controller_log(name, friction)
         else:
             log = golden_logs.effect_log([name], friction)
-        told[f"{kind} {name}, {friction}"] = golden_logs.summary(log)
-    return told
+        found[f"{kind} {name}, {friction}"] = golden_logs.summary(log)
+    return found
 
 
 def paper(name: str) -> Any:
@@ -61,12 +61,12 @@ def verdict(hidden: str) -> dict[str, Any]:
 
 def write() -> None:
     """Write the values of today."""
-    told = {
+    found = {
         "logs": logs(),
         "papers": {name: paper(name) for name in PAPERS},
         "verdicts": {hidden: verdict(hidden) for hidden in HIDDEN},
     }
-    FILE.write_text(json.dumps(told, indent=1) + "\n")
+    FILE.write_text(json.dumps(found, indent=1) + "\n")
     print(f"{FILE} written")
 
 

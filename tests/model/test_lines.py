@@ -1,4 +1,4 @@
-"""Where a key stands in a text, for errors that name its line."""
+"""The line of a key in a text, for errors that name it."""
 
 import pytest
 

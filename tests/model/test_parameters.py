@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
-from cogging.identification.determinability import size_of
 from cogging.model.parameters import (
     Parameter,
-    Scales,
     central,
     effect_at,
     effect_paths,
@@ -15,8 +13,6 @@ from cogging.model.parameters import (
     role_of,
     with_values,
 )
-
-SCALES = Scales(force=2.0, position=0.5, velocity=0.4, acceleration=5.0, time=20.0, sample_time=2e-4)
 
 
 @pytest.fixture
@@ -99,22 +95,6 @@ def test_roles(model):
     assert roles["effects.end_effect.travel[0]"] == "setting"
 
 
-def test_sizes(model):
-    known = parameters_of(model)
-    sizes = {path: size_of(model, parameter, SCALES) for path, parameter in known.items()}
-    assert sizes["axis.mass"] == 1.5  # itself
-    assert sizes["effects.constant_force.force"] == 2.0  # what would do as much as the command
-    assert sizes["effects.cogging_harmonic[0].period"] == 0.024
-    assert sizes["effects.position_dependent_friction.levels[0]"] == 0.7  # the Coulomb level
-
-
-@pytest.mark.parametrize("unit", ["V", "V/m", "V/(m/s)", "V/(m/s)^2", "V/(m/s^2)", "m", "m/s", "s", "Hz", "1"])
-def test_a_step_is_small_and_above_zero_whatever_the_unit(unit):
-    for value in (0.0, 0.01 * SCALES.of(unit), -SCALES.of(unit)):
-        step = SCALES.step(Parameter("effects.x.y", value, unit))
-        assert 0.0 < step <= 1e-2 * max(abs(value), SCALES.of(unit))
-
-
 def test_the_effect_at_a_path(model):
     assert effect_at(model, "effects.constant_force.force") is model.effects[0]
     assert effect_at(model, "effects.cogging_harmonic[1].period") is model.effects[3]
@@ -122,11 +102,6 @@ def test_the_effect_at_a_path(model):
     for path in ("effects.cable_spring.stiffness", "effects.constant_force.stiffness", "axis.mass"):
         with pytest.raises(ValueError, match=f"{path}: must be a parameter of an effect"):
             effect_at(model, path)
-
-
-def test_largest_scales_are_the_largest_and_the_shortest_sample_time():
-    other = Scales(force=1.0, position=0.7, velocity=0.1, acceleration=9.0, time=5.0, sample_time=1e-4)
-    assert Scales.largest(iter([SCALES, other])) == Scales(2.0, 0.7, 0.4, 9.0, 20.0, 1e-4)
 
 
 def test_a_step_of_a_fit_stays_where_the_parameter_may_be():
@@ -151,9 +126,6 @@ def test_difference_steps_stay_within_the_rules_of_the_fields(model):
     assert down.span == -0.02
     assert effect_at(down.above, travel.path).travel[0] == pytest.approx(travel.value - 0.02)
     assert central(up, travel, 0.02).span == pytest.approx(0.02)
-
-
-@pytest.mark.parametrize("step", [central, one_sided])
-def test_a_parameter_that_no_step_may_move_is_named(model, step):
-    with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
-        step(model, parameters_of(model)["axis.mass"], np.nan)
+    for step in (central, one_sided):
+        with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
+            step(model, parameters_of(model)["axis.mass"], np.nan)

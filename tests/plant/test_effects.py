@@ -1,4 +1,4 @@
-"""What an effect takes from its plant, and what it says of itself to programs that know no effect by name."""
+"""The fields that an effect gets from its plant, and its description for programs that know no effect by name."""
 
 import math
 import pickle
@@ -10,7 +10,7 @@ import cogging
 from tests.fixtures.own_laws import COPIES, own_eddy
 from tests.fixtures.plants_by_hand import TWO_PI, effect, example, spline, wave
 
-# What an effect takes from its plant ------------------------------------------------------------------------
+# Fields from the plant ------------------------------------------------------------------------------------------------
 
 VALUES = {"sine": [0.5, 0.2, -0.4, 0.8, 0.1], "cosine": [-0.3, 0.6, 0.2, 0.0, 0.4]}
 POSITIONS = np.linspace(-0.05, 0.3, 1001)
@@ -32,7 +32,7 @@ def modulation_force(plant, axis):
 
 
 @pytest.mark.parametrize(("order", "points"), [(3, 5), (1, 5), (4, 5), (3, 1)])
-def test_a_modulation_stands_on_the_knots_of_the_cogging(order, points):
+def test_a_modulation_uses_the_knots_of_the_cogging(order, points):
     axis = cogging.AxisParameters(mass=0.4, travel=[-0.012, 0.5])
     one = effect("cogging_modulation", period=0.05, **VALUES)
     model = cogging_model(order, points)
@@ -49,26 +49,24 @@ def test_a_modulation_stands_on_the_knots_of_the_cogging(order, points):
     assert pickle.loads(pickle.dumps(alone)) == alone
 
 
-def test_a_modulation_equals_the_cogging_of_its_amplitudes():
+def test_a_modulation_has_knots_of_its_own_or_needs_those_of_the_cogging():
     axis = cogging.AxisParameters(mass=0.4)
-    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1], order=3, origin=0.02, control_points=5)
-    model = cogging.CoggingModel(basis, [VALUES["sine"]], [VALUES["cosine"]])
-    one = effect("cogging_modulation", period=0.05, pitch=0.05, origin=0.02, **VALUES)
-    np.testing.assert_allclose(one.force_at(position=POSITIONS), -model.force(POSITIONS), rtol=0, atol=1e-14)
     constant = effect("cogging_modulation", period=0.05, pitch=1.0, sine=[0.3], cosine=[0.2])
     np.testing.assert_allclose(constant.force_at(position=POSITIONS), -wave(POSITIONS, 0.05, 0.3, 0.2), atol=1e-14)
-    with pytest.raises(ValueError, match=r"^cogging_modulation\.pitch: must be given where there is no \[cogging\]"):
-        cogging.Plant(axis, effects=[effect("cogging_modulation", **VALUES)])
-    with pytest.raises(ValueError, match=r"^cogging_modulation\.pitch: must be given where there is no \[cogging\]"):
-        effect("cogging_modulation", **VALUES).force_at()
-    with pytest.raises(ValueError, match=r"^cogging_modulation\.sine: .* of \[cogging\] = 7, got 5"):
-        cogging.Plant(axis, cogging=cogging_model(3, 7), effects=[effect("cogging_modulation", **VALUES)])
-    two = effect("cogging_modulation", sine=[1, 2], cosine=[1, 2])
-    with pytest.raises(ValueError, match=r"^sine: more than one value must be at least the order = 3, got 2"):
-        cogging.Plant(axis, cogging=cogging_model(3, 1), effects=[two])
+    one, two = effect("cogging_modulation", **VALUES), effect("cogging_modulation", sine=[1, 2], cosine=[1, 2])
+    rule = r"cogging_modulation\.pitch: must be given where there is no \[cogging\]"
+    calls = [(lambda: cogging.Plant(axis, effects=[one]), rule), (lambda: one.force_at(), rule)]
+    for model, law, message in (
+        (cogging_model(3, 7), one, r"cogging_modulation\.sine: .* of \[cogging\] = 7, got 5"),
+        (cogging_model(3, 1), two, "sine: more than one value must be at least the order = 3, got 2"),
+    ):
+        calls.append((lambda model=model, law=law: cogging.Plant(axis, cogging=model, effects=[law]), message))
+    for call, message in calls:
+        with pytest.raises(ValueError, match=f"^{message}"):
+            call()
 
 
-def test_an_end_effect_takes_the_ends_of_the_travel():
+def test_an_end_effect_uses_the_ends_of_the_travel():
     fields = {"force": 0.9, "decay_length": 0.03}
     own = effect("end_effect", travel=[-0.1, 0.4], **fields)
     axis = cogging.AxisParameters(mass=0.4, travel=[-0.1, 0.4])
@@ -84,13 +82,13 @@ def test_an_end_effect_takes_the_ends_of_the_travel():
         taken.force_at(position=0.1)
 
 
-# What an effect says of itself -----------------------------------------------------------------------------
+# Roles ----------------------------------------------------------------------------------------------------------------
 
 
-#: Each effect of the list, and some of a user's own, as they are when they do nothing.
+#: Each effect of the list, and some custom ones, with neutral parameters.
 NEUTRAL = {name: kind() for name, kind in cogging.EFFECTS.items()}
 NEUTRAL |= {one.NAME: one.neutral() for one in (own_eddy(), *(make() for make, _ in COPIES.values()))}
-#: The same as they are when they do something.
+#: The same with other parameters.
 ACTIVE = {name: example(name) for name in cogging.EFFECTS}
 ACTIVE |= {make().NAME: make().replace(**fields) for make, fields in COPIES.values()}
 ACTIVE |= {"eddy_drag": own_eddy().replace(slope=1.3, corner=0.4)}
@@ -152,11 +150,11 @@ def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
             np.testing.assert_array_equal(answer(one.replace(**{field: role["neutral"]})), 0.0)
 
 
-# What parameters are together ----------------------------------------------------------------------------------------
+# Groups of parameters -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
-def test_kinds_name_fields_that_are_what_the_kind_says(name):
+def test_fields_of_a_kind_fit_it(name):
     kind_of, one = cogging.EFFECTS[name], cogging.EFFECTS[name]()
     roles = kind_of.ROLES
     for kind in kind_of.KINDS:
@@ -185,7 +183,7 @@ def test_kinds_name_fields_that_are_what_the_kind_says(name):
             assert getattr(one.resolved(cogging.AxisParameters(travel=[0.1, 0.4])), kind.ends) == [0.1, 0.4]
 
 
-def test_every_effect_whose_fields_belong_together_says_so():
+def test_every_group_of_fields_is_declared():
     said = {name: {type(kind).__name__ for kind in effect.KINDS} for name, effect in cogging.EFFECTS.items()}
     for name, law in cogging.EFFECTS.items():
         fields = set(law.FIELDS)

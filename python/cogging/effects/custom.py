@@ -215,7 +215,7 @@ class Custom(OwnLaws):
         used = {argument for arguments in taken.values() for argument in arguments}
         for key in specified:
             if key not in used:
-                raise ValueError(f"{name}.{key}: must be taken by a law, which take {', '.join(sorted(used))}")
+                raise ValueError(f"{name}.{key}: must be an argument of a law, one of {', '.join(sorted(used))}")
         scales = {"length_scale": length_scale, "velocity_scale": velocity_scale, "time_scale": time_scale}
         definition = Definition(
             name,
@@ -309,7 +309,7 @@ class Custom(OwnLaws):
         return self.replace(**values)
 
     def resolved(self, axis: AxisParameters, cogging: CoggingModel | None = None) -> Custom:
-        """Return itself: it takes nothing from the plant."""
+        """Return itself: no parameter comes from the plant."""
         return self
 
     def same_definition(self, other: Any) -> bool:
@@ -432,7 +432,7 @@ def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mappin
         raise ValueError(f"{label}: must be compiled code; give a Python function itself, not a ctypes callback of it")
     for key, one in parameters.items():
         if not isinstance(one.value, int | float):
-            raise ValueError(f"{label}: a compiled law takes numbers alone, got the list {key!r}")
+            raise ValueError(f"{label}: a compiled law accepts numbers only, got the list {key!r}")
     types = tuple(function.argtypes or ())
     if function.restype is not ctypes.c_double or types != (ctypes.c_double,) * len(known):
         arguments = ", ".join(getattr(one, "__name__", str(one)) for one in types)

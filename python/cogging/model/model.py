@@ -100,7 +100,7 @@ class Model(ByValue):
             raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
         if self.controller is not None and not isinstance(self.controller, PARAMETERS):
             rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
-            own = "simulate(model, reference, controller=...) takes a controller of your own"
+            own = "simulate(model, reference, controller=...) accepts a controller of your own"
             own = "give its .parameters" if hasattr(self.controller, "parameters") else own
             raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         if self.controller is not None:

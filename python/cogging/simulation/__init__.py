@@ -1,1 +1,1 @@
-"""Closed-loop runs of a model, and the motions that they are asked for."""
+"""Closed-loop runs of models, sweeps of many runs, and reference motions."""

@@ -15,20 +15,20 @@ _TO_MODEL = {
     "dict": "Model.from_dict makes a model of it",
     "Plant": "closed_loop(plant, controller, reference) runs one",
     "AxisParameters": "Model(axis=...) makes a model of it",
-    "Log": "the log stands before the model",
+    "Log": "the log comes before the model",
 }
 _TO_LOG = {
     "dict": "Log.of makes a log of columns by name",
     "ndarray": "Log(time=..., position=..., command=...) makes a log of columns",
     "DataFrame": "Log.of makes a log of columns by name",
-    "Model": "the log stands before the model",
+    "Model": "the log comes before the model",
 }
 _TO_REFERENCE = {
     "PointToPointParameters": "PointToPoint(parameters) is the motion",
     "SineParameters": "Sine(parameters) is the motion",
     "FilteredSineParameters": "FilteredSine(parameters) is the motion",
     "ndarray": "Sampled(time, position) makes a motion of it",
-    "Model": "the model stands before the reference",
+    "Model": "the model comes before the reference",
 }
 
 MODEL = Kind((Model, *PATH), "a Model or the path of a model file", hints=_TO_MODEL)

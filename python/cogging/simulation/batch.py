@@ -136,7 +136,7 @@ class Batch(RunsTable, Sequence[Log]):
                 self.units,
             )
         if not self.with_logs:
-            raise ValueError("logs: must be asked for to be kept: closed_loop_batch(..., logs=True)")
+            raise ValueError("logs: must be recorded to be read: closed_loop_batch(..., logs=True)")
         run = range(len(self))[which]
         for failure in self.failures:
             if failure.run == run:

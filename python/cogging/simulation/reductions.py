@@ -86,7 +86,7 @@ def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
     names = (*INDEXES, *(name for name in reductions if name not in INDEXES))
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"reductions: must be asked for once each, got {name} twice")
+            raise ValueError(f"reductions: must be listed once each, got {name} twice")
     return names
 
 

@@ -108,7 +108,7 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
     elif not isinstance(file, str):
         raise FieldError("", "file", f"must name a CSV file, got {quoted(file)}")
     elif len(fields) > 1:
-        raise FieldError("", "file", f"must stand without samples beside it, got {', '.join(fields)}")
+        raise FieldError("", "file", f"must be given without samples, got {', '.join(fields)}")
     else:
         optional = ("reference_velocity", "reference_acceleration")
         table = read_columns(folder / file, ("time", "reference"), optional=optional)

@@ -144,8 +144,8 @@ class SweepRuns(RunsTable):
             low, middle, high = np.quantile(values, (0.05, 0.5, 0.95)) if values.size else (np.nan,) * 3
             unit = (self.units.get(name) or unit_of(name)).removeprefix("1")
             lines.append(f"  {name:<24}{middle:>12.4g}   {low:.4g} to {high:.4g} {unit}".rstrip())
-        told = ", ".join(f"{path} {100.0 * share:.0f} %" for path, share in self.influence().items())
-        lines.append(f"  share of the spread of error_rms that each input explains alone: {told}")
+        shares = ", ".join(f"{path} {100.0 * share:.0f} %" for path, share in self.influence().items())
+        lines.append(f"  share of the spread of error_rms that each input explains alone: {shares}")
         alike: dict[str, list[str]] = {}  # reasons that differ in numbers
         for reason in filter(None, map(str, self.table["reason"])):
             alike.setdefault(re.sub(r"\d[\d.e+-]*", "", reason), []).append(reason)
@@ -288,7 +288,9 @@ def sweep(
     if is_parquet(out):
         library("pyarrow")
     target_of(out)
-    digest = digest_of(setup.model, _arguments_of(common, points))
+    asked = {"reference": reference_to_dict(setup.reference), "paths": list(common.paths), "points": points}
+    asked |= {"seed": common.seed, "duration": common.duration, "window": list(common.window)}
+    digest = digest_of(setup.model, {**asked, "reductions": list(common.reductions)})
     if digest is None:
         found = _completed(common, _table(common, points, None, executor, progress))
         found.write(out)
@@ -328,19 +330,6 @@ def _setup(model: Any, reference: Any) -> tuple[Setup, float]:
         raise (error if model is path else InputError(f"{path}: {error}")) from None
     motion, duration = motion_of(reference)
     return Setup(model, motion), duration
-
-
-def _arguments_of(common: Piece, points: FloatArray) -> dict[str, Any]:
-    """Return what determines the table, beside the model."""
-    return {
-        "reference": reference_to_dict(common.setup.reference),
-        "paths": list(common.paths),
-        "points": points,
-        "seed": common.seed,
-        "duration": common.duration,
-        "window": list(common.window),
-        "reductions": list(common.reductions),
-    }
 
 
 def _table(
@@ -632,10 +621,22 @@ def run_elsewhere(
         line = f"executor: {type(executor).__name__} {' '.join(what.split())}"
         return InputError("; ".join(filter(None, (line, notice()))))
 
+    client: Any = getattr(executor, "_client", None)  # of Dask, whose tasks wait for a worker for ever; no public name
+    seen = math.inf  # when there was a worker; before the first, as in a queue, waiting has no limit
+
+    def has_lost_its_workers(worked: bool) -> bool:
+        nonlocal seen
+        if not hasattr(client, "nthreads"):
+            return False
+        with contextlib.suppress(Exception):  # its futures report what happened
+            if worked or client.nthreads():
+                seen = time.monotonic()
+            return time.monotonic() - seen > GONE_MOST
+        return False
+
     stop = StopFlag()
     waiting: set[Future[Any]] = set()
     left = iter(pieces)
-    workers = _Workers(executor)
     try:
         while True:
             for piece in left:
@@ -652,7 +653,7 @@ def run_elsewhere(
                 if refused:
                     raise failed(f"has a worker that {refused}: {found}")
                 yield found
-            if workers.gone(bool(done)):
+            if has_lost_its_workers(bool(done)):
                 raise failed(f"has had no worker left for {GONE_MOST:g} s")
     except (InputError, MemoryError):
         raise
@@ -689,25 +690,6 @@ def _submitted(function: Callable[[Any], Any], piece: Any, executor: Executor, s
     return executor.submit(eval, CALL, given)
 
 
-class _Workers:
-    """Watches whether all workers are gone: a task of Dask would wait for a new one for ever."""
-
-    def __init__(self, executor: Executor) -> None:
-        self._client = getattr(executor, "_client", None)  # of Dask; it has no public name
-        self._last = float("inf")  # when there was a worker; before the first, as in a queue, waiting has no limit
-
-    def gone(self, worked: bool) -> bool:
-        """Return whether there has been no worker for GONE_MOST; `worked`: one has just finished a piece."""
-        if self._client is None or not hasattr(self._client, "nthreads"):
-            return False
-        try:
-            if worked or self._client.nthreads():
-                self._last = time.monotonic()
-        except Exception:  # its futures report what happened
-            return False
-        return time.monotonic() - self._last > GONE_MOST
-
-
 # Sweep files, and what they share with tune files ---------------------------------------------------------------------
 
 #: Keys of a sweep file: type and meaning.
@@ -718,8 +700,8 @@ KEYS: dict[str, tuple[type, str]] = {
     "runs": (int, "how many, but for a grid; default 1000"),
     "seed": (int, "of draws and noise: run i has the noise of seed + i; default 0"),
     "duration": (float, "s; default that of the reference"),
-    "start": (float, "s; indexes look at the rows from then on"),
-    "stop": (float, "s; indexes look at the rows before"),
+    "start": (float, "s; indexes use the rows from this time on"),
+    "stop": (float, "s; indexes use the rows before this time"),
     "final_window": (float, "s, of error_final_max; default 2"),
     "reductions": (list, "beside the indexes, such as error_quantile(0.95), command_max, error_tone(3.0)"),
     "vary": (dict, 'how each number is varied, by path; or "bounds": all that the model has [bounds] for'),

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -141,54 +140,18 @@ def _like(old: Any, value: float, path: str) -> float | int:
     return int(value)
 
 
-@dataclass(frozen=True)
-class Variation:
+class Variation(NamedTuple):
     """How one number varies.
 
     Attributes:
         path: of the number.
-        values: to choose from, or none.
-        ends: from and to, or none.
-        points: of a grid between the ends.
-        logarithmic: whether the points, or the density, are uniform in the logarithm.
-        middle, sides: of a normal distribution: its median, and its deviation below and above, or none.
+        of_shares: quantiles of its distribution at shares from 0 to 1.
+        grid: returns the values of a grid; None if it has none.
     """
 
     path: str
-    values: tuple[float, ...] = ()
-    ends: tuple[float, float] | None = None
-    points: int = 0
-    logarithmic: bool = False
-    middle: float = 0.0
-    sides: tuple[float, float] | None = None
-
-    def grid(self) -> FloatArray:
-        """Return the values of a grid."""
-        if self.values:
-            return np.array(self.values)
-        if self.ends is None or not self.points:
-            drawn = ", ".join(METHODS[1:])
-            raise FieldError(
-                "vary", self.path, f"must have values, or from, to and points, on a grid; the methods {drawn} draw it"
-            )
-        space = np.geomspace if self.logarithmic else np.linspace
-        return np.asarray(space(*self.ends, self.points), dtype=float)
-
-    def of_shares(self, shares: FloatArray) -> FloatArray:
-        """Return the quantiles of the distribution at shares from 0 to 1."""
-        from scipy.special import ndtri
-
-        if self.values:
-            places = np.minimum((shares * len(self.values)).astype(int), len(self.values) - 1)
-            chosen: FloatArray = np.asarray(self.values, dtype=float)[places]
-            return chosen
-        if self.sides is not None:
-            normal = ndtri(np.clip(shares, TINY, 1.0 - TINY))
-            return np.asarray(self.middle + normal * np.where(normal > 0, self.sides[1], self.sides[0]))
-        low, high = self.ends or (0.0, 1.0)
-        if self.logarithmic:
-            return np.asarray(low * (high / low) ** shares)
-        return np.asarray(low + (high - low) * shares)
+    of_shares: Callable[[FloatArray], FloatArray]
+    grid: Callable[[], FloatArray] | None = None
 
 
 def variation_of(path: str, stated: Any, model: Model) -> Variation:
@@ -213,11 +176,16 @@ def variation_of(path: str, stated: Any, model: Model) -> Variation:
     if "values" in table:
         if not table["values"]:
             raise FieldError("vary", path, "values: must hold at least one number, got none")
-        return Variation(path, tuple(map(float, table["values"])))
+        values, last = np.array(table["values"], dtype=float), len(table["values"]) - 1
+
+        def chosen(shares: FloatArray) -> FloatArray:
+            return np.asarray(values[np.minimum(shares * len(values), last).astype(int)])
+
+        return Variation(path, chosen, lambda: values)
     if "mean" in table:
         if table["deviation"] < 0:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
-        return Variation(path, middle=float(table["mean"]), sides=(float(table["deviation"]),) * 2)
+        return _normal(path, table["mean"], table["deviation"], table["deviation"])
     return _between(path, table)
 
 
@@ -231,7 +199,18 @@ def _within_bounds(path: str, model: Model) -> Variation:
     if interval is None:
         raise FieldError("vary", path, "must have a finite interval in the model's [bounds], got none")
     value = intervals.value(path)
-    return Variation(path, middle=value, sides=((value - interval[0]) / SIGMAS_95, (interval[1] - value) / SIGMAS_95))
+    return _normal(path, value, (value - interval[0]) / SIGMAS_95, (interval[1] - value) / SIGMAS_95)
+
+
+def _normal(path: str, median: float, below: float, above: float) -> Variation:
+    """Return a normal distribution with other deviations below and above its median."""
+    from scipy.special import ndtri
+
+    def quantiles(shares: FloatArray) -> FloatArray:
+        normal = ndtri(np.clip(shares, TINY, 1.0 - TINY))
+        return np.asarray(median + normal * np.where(normal > 0, above, below))
+
+    return Variation(path, quantiles)
 
 
 def _require_seeds(table: Mapping[str, Any]) -> None:
@@ -253,7 +232,12 @@ def _between(path: str, table: Mapping[str, Any]) -> Variation:
         raise FieldError("vary", path, f"from: must be above 0 on a logarithmic scale, got {low!r}")
     if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
         raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
-    return Variation(path, ends=(float(low), float(high)), points=points or 0, logarithmic=scale == "log")
+    low, high = float(low), float(high)
+    space: Any = np.geomspace if scale == "log" else np.linspace
+    grid = (lambda: np.asarray(space(low, high, points))) if points else None
+    if scale == "log":
+        return Variation(path, lambda shares: np.asarray(low * (high / low) ** shares), grid)
+    return Variation(path, lambda shares: np.asarray(low + (high - low) * shares), grid)
 
 
 def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any, Any], threads: Any = 0) -> None:
@@ -283,8 +267,14 @@ def points_of(variations: list[Variation], method: str, runs: int, seed: int) ->
     """Return the values of each run, (runs, variations); the same arguments give the same points."""
     count = len(variations)
     if method == "grid":
-        axes = [variation.grid() for variation in variations]
-        runs = math.prod(len(axis) for axis in axes)
+        drawn = ", ".join(METHODS[1:])
+        rule = f"must have values, or from, to and points, on a grid; the methods {drawn} draw it"
+        axes = []
+        for variation in variations:
+            if variation.grid is None:
+                raise FieldError("vary", variation.path, rule)
+            axes.append(variation.grid())
+        runs = math.prod(map(len, axes))
     elif method not in METHODS:
         near = nearest(str(method), METHODS)
         raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}{near}")

@@ -1,0 +1,48 @@
+"""Linear algebra of the package: correlation at every shift, and least squares that do not depend on units."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.signal import correlate
+
+from cogging.arrays import cross_correlation, least_squares
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_correlation_at_every_shift_is_the_sum(seed):
+    rng = np.random.default_rng(seed)
+    row, other = (rng.normal(size=int(rng.integers(1, 300))) for _ in range(2))
+    found = cross_correlation(row, other)
+    assert found == pytest.approx(np.correlate(row, other, mode="full"), abs=1e-11)
+    assert found == pytest.approx(correlate(row, other, mode="full", method="fft"), abs=1e-12)
+
+
+def test_the_correlation_does_not_import_scipy_signal():
+    code = (
+        "import sys, numpy as np; from cogging.arrays import cross_correlation as c; "
+        "c(np.ones(9), np.ones(4)); print(any(name.startswith('scipy.signal') for name in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_least_squares_do_not_depend_on_units(seed):
+    rng = np.random.default_rng(seed)
+    p, n = rng.integers(1, 8), rng.integers(20, 200)
+    columns, units = rng.normal(size=(p, n)), 10.0 ** rng.uniform(-12, 12, p)
+    truth, noise = rng.normal(size=p), rng.normal(size=n)
+    found = least_squares(units[:, None] * columns, truth @ columns + noise)
+    assert found * units == pytest.approx(np.linalg.solve(columns @ columns.T, columns @ noise) + truth, rel=1e-10)
+
+
+@pytest.mark.parametrize(("apart", "determined"), [(1e-9, True), (1e-14, False)])
+def test_undetermined_directions_have_no_weight(apart, determined):
+    wave = np.sin(np.arange(100.0))
+    found = least_squares(np.stack([wave, np.zeros(100), 4.0 * wave]), 6.0 * wave)
+    assert found == pytest.approx([3.0, 0.0, 0.75])
+    one, other = np.random.default_rng(3).normal(size=(2, 300))
+    found = least_squares(np.stack([one, one + apart * other]), other)
+    assert (abs(found[1]) == pytest.approx(1.0 / apart, rel=1e-4)) == determined
+    assert determined or np.abs(found).max() < 1.0
