@@ -126,7 +126,9 @@ def test_the_source_archive_holds_what_git_holds(tmp_path, monkeypatch):
 
 def test_the_recipe_of_conda_asks_for_what_the_project_asks_for():
     text = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text()
-    assert f'version: "{PROJECT["project"]["version"]}"' in text
+    released = PROJECT["tool"]["setuptools_scm"]["fallback_version"].partition(".dev")[0]
+    assert f'version: "{released}"' in text
+    assert f"\nversion: {released}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     run = text.partition("  run:\n")[2].partition("\ntests:")[0]
     for wanted in PROJECT["project"]["dependencies"]:
         name, _, bound = wanted.partition(";")[0].strip().partition(">=")
