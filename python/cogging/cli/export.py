@@ -47,7 +47,6 @@ def add_parser(commands: Commands) -> None:
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="FILE", help="write the file")
     add_answer_options(group, json="the printed text")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -41,7 +41,6 @@ def add_parser(commands: Commands) -> None:
         help="write its motion (default: reference.toml)",
     )
     add_answer_options(group, json="all findings")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
