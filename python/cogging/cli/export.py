@@ -50,7 +50,7 @@ def add_parser(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Export the model, write the files, and print what the machine takes of it."""
+    """Export the model, write the files, and print what the machine uses of it."""
     if arguments.to not in FORMS:
         got = f"{quoted(arguments.to)}: {did_you_mean(arguments.to, FORMS)}"
         raise InputError(f"--to: must be one of {', '.join(FORMS)}, got {got}")
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _options() -> list[tuple[Option, list[str]]]:
-    """Return the options of all forms, each with the forms that take it."""
+    """Return the options of all forms, each with the forms that accept it."""
     found: dict[str, tuple[Option, list[str]]] = {}
     for form in FORMS.values():
         for option in form.options:

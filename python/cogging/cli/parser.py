@@ -51,7 +51,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_known_args(args, namespace)
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse as argparse does; the subcommand reports words that it does not take."""
+        """Parse as argparse does; the subcommand reports unknown words."""
         found, rest = self.parse_known_args(args, namespace)
         if rest:
             getattr(found, "parser", self).error(f"does not take {' '.join(rest)}")
