@@ -48,7 +48,9 @@ html_show_sphinx = False
 html_domain_indices = False  # the pages of the Python face list the same
 html_copy_source = False
 html_theme_options = {"sidebar_hide_name": False, "navigation_with_keys": False}
-templates_path: list[str] = []
+templates_path = ["_templates"]
+_sidebar = ("brand", "search", "scroll-start", "navigation", "scroll-end")  # those of furo
+html_sidebars = {"**": [*(f"sidebar/{part}.html" for part in _sidebar), "versions.html"]}
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 

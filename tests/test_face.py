@@ -62,8 +62,7 @@ def test_copies_are_equal_and_others_are_not():
 
 
 def test_one_field_makes_the_difference():
-    structs = [value for value in OBJECTS.values() if hasattr(value, "FIELDS")]
-    for value, field, was in ((one, *entry) for one in structs for entry in one.to_dict().items()):
+    for value, field, was in ((one, *entry) for one in structs() for entry in one.to_dict().items()):
         if not isinstance(was, float) or not np.isfinite(was):
             continue
         try:
@@ -103,7 +102,6 @@ def test_a_copied_controller_goes_on_as_the_one_it_was_copied_from(name):
 def test_compiled_controllers_are_equal_in_the_same_state():
     one = OBJECTS["CompiledController"].copy()
     other = one.copy()
-    assert one == other
     one.command((0.2, 0.0, 0.0), 0.1)
     assert one != other
     one.reset()
@@ -111,16 +109,13 @@ def test_compiled_controllers_are_equal_in_the_same_state():
     assert one == other
 
 
-def test_a_copied_log_stays_read_only():
-    for log in (copy.deepcopy(LOG), pickle.loads(pickle.dumps(LOG))):
-        with pytest.raises(ValueError, match="read-only"):
-            log.position[0] = 1.0
-
-
-def test_a_million_rows_are_one_line():
+def test_a_copied_log_stays_read_only_and_its_line_short():
     time = 1e-3 * np.arange(1_000_000)
     log = cogging.Log(time, np.zeros_like(time), np.zeros_like(time))
     assert repr(log) == "Log(1000000 rows, 999.999 s at 1000 Hz, 0 to 0 m)"
+    for one in (copy.deepcopy(LOG), pickle.loads(pickle.dumps(LOG))):
+        with pytest.raises(ValueError, match="read-only"):
+            one.position[0] = 1.0
 
 
 @pytest.mark.parametrize(
@@ -144,7 +139,7 @@ def test_same(one, other, equal):
     assert same(one, other) is equal
 
 
-@settings(derandomize=True, deadline=None, max_examples=80)
+@settings(derandomize=True, deadline=None, max_examples=40)
 @given(
     random=st.integers(0, 2**32 - 1),
     effects=st.lists(
@@ -193,13 +188,19 @@ def structs():
     return found
 
 
-def test_parameter_structs_are_read_only_and_say_their_units():
+def test_parameter_structs_are_read_only_say_what_their_fields_are_and_refuse_a_nan():
     for value in structs():
-        assert type(value)(**value.to_dict()) == value
+        kind = type(value)
+        assert kind(**value.to_dict()) == value
         for name, (_unit, meaning) in value.FIELDS.items():
-            assert meaning, f"{type(value).__name__}.{name} has no meaning"
+            assert meaning, f"{kind.__name__}.{name} has no meaning"
             with pytest.raises(AttributeError):
                 setattr(value, name, 1.0)
+            default = getattr(kind(), name)
+            if not isinstance(default, str):
+                nan, end = ([0.0, np.nan], "") if isinstance(kind().to_dict()[name], list) else (np.nan, ".*nan")
+                with pytest.raises((TypeError, ValueError), match=rf"\b{name}: {end}"):
+                    kind(**{name: nan})
 
 
 def test_signatures_are_in_plain_types():
@@ -214,12 +215,3 @@ def test_signatures_are_in_plain_types():
     assert inspect.signature(cogging.PidParameters).parameters["kp"].annotation is float
     assert cogging.project.__doc__.startswith("project(rate: float, estimate: float, ")
     assert set(dir(cogging.plot)) == set(cogging.plot.__all__)
-
-
-def test_no_field_takes_a_nan():
-    for kind in map(type, structs()):
-        for name, value in kind().to_dict().items():
-            if not isinstance(value, str):
-                nan, told = ([0.0, np.nan], "") if isinstance(value, list) else (np.nan, ".*nan")
-                with pytest.raises((TypeError, ValueError), match=rf"\b{name}: {told}"):
-                    kind(**{name: nan})

@@ -56,7 +56,7 @@ CORE = {
 
 
 def room_of(name: str) -> str:
-    """The room of a public name."""
+    """Return the room of a public name."""
     if name in CORE:
         return CORE[name]
     if name in controllers.__all__:
@@ -72,7 +72,7 @@ def room_of(name: str) -> str:
 
 
 def rooms() -> dict[str, list[str]]:
-    """Public names by room, in the order of the headings."""
+    """Return public names by room, in the order of the headings."""
     found: dict[str, list[str]] = {room: [] for room in ROOMS}
     for name in sorted(cogging.__all__, key=lambda name: (not name[0].islower(), name.lower())):
         found.setdefault(room_of(name), []).append(name)
@@ -80,7 +80,7 @@ def rooms() -> dict[str, list[str]]:
 
 
 def write_api(folder: Path) -> None:
-    """One page a room, and the data sets."""
+    """Write a page for each room, and that of the data sets."""
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.md"):
         if old.stem not in (*rooms(), "datasets"):
@@ -91,20 +91,20 @@ def write_api(folder: Path) -> None:
 
 
 def put(path: Path, text: str) -> None:
-    """Write what has changed: what has not need not be read again."""
+    """Write a text if it has changed; Sphinx reads only changed files again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
 
 
 def page(room: str, names: list[str]) -> str:
-    """The page of a room."""
+    """Return the page of a room."""
     parts = [f"# {ROOMS.get(room, room.replace('_', ' ').capitalize())}"]
     parts += [entry(name) for name in names]
     return "\n\n".join(parts) + "\n"
 
 
 def entry(name: str) -> str:
-    """One name: heading and what its docstring says."""
+    """Return the entry of a name: its heading and its documentation."""
     value = getattr(cogging, name)
     if isinstance(value, dict):
         listed = "\n".join(f"- `{key}`: `{kind.__name__}`" for key, kind in value.items())
@@ -117,20 +117,21 @@ def entry(name: str) -> str:
 
 
 def _is_own(module: Any, word: str, thing: Any) -> bool:
-    """Whether a public name of a module is its own, and no effect, which has its page in the catalogue."""
+    """Return whether a module defines a public name itself; effects have their pages in the catalogue."""
     known = getattr(thing, "__module__", "") or ""
     return not word.startswith("_") and callable(thing) and known.startswith(module.__name__)
 
 
 def _documented(place: str, value: Any) -> str:
-    """The directive that shows a function, an error or a class with what it has."""
-    kind = "autofunction" if not inspect.isclass(value) else "autoexception" if _raised(value) else "autoclass"
+    """Return the directive for a function, an error, or a class with its members."""
+    kind = "autofunction" if not inspect.isclass(value) else "autoclass"
+    kind = "autoexception" if kind == "autoclass" and issubclass(value, BaseException) else kind
     members = "\n   :members:\n   :inherited-members: object" + _told_by(value) if kind == "autoclass" else ""
     return f".. {kind}:: {place}{members}\n"
 
 
 def _told_by(*classes: Any) -> str:
-    """The option that leaves out what the docstrings of classes tell: their fields."""
+    """Return the option that leaves out fields that the docstrings of classes list."""
     fields = set()
     for one in classes:
         section = re.search(r"^Attributes:\n((?: {4}.*\n?|\n)+)", inspect.getdoc(one) or "", re.MULTILINE)
@@ -139,12 +140,8 @@ def _told_by(*classes: Any) -> str:
     return f"\n   :exclude-members: {', '.join(sorted(fields))}" if fields else ""
 
 
-def _raised(value: Any) -> bool:
-    return issubclass(value, BaseException)
-
-
 def _loaders() -> str:
-    """The modules of the data sets, each with its loader."""
+    """Return the entries of the data sets, each with its loader."""
     made = []
     for name in (one.name for one in pkgutil.iter_modules(datasets.__path__) if one.name != "source"):
         module = importlib.import_module(f"cogging.datasets.{name}")
@@ -156,7 +153,7 @@ def _loaders() -> str:
 
 
 def escaped(app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
-    """Let a docstring's formulas stand: what they are made of is mark-up elsewhere."""
+    """Escape the formulas of a docstring, whose characters are mark-up."""
     inside = False
     for number, line in enumerate(lines):
         inside = inside or line.strip().startswith(">>>")

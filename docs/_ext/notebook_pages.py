@@ -9,6 +9,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+from api_pages import put
+
 WIDTH = 640  # pixels of a thumbnail
 ENOUGH = 80  # characters of a card's text
 
@@ -23,15 +25,13 @@ def write(notebooks: Path, folder: Path) -> None:
     cards = ["``````{grid} 1 2 2 3\n:gutter: 3"]
     for path in wanted.values():
         text = path.read_text(encoding="utf-8")
-        copy = folder / path.name
-        if not copy.exists() or copy.read_text(encoding="utf-8") != text:
-            copy.write_text(text, encoding="utf-8")
+        put(folder / path.name, text)
         cards.append(_card(path.stem, json.loads(text), folder))
     (folder / "cards.md").write_text("\n\n".join([*cards, "``````"]) + "\n", encoding="utf-8")
 
 
 def _card(stem: str, notebook: dict[str, Any], folder: Path) -> str:
-    """Title, picture and first sentence of a notebook."""
+    """Return the card of a notebook: title, picture and first sentences."""
     title, told = opening(notebook)
     picture = first_picture(notebook)
     shown = ""
@@ -45,7 +45,7 @@ def _card(stem: str, notebook: dict[str, Any], folder: Path) -> str:
 
 
 def opening(notebook: dict[str, Any]) -> tuple[str, str]:
-    """The heading of a notebook, and so many sentences below it as tell something."""
+    """Return the heading of a notebook, and its first sentences, at least ENOUGH characters."""
     first = "".join(notebook["cells"][0]["source"])
     heading, _, rest = first.partition("\n")
     sentences = re.split(r"(?<=[.?])(?<!al\.) (?=[A-Z])", " ".join(rest.strip().split("\n\n")[0].split()))
@@ -56,7 +56,7 @@ def opening(notebook: dict[str, Any]) -> tuple[str, str]:
 
 
 def first_picture(notebook: dict[str, Any]) -> bytes | None:
-    """The first PNG among the outputs; None of a notebook without outputs."""
+    """Return the first PNG among the outputs; None for a notebook without outputs."""
     for cell in notebook["cells"]:
         for output in cell.get("outputs", []):
             data = output.get("data", {}).get("image/png")
@@ -66,7 +66,7 @@ def first_picture(notebook: dict[str, Any]) -> bytes | None:
 
 
 def _small(picture: bytes) -> bytes:
-    """A picture no wider than WIDTH."""
+    """Return a picture no wider than WIDTH."""
     from PIL import Image
 
     with Image.open(io.BytesIO(picture)) as image:
@@ -77,7 +77,7 @@ def _small(picture: bytes) -> bytes:
 
 
 def name_pictures(doctree: Any) -> None:
-    """Say of each picture that a cell gave where it stands, for who cannot see it: the notebook says no more."""
+    """Give each figure of a notebook an alternative text: the heading above it."""
     from docutils import nodes
 
     for picture in doctree.findall(nodes.image):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
 import shutil
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 import effect_pages
 import notebook_pages
-from api_pages import escaped, write_api
+from api_pages import escaped, put, write_api
 
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
@@ -29,7 +30,7 @@ LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s#]+)((?:#[^)\s]*)?\))")
 
 
 def setup(app: Any) -> dict[str, Any]:
-    """Called by Sphinx."""
+    """Connect the extension to Sphinx."""
     app.connect("builder-inited", generate)
     app.connect("source-read", repair_links)
     app.connect("autodoc-process-docstring", escaped, priority=400)  # before napoleon makes mark-up
@@ -45,22 +46,20 @@ def generate(app: Any) -> None:
     write_api(GENERATED / "api")
     for name in ("CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "THIRD_PARTY.md"):
         page = DOCS / STANDS_FOR[name]
-        text = repaired((ROOT / name).read_text(encoding="utf-8"), ROOT / name, page)
-        if not page.exists() or page.read_text(encoding="utf-8") != text:
-            page.write_text(text, encoding="utf-8")
+        put(page, repaired((ROOT / name).read_text(encoding="utf-8"), ROOT / name, page))
 
 
 def repair_links(app: Any, document: str, source: list[str]) -> None:
-    """Lead links of documents to what stands for the file in the site; they stay right in the repository."""
+    """Point links of documents to the pages that stand for files; in the repository they stay as they are."""
     source[0] = repaired(source[0], DOCS / document, DOCS / document)
 
 
 def repaired(text: str, written_at: Path, shown_at: Path) -> str:
-    """A text with links that are right at another place.
+    """Return a text whose links fit another place.
 
     Args:
         text: Markdown.
-        written_at: the file that it stands in, from which its links lead.
+        written_at: the file that holds it.
         shown_at: the page of the site that shows it.
     """
 
@@ -82,8 +81,6 @@ def repaired(text: str, written_at: Path, shown_at: Path) -> str:
 
 
 def _relative(target: Path, page: Path) -> str:
-    import os
-
     return Path(os.path.relpath(target, page.parent)).as_posix()
 
 

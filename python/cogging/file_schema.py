@@ -33,7 +33,7 @@ SIMULATION: dict[str, tuple[dict[str, Any], str, str]] = {
     "steps_per_sample": (
         {"type": "integer", "minimum": 1, "maximum": STEPS_MAX, "default": 1},
         "1",
-        "fewest integration steps between two samples; a run takes as many more as its accuracy needs",
+        "least number of integration steps between two samples; a run uses more where its accuracy needs them",
     ),
 }
 UNIT = {"type": "string", "pattern": f"^({LABEL})$"}
@@ -87,14 +87,14 @@ TUNE: dict[str, tuple[type, str]] = {
     "stop": (float, "s; error and command are judged before"),
 }
 TUNE_NEEDED = ("model", "reference")
-#: What a limit of a tuning may stand on: unit, whether it is an upper limit, meaning.
+#: Quantities that a tuning may limit: unit, whether the limit is an upper one, meaning.
 TUNE_INDEXES: dict[str, tuple[str, bool, str]] = {
     "error_max": ("m", True, "largest error"),
     "command_max": ("V", True, "largest command"),
     "command_rms": ("V", True, "rms command"),
     "command_chatter": ("1", True, "of the command, as Performance has it: its change a sample over its rms"),
-    "delay_margin": ("s", False, "delay of the command that every machine bears beside its own"),
-    "gain_margin": ("1", False, "factor on the command that every machine bears"),
+    "delay_margin": ("s", False, "further delay of the command at which every machine stays stable"),
+    "gain_margin": ("1", False, "factor on the command at which every machine stays stable"),
     "modulus_margin": ("1", False, "smallest |1 + L| of the linear loop"),
 }
 

@@ -135,15 +135,7 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
             else:
                 target.unlink(missing_ok=True)
     except OSError as error:
-        named = {os.fspath(place): path for places in (targets, parts) for path, place in places.items()}
-        why = error.strerror or str(error)
-        for place in (error.filename2, error.filename):
-            if isinstance(place, str | os.PathLike):
-                if os.fspath(place) in named:
-                    path = named[os.fspath(place)]
-                    break
-                why = f"{os.fspath(place)}: {why}"
-        raise InputError(f"{path}: cannot be written: {why}") from None
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
         for part in parts.values():
             with contextlib.suppress(OSError):  # the first error is reported
@@ -198,46 +190,32 @@ def checksum_of(path: AnyPath) -> str:
     return str(checksum)
 
 
-def target_of(path: AnyPath, *, looks: int = 10) -> Path:
-    """Return the file behind links to which an output is written; raise InputError if it cannot be written.
-
-    `looks`: attempts, as another process may replace the file between two checks.
-    """
+def target_of(path: AnyPath) -> Path:
+    """Return the file behind links to which an output is written; raise InputError if it cannot be written."""
     called = os.fspath(path) or "."
-
-    def refused(code: int) -> InputError:
-        return InputError(f"{called}: cannot be written: {os.strerror(code)}")
-
     try:
         target = Path(os.path.realpath(called))
-        if target.is_symlink():
-            raise refused(errno.ELOOP)
-        if target.exists():
-            if target.is_dir():
-                raise refused(errno.EISDIR)
+        folder, old, code = target.parent.stat(), None, 0
+        with contextlib.suppress(FileNotFoundError):
+            old = target.stat()
+        if old is not None and stat.S_ISDIR(old.st_mode):
+            code = errno.EISDIR
+        elif old is not None:
             require_file(target, called)
-        elif not target.parent.is_dir():
-            raise refused(errno.ENOTDIR if target.parent.exists() else errno.ENOENT)
-        if not os.access(target.parent, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
-            raise refused(errno.EACCES)
-        if target.exists() and not _may_replace(target):
-            raise refused(errno.EPERM)
+        if not os.access(target.parent, os.W_OK) or (old is not None and not os.access(target, os.W_OK)):
+            code = code or errno.EACCES
+        if old is not None and folder.st_mode & stat.S_ISVTX and hasattr(os, "geteuid"):
+            # In a sticky folder, such as /tmp, only an owner may rename a file over another.
+            code = code or (0 if os.geteuid() in (0, folder.st_uid, old.st_uid) else errno.EPERM)
+        if code:
+            raise OSError(code, os.strerror(code))
     except OSError as error:
-        if isinstance(error, FileNotFoundError) and looks > 1:
-            return target_of(path, looks=looks - 1)
         raise InputError(f"{called}: cannot be written: {error.strerror}") from None
     except InputError:
         raise
     except ValueError as error:  # a zero byte in the name
         raise InputError(f"{called!r}: cannot be written: {error}") from None
     return target
-
-
-def _may_replace(target: Path) -> bool:
-    """Return whether this user may rename a file over another: in a sticky folder such as /tmp only its owner."""
-    folder = target.parent.stat()
-    owners = {0, folder.st_uid, target.stat().st_uid}
-    return not folder.st_mode & stat.S_ISVTX or not hasattr(os, "geteuid") or os.geteuid() in owners
 
 
 def same_file(one: AnyPath, other: AnyPath) -> bool:

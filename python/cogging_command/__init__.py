@@ -3,7 +3,7 @@
 Each signal raises KeyboardInterrupt in the main thread, out of the loops of the core too, which poll for signals. The
 exception unwinds what runs, so that no half-written file and no child process stays. A second signal kills at once.
 
-This module stands apart from the package `cogging`, whose import takes long: signals are handled before it begins.
+This module is not part of the package `cogging`, whose import is slow: signals are handled before it begins.
 """
 
 from __future__ import annotations

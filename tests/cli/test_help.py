@@ -1,6 +1,4 @@
-"""What the command says of itself: examples that run, lines that fit the terminal, the nearest to a mistyped word."""
-
-import shlex
+"""Help of the command, and the nearest right word to a mistyped one."""
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -8,49 +6,13 @@ from hypothesis import strategies as st
 
 from cogging.cli.main import COMMANDS, main
 from cogging.cli.reproduce import PAPERS
-from tests.fixtures.commands import diagnose_once, examples_of, of, words_of
+from tests.fixtures.commands import of, words_of
 
 
-@pytest.fixture
-def examples(folder, monkeypatch):
-    diagnose_once(monkeypatch)
-    return folder
-
-
-def help_of(capsys, *words):
-    with pytest.raises(SystemExit) as ended:
-        main([*words, "--help"])
-    said = capsys.readouterr()
-    assert (ended.value.code, said.err) == (0, "")
-    return said.out
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_the_examples_run(command, examples, capsys):
-    calls = examples_of(command)
-    assert len(calls) >= (1 if command == "schema" else 2)
-    shown = help_of(capsys, command)
-    before = {path.name for path in examples.iterdir()}
-    for words in calls:
-        call = shlex.join(["cogging", *words])
-        assert f"\n  {call}\n" in f"{shown}\n"
-    for words in calls[1:] or calls:  # the first ones run in test_answers.py
-        call = shlex.join(["cogging", *words])
-        assert main(words) == 0, call
-        said = capsys.readouterr()
-        assert said.err == "", call
-        assert said.out, call
-        for output in (
-            words[i + 1] for i, word in enumerate(words) if word in ("--out", "--json", "--report", "--figure")
-        ):
-            assert output == "-" or (examples / output).exists(), call
-            assert output not in before, call
-
-
-def test_the_commands_are_listed_also_without_one(capsys):
-    whole = help_of(capsys)
+def test_the_commands_are_listed_by_help_and_without_a_command(capsys):
     assert main(["help"]) == 0
-    assert capsys.readouterr().out == whole
+    whole = capsys.readouterr().out
+    assert all(f"    {command} " in whole for command in COMMANDS)
     with pytest.raises(SystemExit) as ended:
         main([])
     said = capsys.readouterr()

@@ -39,13 +39,6 @@ def read(*words, logs=("a.csv", "b.csv"), confirm=("runs/c.csv",)):
 OWN = ["--columns", "b.csv:position=qm", "--scale", "b.csv:position=1e-3,b.csv:command=35,runs/c.csv:command=0.5"]
 
 
-def test_each_log_is_read_its_own_way(folder):
-    a, b, c = read(*OWN, "--zero", "b.csv:position=0.02")
-    for log in (b, c):
-        np.testing.assert_allclose(log.position, a.position, atol=1e-15)
-        np.testing.assert_allclose(log.command, a.command, rtol=1e-14)
-
-
 def test_one_overrides_all_and_options_add_up(folder):
     a, b, c = read(*OWN, "--scale", "command=3", "--rows", "10:900,c.csv:5:,a.csv::50", "--zero", "position=1")
     assert [len(a), len(b), len(c)] == [50, 890, 995]
@@ -53,13 +46,6 @@ def test_one_overrides_all_and_options_add_up(folder):
     np.testing.assert_allclose(b.command, np.cos(5 * b.time))
     np.testing.assert_allclose(c.command, np.cos(5 * c.time))
     np.testing.assert_allclose(a.position, 0.1 * np.sin(5 * a.time) - 1.0)
-
-
-def test_for_all_they_are_as_they_were(folder):
-    first, second = read("--scale", "command=2,time=1e-3", "--rows", "0:100", logs=("a.csv", "runs/c.csv"), confirm=())
-    assert len(first) == len(second) == 100
-    np.testing.assert_allclose(second.command, 2.0 * first.command)
-    assert first.time[1] == pytest.approx(1e-6)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +105,7 @@ def test_options_add_up_in_every_order_at_the_command_line(folder, capsys):
         "\n".join(["time;qm, raw;i=1", *(line.replace(",", ";") for line in lines[1:])]) + "\n"
     )
     draw = random.Random(19)
-    for _ in range(12):
+    for _ in range(6):
         assert main(["audit", "b.csv", "--json", "found.json", *split(SAID, draw)]) == 0
         (found,) = json.loads((folder / "found.json").read_text())
         plain = cogging.audit(read(logs=("a.csv",), confirm=())[0])

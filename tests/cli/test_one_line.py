@@ -1,52 +1,92 @@
-"""Answers of the command as a process: one line, whatever the names, the terminal, the reader and the file are like."""
+"""Input that cannot be used ends in one line, whatever the names, the terminal, the reader and the file are like."""
 
 import json
+import logging
 import math
 import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import cogging
 from cogging.cli.main import main
+from cogging.diagnosis.report.pictures import picture
 from cogging.outputs import to_json
+from cogging.papers.result import Reproduction
 from tests.fixtures import hostile_calls
-from tests.fixtures.hostile_answers import Answer, everything, faults, place
+from tests.fixtures.files import MODEL, REFERENCE
+from tests.fixtures.hostile_answers import Answer, answered, everything, faults, place
+from tests.fixtures.strokes import as_believed, drawn
+
+SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    place(hostile_calls.Call([], hostile_calls.files()), tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# Hostile calls: status 0, or status 2 and one line; nothing else reaches the terminal ---------------------------------
+
+#: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands.
+CALLS = {
+    "model": 20,
+    "option": 20,
+    "signal": 6,
+    "name": 15,
+    "reference": 10,
+    "header": 6,
+    "document": 12,
+    "sidecar": 6,
+}
+
+
+@pytest.mark.parametrize("kind", hostile_calls.KINDS)
+def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch):
+    """In this process, with all that it prints, C libraries and warnings included."""
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: Reproduction(paper, [], {}))
+    monkeypatch.setattr("cogging.cli.reproduce.compare", lambda progress: Reproduction("comparison", [], {}))
+
+    def printed():
+        out, err = capfd.readouterr()
+        shown = (record for record in caplog.records if record.levelno >= logging.WARNING)
+        return out, err + "".join(f"{record.getMessage()}\n" for record in shown)
+
+    wrong = []
+    for seed in range(CALLS[kind]):
+        folder = tmp_path / f"{seed}"
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        call = hostile_calls.draw(kind, seed)
+        before = place(call, folder)
+        caplog.clear()
+        capfd.readouterr()
+        found = list(faults(answered(call, folder, before, printed), folder))
+        wrong += [f"{seed} {call}\n    {'; '.join(found)}"] if found else []
+    assert not wrong, "\n".join(wrong)
+
+
+# As a process ---------------------------------------------------------------------------------------------------------
 
 
 def process(arguments, folder, **options):
     """The command in a process of its own, without help from this one's settings."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LC_", "LANG"))}
-    environment |= options.pop("environment", {})
-    return subprocess.run(
-        [sys.executable, "-m", "cogging.cli.main", *arguments],
-        cwd=folder,
-        env=environment,
-        capture_output=not options.pop("open", False),
-        check=False,
-        timeout=120,
-        **options,
-    )
+    kept = {"PYTHONPATH": os.environ["PYTHONPATH"]} if "PYTHONPATH" in os.environ else {}
+    words = [sys.executable, "-m", "cogging.cli.main", *arguments]
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    return subprocess.run(words, cwd=folder, env=environment | kept, check=False, timeout=120, **streams)
 
 
-@pytest.fixture
-def folder(tmp_path):
-    place(hostile_calls.Call([], hostile_calls.files()), tmp_path)
-    return tmp_path
-
-
-SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
-AUDIT = ["audit", "log.csv", "--model", "model.toml"]
-
-
-@pytest.mark.parametrize("kind", hostile_calls.KINDS)
-def test_a_process_answers_as_this_one_does(kind, tmp_path):
-    call = hostile_calls.draw(kind, 5000)
-    if call.arguments[0] == "reproduce" or any("\0" in a or "\ud800" <= a[:1] <= "\udbff" for a in call.arguments):
-        call = hostile_calls.draw("document", 5000)  # what no shell can pass, or takes long
+def test_a_process_answers_as_this_one_does(tmp_path):
+    call = hostile_calls.draw("document", 5000)
     before = place(call, tmp_path)
     done = process(call.arguments, tmp_path)
     left = sorted(name for name, content in everything(tmp_path).items() if content != before.get(name))
@@ -54,71 +94,50 @@ def test_a_process_answers_as_this_one_does(kind, tmp_path):
     assert not list(faults(answer, tmp_path)), str(call)
 
 
-@pytest.mark.parametrize("arguments", [AUDIT, ["--help"]])
-def test_a_terminal_of_few_letters(arguments, folder):
-    done = process(arguments, folder, environment={"PYTHONIOENCODING": "ascii"})
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert done.stdout.decode("ascii")
-
-
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-def test_a_name_in_letters_that_the_terminal_has_not(encoding, folder):
+def test_a_name_in_letters_that_the_terminal_lacks(encoding, folder, monkeypatch):
     named = "caf\u00e9 \u4e2d \u00b5.csv"
     (folder / named).write_bytes(hostile_calls.LOG)
-    done = process(["audit", named], folder, environment={"PYTHONIOENCODING": encoding})
-    assert (done.returncode, done.stderr) == (0, b"")
+    with open(folder / "printed", "w", encoding=encoding) as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        assert main(["audit", named]) == 0
     shown = "caf\\xe9 \\u4e2d \\xb5.csv" if encoding == "ascii" else "caf\u00e9 \\u4e2d \u00b5.csv"
-    assert done.stdout.decode(encoding).splitlines()[0] == shown
+    assert (folder / "printed").read_text(encoding=encoding).splitlines()[0] == shown
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names are texts there")
 def test_a_name_that_is_no_utf_8(folder):
-    """It is read, written and told as its bytes, not found out when everything is done."""
+    """It is read, written and named by its bytes."""
     name = os.fsdecode(b"caf\xe9.csv")
     (folder / name).write_bytes(hostile_calls.LOG)
     call = ["identify", name, "--model", "model.toml", "--free", "axis.mass", "--json", os.fsdecode(b"\xff.json")]
     done = process(call, folder)
     assert (done.returncode, done.stderr) == (0, b"")
     assert rb"caf\xe9.csv" in done.stdout
-    told = json.loads((folder / os.fsdecode(b"\xff.json")).read_text())
-    assert r"caf\xe9.csv" in json.dumps(told, ensure_ascii=False).replace("\\\\", "\\")
-    done = process(["audit", name, "--json", "a.json"], folder)
-    assert done.returncode == 0
-    assert json.loads((folder / "a.json").read_text())[0]["log"] == r"caf\xe9.csv"
-    os.remove(folder / name)
-    done = process(["audit", name], folder)
-    assert (done.returncode, done.stderr) == (2, b"cogging: caf\\xe9.csv: cannot be read: No such file or directory\n")
+    document = json.loads((folder / os.fsdecode(b"\xff.json")).read_text())
+    assert r"caf\xe9.csv" in json.dumps(document, ensure_ascii=False).replace("\\\\", "\\")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes of another kind")
-@pytest.mark.parametrize("arguments", [["schema"], [*AUDIT, "--json", "out.json"]])
-def test_a_reader_that_has_gone(arguments, folder):
+def test_a_reader_that_has_gone(folder):
     """As `head -1` goes: nothing on standard error, and all that was asked for is written."""
     reading, writing = os.pipe()
     os.close(reading)
-    done = process(arguments, folder, open=True, stdout=writing, stderr=subprocess.PIPE)
+    done = process(["audit", "log.csv", "--json", "out.json"], folder, stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")
-    if arguments[-1].startswith("out."):
-        assert (folder / arguments[-1]).exists()
+    assert (folder / "out.json").exists()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a shell of another kind")
-@pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-"])
-def test_a_stream_that_is_closed(closed, folder):
-    """As a service may start it; progress, answers and results have nowhere to go, and the files are written."""
+def test_streams_that_are_closed(folder):
+    """As a service may start it: a text has nowhere to go, and the files are written; a result for a program fails."""
+    command = f"{sys.executable} -m cogging.cli.main"
     call = "identify log.csv --model model.toml --free axis.mass --out out.toml"
-    done = subprocess.run(f"{sys.executable} -m cogging.cli.main {call} {closed}", shell=True, cwd=folder, check=False)
-    assert done.returncode == 0
+    assert subprocess.run(f"{command} {call} >&- 2>&-", shell=True, cwd=folder, check=False).returncode == 0
     assert cogging.Model.read(folder / "out.toml").intervals["axis.mass"][0] > 0.0
-
-
-@pytest.mark.skipif(os.name == "nt", reason="a shell of another kind")
-@pytest.mark.parametrize("call", ["audit log.csv --json -", " ".join([*SIMULATE, "--json", "-"]), "schema"])
-def test_a_result_for_an_output_that_is_closed(call, folder):
-    """It went nowhere, with status 0."""
-    command = f"{sys.executable} -m cogging.cli.main {call} >&-"
-    done = subprocess.run(command, shell=True, cwd=folder, stderr=subprocess.PIPE, check=False)
+    call = " ".join([*SIMULATE, "--json", "-"])
+    done = subprocess.run(f"{command} {call} >&-", shell=True, cwd=folder, stderr=subprocess.PIPE, check=False)
     line = b"cogging: standard output: must be open for what is asked, got a closed one\n"
     assert (done.returncode, done.stderr) == (2, line)
     assert not (folder / "out.csv").exists()
@@ -127,12 +146,24 @@ def test_a_result_for_an_output_that_is_closed(call, folder):
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device")
 def test_an_output_that_is_full(folder):
     with open("/dev/full", "wb") as full:
-        done = process(["schema"], folder, open=True, stdout=full, stderr=subprocess.PIPE)
-    assert (done.returncode, done.stderr) == (
-        2,
-        b"cogging: standard output: cannot be written: No space left on device\n",
-    )
+        done = process(["schema"], folder, stdout=full)
+    line = b"cogging: standard output: cannot be written: No space left on device\n"
+    assert (done.returncode, done.stderr) == (2, line)
 
+
+@pytest.mark.skipif(os.name == "nt", reason="a current folder cannot be deleted there")
+@pytest.mark.parametrize("words", ["init run.csv", "simulate m.toml --reference r.toml --out s.csv"])
+def test_a_current_folder_that_was_deleted_is_named(words, tmp_path, monkeypatch, capsys):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert main(words.split()) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("cogging: the current folder: must be there, got one that was deleted")
+    assert error.count("\n") == 1
+
+
+# Files ----------------------------------------------------------------------------------------------------------------
 
 DOCUMENTS = {
     "beyond 64 bits": (
@@ -162,25 +193,99 @@ DOCUMENTS = {
 }
 
 
-@pytest.mark.parametrize("case", DOCUMENTS)
-def test_a_hostile_document(case, folder, capsys, monkeypatch):
-    text, message = DOCUMENTS[case]
-    monkeypatch.chdir(folder)
-    (folder / "model.toml").write_text(f"[axis]\n{text}\n")
+#: Whole files in place of good ones: model, reference, message.
+FILES = {
+    "unknown key": (f"{MODEL}speed = 3\n", REFERENCE, "model.toml: line 21: controller.speed: is unknown"),
+    "outside": (MODEL, REFERENCE.replace("0.1\n", "0.9\n"), r"reference: must stay within travel \[0, 0.51\]"),
+    "diverging": (MODEL.replace("48.0", "4800.0"), REFERENCE, r"the run diverged at 0\."),
+    "no controller": (MODEL[: MODEL.index("[controller]")], REFERENCE, "controller: must be given to simulate"),
+    "no reference": (MODEL, 'type = "zigzag"\n', "ref.toml: line 1: type: must be one of"),
+}
+FILES |= {case: (f"[axis]\n{text}\n", REFERENCE, f"model.toml: .*{rule}") for case, (text, rule) in DOCUMENTS.items()}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_a_file_that_cannot_be_used_is_named_with_its_rule(case, tmp_path, monkeypatch, capsys):
+    model, reference, message = FILES[case]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "model.toml").write_text(model)
+    (tmp_path / "ref.toml").write_text(reference)
     assert main(SIMULATE) == 2
     error = capsys.readouterr().err
-    assert error.startswith("cogging: model.toml: ")
-    assert re.search(message, error), error
+    assert re.match(f"cogging: .*{message}", error), error
     assert error.count("\n") == 1
     assert len(error) < 2000
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["model.toml", "ref.toml"], "nothing is left behind"
 
 
 def test_json_holds_no_infinity():
-    document = {
-        "a": [math.inf, -math.inf, math.nan, 1.5, 3],
-        "b": np.array([math.nan, 1.0]),
-        "c": (True, None, "é\udce9"),
-    }
-    text = to_json(document)
-    told = json.loads(text, parse_constant=pytest.fail)
-    assert told == {"a": [None, None, None, 1.5, 3], "b": [None, 1.0], "c": [True, None, "é\\xe9"]}
+    document = {"a": [math.inf, -math.inf, math.nan, 1.5], "b": np.array([math.nan, 1.0]), "c": (True, None, "é\udce9")}
+    read = json.loads(to_json(document), parse_constant=pytest.fail)
+    assert read == {"a": [None, None, None, 1.5], "b": [None, 1.0], "c": [True, None, "é\\xe9"]}
+
+
+# Logs beyond what a machine makes -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def strokes():
+    machine, log = drawn(1, "nothing")
+    return as_believed(machine, log), log
+
+
+WILD = {
+    "no command": (lambda log: replace(log, command=0.0 * log.command), "command: must act on an axis that moves"),
+    "tiny steps": (lambda log: replace(log, time=1e-300 * log.time), "time: must have rows at least 1e-12 s apart"),
+    "huge command": (lambda log: replace(log, command=1e300 * log.command), r"command: must be at most 1e\+30 in size"),
+    "huge travel": (lambda log: replace(log, position=1e300 * log.position), "position: must be at most 1e"),
+}
+
+
+@pytest.mark.parametrize("kind", WILD)
+def test_identify_says_what_is_wrong_with_a_wild_log(kind, tmp_path, monkeypatch, strokes, capsys):
+    monkeypatch.chdir(tmp_path)
+    strokes[0].write("m.toml")
+    change, rule = WILD[kind]
+    wild = change(strokes[1])
+    rows = zip(wild.time.tolist(), wild.position.tolist(), wild.command.tolist(), strict=True)
+    (tmp_path / "w.csv").write_text("\n".join(["time,position,command", *(",".join(map(repr, row)) for row in rows)]))
+    assert main(["identify", "w.csv", "--model", "m.toml"]) == 2
+    assert re.match(f"cogging: w.csv: {rule}", capsys.readouterr().err)
+
+
+def test_a_stated_column_that_holds_no_numbers(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    numbers = np.arange(100.0)
+    savemat("A.mat", {"A": np.ones((100, 3)), "name": "x", "time": numbers, "position": numbers, "f": numbers[:50]})
+    answers = {"A": "A: must be one column, got an array of 100 x 3", "name": "name: must be real numbers, got text"}
+    answers["f"] = "column f: must be named once, and as long as the columns of numbers are"
+    for column, answer in answers.items():
+        assert main(["init", "A.mat", "--columns", f"command={column}"]) == 2
+        assert capsys.readouterr().err == f"cogging: A.mat: {answer}\n"
+
+
+def test_half_a_surrogate_pair_is_not_written(tmp_path, strokes):
+    model, log = strokes
+    wrong = {"m2.toml": model.replace(uncertainty={"m\ud800": 0.1}), "l.csv": replace(log, metadata={"note": "\ud800"})}
+    for name, one in wrong.items():
+        with pytest.raises(ValueError, match=r"\\ud800.*: must be text that UTF-8 holds"):
+            one.write(tmp_path / name)
+        assert not (tmp_path / name).exists()
+
+
+def test_letters_that_the_font_of_the_page_lacks_are_no_warning():
+    assert "牛顿" in picture(lambda axes: axes.set_ylabel("牛顿"), "A word.").svg
+
+
+def test_wild_sizes_lead_to_no_warning(strokes):
+    model, log = strokes
+    bare = model.replace(controller=None, controller_type=None, axis=model.axis.replace(coulomb=1e29))
+    cogging.diagnose(replace(log, command=1e-29 * log.command), bare)
+
+
+def test_a_position_that_is_no_number_has_no_sign(strokes):
+    heavy = strokes[0].replace(axis=strokes[0].axis.replace(viscous=1e30))
+    motion = {"type": "point_to_point", "start": 0.03, "distance": 0.2, "velocity": 0.4, "acceleration": 4.0}
+    with pytest.raises(cogging.DivergedError) as caught:
+        cogging.simulate(heavy, motion)
+    assert "-nan" not in str(caught.value)

@@ -1,22 +1,28 @@
 """Where a command writes: never onto what it reads, nothing twice, onto nothing but files, and whole or not at all."""
 
+import errno
+import itertools
 import os
 import shutil
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cogging
-from cogging import files, outputs
+from cogging import outputs
 from cogging.cli.main import main
 from cogging.files import InputError
+from cogging.papers import result as papers
+from tests.fixtures import command_files
 from tests.fixtures.covering import covering
-from tests.fixtures.files import MODEL, REFERENCE
 
-SAMPLED = 'type = "sampled"\nfile = "samples.csv"\n'
+POSIX = pytest.mark.skipif(os.name == "nt", reason="processes, modes and pipes of POSIX")
 LOGS = ["log.csv", "log.csv.toml", "other.csv", "other.csv.toml", "model.toml"]
+SAMPLES = ["model.toml", "sampled.toml", "samples.csv"]
 #: Every command that reads and writes: call, inputs (those beside them included), options that write.
 COMMANDS = {
     "identify": ("identify log.csv other.csv --model model.toml", LOGS, ["--out", "--json"]),
@@ -27,51 +33,29 @@ COMMANDS = {
         ["--out"],
     ),
     "audit": ("audit log.csv other.csv --model model.toml", LOGS, ["--json"]),
-    "map": ("map scan.csv --pitch 0.05", ["scan.csv"], ["--out"]),
-    "predict": (
-        "predict model.toml --reference sampled.toml",
-        ["model.toml", "sampled.toml", "samples.csv"],
-        ["--json"],
-    ),
-    "simulate": (
-        "simulate model.toml --reference sampled.toml",
-        ["model.toml", "sampled.toml", "samples.csv"],
-        ["--out"],
-    ),
+    "map": ("map scan.csv --pitch 0.05", ["scan.csv"], ["--out", "--json"]),
+    "predict": ("predict model.toml --reference sampled.toml", SAMPLES, ["--json"]),
+    "simulate": ("simulate model.toml --reference sampled.toml", SAMPLES, ["--out"]),
+    "sweep": ("sweep sweep.toml", ["sweep.toml", "model.toml", "ref.toml"], ["--out", "--json"]),
+    "tune": ("tune tune.toml", ["tune.toml", "model.toml", "ref.toml"], ["--out", "--json"]),
 }
-COMMANDS = {command: (call.split(), read, options) for command, (call, read, options) in COMMANDS.items()}
-CASES = [
-    (command, file, option) for command, (_, read, options) in COMMANDS.items() for file in read for option in options
-]
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """Logs, a scan, a model and references, made once."""
-    folder = tmp_path_factory.mktemp("inputs")
-    (folder / "model.toml").write_text(MODEL)
-    (folder / "ref.toml").write_text(REFERENCE)
-    (folder / "sampled.toml").write_text(SAMPLED)
-    (folder / "limits.toml").write_text("velocity = 0.3\nacceleration = 5.0\nduration = 3.0\n")
-    (folder / "result.json").write_text('{"verdict": "no_gap", "effects": []}')
-    for seed, name in enumerate(("log.csv", "other.csv")):
-        cogging.simulate(folder / "model.toml", folder / "ref.toml", seed=seed).write(folder / name)
-    (folder / "other.csv.toml").unlink()  # which then only may be there
-    t = np.arange(500) * 1e-3
-    reference = 0.2 + 0.01 * (1.0 - np.cos(4.0 * np.pi * t))
-    rows = zip(t.tolist(), reference.tolist(), strict=True)
-    (folder / "samples.csv").write_text("time,reference\n" + "".join(f"{a!r},{b!r}\n" for a, b in rows))
-    x = np.arange(510) * 1e-3
-    rows = zip(x.tolist(), np.sin(2.0 * np.pi * x / 0.05).tolist(), strict=True)
-    (folder / "scan.csv").write_text("position,force\n" + "".join(f"{a!r},{b!r}\n" for a, b in rows))
-    return folder
+WRITES = [(call, option) for call, _, options in COMMANDS.values() for option in options]
+ONTO = [(call, file, option) for call, read, options in COMMANDS.values() for file in read for option in options]
+TWICE = [(call, *two) for call, _, options in COMMANDS.values() for two in itertools.permutations(options, 2)]
 
 
 @pytest.fixture
-def folder(written, tmp_path, monkeypatch):
-    shutil.copytree(written, tmp_path / "work")
-    monkeypatch.chdir(tmp_path / "work")
-    return tmp_path / "work"
+def folder(tmp_path, monkeypatch):
+    work = tmp_path / "work"
+    work.mkdir()
+    monkeypatch.chdir(work)
+    command_files.write(work)
+    (work / "sampled.toml").write_text('type = "sampled"\nfile = "samples.csv"\n')
+    time = np.arange(500) * 1e-3
+    command_files.table(
+        work / "samples.csv", {"time": time, "reference": 0.2 + 0.01 * (1.0 - np.cos(4.0 * np.pi * time))}
+    )
+    return work
 
 
 def content(folder):
@@ -79,27 +63,14 @@ def content(folder):
 
 
 def refused(call, capsys, *parts):
-    """The call is answered in one line with status 2, and before it has computed anything."""
+    """The call is answered in one line with status 2, before it has computed or written anything."""
+    before = content(Path())
     assert main(call) == 2
-    said = capsys.readouterr()
-    assert said.out == "", "before anything is computed"
-    assert said.err.startswith("cogging: ")
-    assert said.err.count("\n") == 1
+    out, error = capsys.readouterr()
+    assert (out, error[:9], error.count("\n")) == ("", "cogging: ", 1)
     for part in parts:
-        assert part in said.err
-    return said.err
-
-
-def by_name(target):
-    return target
-
-
-def by_another_spelling(target):
-    return os.path.join("..", "work", ".", target)
-
-
-def by_its_absolute_path(target):
-    return os.path.abspath(target)
+        assert part in error
+    assert content(Path()) == before
 
 
 def by_symbolic_link(target):
@@ -118,30 +89,19 @@ def by_hard_link(target):
     return "a hard link"
 
 
-NAMES = [by_name, by_another_spelling, by_its_absolute_path, by_symbolic_link, by_linked_folder, by_hard_link]
+NAMES = [str, lambda name: os.path.join("..", "work", ".", name), os.path.abspath, by_symbolic_link, by_linked_folder]
 
 
-@pytest.mark.parametrize(("case", "name"), covering(CASES, NAMES))
+@pytest.mark.parametrize(("case", "name"), covering(ONTO, [*NAMES, by_hard_link]))
 def test_no_output_is_an_input(case, name, folder, capsys):
-    command, file, option = case
-    output = name(file)
-    before = content(folder)
-    refused([*COMMANDS[command][0], option, output], capsys, option, f"{file}", "must not be a file that is read")
-    assert content(folder) == before
+    call, file, option = case
+    refused([*call.split(), option, name(file)], capsys, option, file, "must not be a file that is read")
 
 
-@pytest.mark.parametrize("command", [command for command, (_, _, options) in COMMANDS.items() if len(options) > 1])
-@pytest.mark.parametrize("name", [by_name, by_another_spelling, by_symbolic_link, by_linked_folder])
-def test_no_file_is_written_twice(command, name, folder, capsys):
-    call, _, options = COMMANDS[command]
-    before = content(folder)
-    for one in options:
-        for other in options:
-            if one != other:
-                for link in ("a link", "../again"):
-                    Path(link).unlink(missing_ok=True)
-                refused([*call, one, "new", other, name("new")], capsys, "must be different files, got one twice")
-    assert content(folder) == before
+@pytest.mark.parametrize(("case", "name"), covering(TWICE, NAMES))
+def test_no_file_is_written_twice(case, name, folder, capsys):
+    call, one, other = case
+    refused([*call.split(), one, "new", other, name("new")], capsys, "must be different files, got one twice")
 
 
 SIMULATE = "simulate model.toml --reference ref.toml --out"
@@ -158,70 +118,38 @@ SIMULATE = "simulate model.toml --reference ref.toml --out"
 )
 def test_what_is_written_beside_an_output_is_one_too(call, message, folder, capsys):
     shutil.copy("scan.csv", "log.png")
-    before = content(folder)
     refused(call.split(), capsys, message)
-    assert content(folder) == before
 
 
-def test_a_sidecar_replaces_only_a_sidecar(folder, capsys):
+def test_a_sidecar_replaces_only_a_sidecar(folder):
     """The model `machine.toml` is not what belongs to the log `machine`, whether it was read or not."""
     shutil.copy("model.toml", "machine.toml")
+    bare, log = cogging.read_log("log.csv"), cogging.simulate("model.toml", "ref.toml", seed=1)
     before = content(folder)
-    assert main(["simulate", "model.toml", "--reference", "ref.toml", "--out", "machine"]) == 2
-    assert "machine.toml: must be what a log left here to be replaced" in capsys.readouterr().err
-    log = cogging.read_log("log.csv")
-    bare = cogging.Log(time=log.time, position=log.position, command=log.command)
     for one in (log, bare):
         with pytest.raises(InputError, match=r"machine\.toml: must be what a log left here"):
             one.write("machine")
     assert content(folder) == before
-    log.write("copy.csv")
-    log.write("copy.csv")
-    assert Path("copy.csv.toml").exists()
-    bare.write("copy.csv")
-    assert not Path("copy.csv.toml").exists()
+    for one in (log, log, bare):
+        one.write("copy.csv")
+        assert Path("copy.csv.toml").exists() == (one is log)
 
 
-def test_a_map_and_its_figure_in_python(folder, capsys):
-    assert main(["map", "scan.csv", "--pitch", "0.05", "--out", "map.toml"]) == 0
-    table = cogging.logs.columns.read_columns("scan.csv", ("position", "force"))
-    fit = cogging.fit_map(table["position"], table["force"], pitch=0.05, harmonics=[1], order=0)
-    with pytest.raises(InputError, match=r"o\.png: must not be where its figure is written"):
-        fit.write("o.png")
+def test_a_map_and_its_figure_are_two_files(folder):
+    fit = cogging.fit_map(
+        np.arange(400) * 1e-3, np.sin(np.arange(400) * 40e-3 * np.pi), pitch=0.05, harmonics=[1], order=0
+    )
     Path("linked.png").symlink_to("linked.toml")
-    with pytest.raises(InputError, match="must not be where its figure is written"):
-        fit.write("linked.toml")
-    assert not Path("o.png").exists()
-    assert not Path("linked.toml").exists()
-
-
-OUTPUTS = [(command, option) for command, (_, _, options) in COMMANDS.items() for option in options]
-
-
-def pipe(path):
-    os.mkfifo(path)
-
-
-def device(path):
-    Path(path).symlink_to("/dev/null")
-
-
-def full_device(path):
-    Path(path).symlink_to("/dev/full")
-
-
-def folder_there(path):
-    Path(path).mkdir()
+    before = content(folder)
+    for name in ("o.png", "linked.toml"):
+        with pytest.raises(InputError, match="must not be where its figure is written"):
+            fit.write(name)
+    assert content(folder) == before
 
 
 def below_a_file(path):
-    Path(path).parent.mkdir(exist_ok=True)
     Path("below").touch()
     return "below/out"
-
-
-def below_nothing(path):
-    return "missing/out"
 
 
 def linked_in_a_circle(path):
@@ -229,64 +157,55 @@ def linked_in_a_circle(path):
     Path("circle").symlink_to(path)
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes and devices of POSIX")
-@pytest.mark.parametrize(
-    ("case", "make"),
-    covering(OUTPUTS, [pipe, device, full_device, folder_there, below_a_file, below_nothing, linked_in_a_circle]),
-)
+#: What stands where an output is wanted; some give another path.
+THERE = [
+    getattr(os, "mkfifo", None),
+    lambda path: Path(path).symlink_to("/dev/null"),
+    os.mkdir,
+    lambda path: "missing/out",
+    below_a_file,
+    linked_in_a_circle,
+]
+
+
+@POSIX
+@pytest.mark.parametrize(("case", "make"), covering(WRITES, THERE))
 def test_an_output_is_a_file(case, make, folder, capsys):
-    command, option = case
+    call, option = case
     output = make("out") or "out"
-    refused([*COMMANDS[command][0], option, output], capsys, output)
-    assert not list(folder.rglob("*.part"))
+    refused([*call.split(), option, output], capsys, output)
 
 
-@pytest.mark.parametrize("what", ["file", "below a file", "pipe"])
-def test_reproduce_writes_into_a_folder(what, tmp_path, monkeypatch, capsys):
+def test_reproduce_writes_into_a_folder(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    if what == "pipe":
-        os.mkfifo("out")
-    else:
-        Path("out").write_text("mine")
-    refused(["reproduce", "lu2008", "--out", "out/deep" if what == "below a file" else "out"], capsys, "cannot be made")
+    Path("out").write_text("mine")
+    for name in ("out", "out/deep"):
+        refused(["reproduce", "lu2008", "--out", name], capsys, "cannot be made")
 
 
-@pytest.mark.skipif(os.name == "nt", reason="modes and links of POSIX")
+@POSIX
 class TestWriting:
     def test_a_link_stays_and_its_target_is_replaced(self, tmp_path):
         real, link = tmp_path / "kept" / "real.toml", tmp_path / "link.toml"
         real.parent.mkdir()
-        real.write_text("old")
         link.symlink_to(Path("kept", "real.toml"))
-        outputs.write_text(link, "new")
-        assert link.is_symlink()
-        assert os.readlink(link) == os.path.join("kept", "real.toml")
-        assert real.read_text() == "new"
+        for text in ("first", "second"):  # a target that is not there yet, and one that is
+            outputs.write_text(link, text)
+            assert os.readlink(link) == os.path.join("kept", "real.toml")
+            assert real.read_text() == text
         assert sorted(tmp_path.rglob("*")) == [real.parent, real, link]
 
-    def test_a_link_to_what_is_not_there_yet(self, tmp_path):
-        (tmp_path / "link").symlink_to("later")
-        outputs.write_text(tmp_path / "link", "new")
-        assert (tmp_path / "link").is_symlink()
-        assert (tmp_path / "later").read_text() == "new"
-
-    @pytest.mark.parametrize("mode", [0o600, 0o640, 0o644, 0o664, 0o755, 0o777])
-    def test_a_file_keeps_its_mode(self, mode, tmp_path):
-        path = tmp_path / "a"
-        path.write_text("old")
-        path.chmod(mode)
-        outputs.write_text(path, "new")
-        assert stat.S_IMODE(path.stat().st_mode) == mode
-        assert path.read_text() == "new"
-
-    @pytest.mark.parametrize("mask", [0o000, 0o002, 0o022, 0o027, 0o077])
-    def test_a_new_file_has_what_the_mask_leaves(self, mask, tmp_path):
-        before = os.umask(mask)
+    @pytest.mark.parametrize("mode", [0o600, 0o664, 0o755])
+    def test_a_file_keeps_its_mode_and_a_new_one_has_what_the_mask_leaves(self, mode, tmp_path):
+        before = os.umask(0o777 & ~mode)
         try:
-            outputs.write_text(tmp_path / "a", "new")
+            outputs.write_text(tmp_path / "a", "old")
         finally:
             os.umask(before)
-        assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o666 & ~mask
+        assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o666 & mode
+        (tmp_path / "a").chmod(mode)
+        outputs.write_text(tmp_path / "a", "new")
+        assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == mode
 
     @pytest.mark.root
     def test_an_owner_is_kept(self, tmp_path):
@@ -326,33 +245,152 @@ class TestWriting:
         assert not (tmp_path / "second").exists()
 
 
-@pytest.mark.parametrize("thrown", [KeyboardInterrupt, SystemExit, MemoryError, OSError(28, "No space left on device")])
-def test_nothing_is_left_of_what_was_interrupted(thrown, tmp_path):
-    """SIGTERM becomes an exception too: whatever comes, the temporary files go and the old ones stay."""
+# --- files that belong together
+
+OLD = {"a": b"old a", "b": b"old b", "gone": b"old too"}
+NEW = {"a": b"new a", "b": b"new b", "c": b"new too"}
+
+
+def log(seed):
+    columns = {name: np.full(3, float(seed)) for name in ("position", "command")}
+    return cogging.Log(time=np.arange(3.0), **columns, metadata={"seed": seed})
+
+
+def fail_at(patch, number, error):
+    """Raise at the n-th call of what changes a folder; return the list that holds how many are left until then."""
+    left = [number]
+
+    def failing(plain):
+        def call(*args, **kwargs):
+            left[0] -= 1
+            if left[0] == 0:
+                raise error
+            return plain(*args, **kwargs)
+
+        return call
+
+    for name in ("open", "replace", "unlink"):
+        patch.setattr(os, name, failing(getattr(os, name)))
+    return left
+
+
+@POSIX
+@pytest.mark.parametrize("error", [OSError(errno.EIO, os.strerror(errno.EIO)), KeyboardInterrupt()])
+def test_a_failure_between_any_two_steps_leaves_whole_files(error, tmp_path, monkeypatch):
+    for number in range(1, 60):
+        folder, raised = tmp_path / f"{number}", None
+        folder.mkdir()
+        for name, old in OLD.items():
+            (folder / name).write_bytes(old)
+        with monkeypatch.context() as patch:
+            left = fail_at(patch, number, error)
+            try:
+                new = {str(folder / name): [pieces] for name, pieces in NEW.items()}
+                outputs.write_files({**new, str(folder / "gone"): None})
+            except (InputError, KeyboardInterrupt) as found:
+                raised = found
+        found = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix != ".part"}
+        for name in ("a", "b", "c", "gone"):
+            assert found.get(name) in (OLD.get(name), NEW.get(name))
+        if number <= 4:
+            assert found == OLD, "nothing takes its place before all are written"
+        if isinstance(error, OSError) and raised is not None:
+            assert f"{folder}" in str(raised)
+        if left[0] > 0:
+            break
+    assert found == NEW
+    assert number > 8
+
+
+@POSIX
+def test_a_killed_writer_leaves_one_log_or_a_pair_that_is_refused(tmp_path):
+    """SIGKILL before each file operation: the reader gets one log with its own metadata, or one line that says why."""
+    code = """
+import os
+from pathlib import Path
+import cogging
+from tests.attack.operations import at_operation
+from tests.cli.test_outputs import log
+
+for number in range(1, 40):
+    folder = Path(f"{number}")
+    folder.mkdir()
+    log(1).write(folder / "log.csv")
+    child = os.fork()
+    if not child:
+        at_operation(number, lambda _, path: path.startswith(f"{folder.resolve()}"), lambda *_: os.kill(os.getpid(), 9))
+        log(2).write(folder / "log.csv")
+        os._exit(0)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    try:
+        read = cogging.read_log(folder / "log.csv")
+        assert read.command[0] == read.metadata["seed"]
+        print(status, read.metadata["seed"])
+    except cogging.InputError as error:
+        assert "log.csv.toml: log_checksum: must be the log_checksum of" in str(error)
+        print(status, "refused")
+    if not status:
+        break
+"""
+    environment = {**os.environ, "PYTHONPATH": f"{Path(__file__).parents[2]}:{Path(cogging.__file__).parents[1]}"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert set(lines) == {"-9 1", "-9 refused", "-9 2", "0 2"}
+    assert lines[-1] == "0 2"
+
+
+def test_a_checksum_is_of_its_log_alone(tmp_path):
+    path, beside = tmp_path / "log.csv", tmp_path / "log.csv.toml"
+    log(1).write(path)
+    assert cogging.read_log(path).metadata.keys() == {"version", "seed"}
+    cogging.read_log(path).write(tmp_path / "copy.csv")
+    assert (tmp_path / "copy.csv.toml").read_bytes() == beside.read_bytes()
+    path.write_text(path.read_text() + "3,1,1\n")
+    with pytest.raises(InputError, match=r"remove the line if that log was changed on purpose, got 'crc32:"):
+        cogging.read_log(path)
+    beside.write_text(
+        "".join(line for line in beside.read_text().splitlines(keepends=True) if not line.startswith("log_checksum"))
+    )
+    assert cogging.read_log(path).metadata["seed"] == 1
+
+
+def test_data_reach_the_disk_before_their_names(tmp_path, monkeypatch):
+    calls = []
+    monkeypatch.setattr(outputs, "synced", True)
+    for name in ("fsync", "replace"):
+        plain = getattr(os, name)
+        monkeypatch.setattr(os, name, lambda *args, name=name, plain=plain: calls.append(name) or plain(*args))
+    outputs.write_files({str(tmp_path / "a"): [b"1"], str(tmp_path / "b"): [b"2"]})
+    assert calls == ["fsync", "fsync", "replace", "replace"]
+
+
+def test_a_folder_that_was_made_goes_with_what_could_not_be_written(tmp_path, monkeypatch):
+    rows = [papers.Row("C1", "e_inf", "m", 1.0, 2.0, "predicted")]
+    monkeypatch.setattr(papers, "png", lambda name: name.encode())
+    found = papers.Reproduction("paper", [papers.Table("table1", "Table 1", rows)], {"fig": "fig", "x" * 300: "long"})
+    with pytest.raises(InputError, match=r"xxx\.png: cannot be written: File name too long"):
+        found.write(tmp_path / "deep" / "results")
+    assert list(tmp_path.iterdir()) == []
+    found.figures.pop("x" * 300)
+    written = found.write(tmp_path / "deep" / "results")
+    assert sorted(path.name for path in written) == ["fig.png", "paper.json"]
+    assert (tmp_path / "deep" / "results" / "fig.png").read_bytes() == b"fig"
+
+
+@pytest.mark.root
+def test_a_file_of_another_in_a_shared_folder_is_refused_before_anything_is_computed(tmp_path, monkeypatch):
+    tmp_path.chmod(0o1777)
     (tmp_path / "a").write_text("old")
-
-    def pieces():
-        yield b"half"
-        assert len(list(tmp_path.glob(".*.part"))) == 2
-        raise thrown
-
-    with pytest.raises((KeyboardInterrupt, SystemExit, MemoryError, InputError)):
-        outputs.write_files({str(tmp_path / "a"): [b"new"], str(tmp_path / "b"): pieces()})
-    assert content(tmp_path) == {str(tmp_path / "a"): b"old"}
-
-
-def test_a_log_and_its_sidecar_are_two_files(tmp_path):
-    log = cogging.Log(time=np.arange(3.0), position=np.zeros(3), command=np.zeros(3), metadata={"seed": 1})
-    (tmp_path / "a.csv.toml").symlink_to("a.csv")
-    with pytest.raises(InputError, match="must be different files, got one twice"):
-        log.write(tmp_path / "a.csv")
-    assert [path.name for path in tmp_path.iterdir()] == ["a.csv.toml"]
-
-
-def test_a_long_name(tmp_path):
-    name = "n" * 255
-    outputs.write_text(tmp_path / name, "new")
-    assert (tmp_path / name).read_text() == "new"
+    os.chown(tmp_path, 1, 1)
+    os.chown(tmp_path / "a", 2, 2)
+    for user, may in ((0, True), (1, True), (2, True), (3, False)):
+        monkeypatch.setattr(os, "geteuid", lambda user=user: user)
+        if may:
+            outputs.check_outputs({"--out": tmp_path / "a"})
+        else:
+            with pytest.raises(InputError, match="a: cannot be written: Operation not permitted"):
+                outputs.check_outputs({"--out": tmp_path / "a"})
 
 
 # --- what is read -----------------------------------------------------------------------------------------------------
@@ -397,15 +435,3 @@ def test_what_is_read_is_a_file_with_an_end(case, what, folder, capsys):
     assert file in said
     if file != "new.csv.toml":
         assert message in said
-
-
-def test_a_text_that_grows_while_it_is_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "MOST_TEXT", 1000)
-    (tmp_path / "a").write_text("x" * 1000)
-    assert files.read_text(tmp_path / "a") == "x" * 1000
-    (tmp_path / "a").write_text("x" * 1001)
-    with pytest.raises(InputError, match="must be at most 0 MiB of text, got 1001 bytes"):
-        files.read_text(tmp_path / "a")
-    monkeypatch.setattr(files, "require_file", lambda path: 10)
-    with pytest.raises(InputError, match="got 1001 bytes"):
-        files.read_text(tmp_path / "a")

@@ -1,7 +1,8 @@
 """Progress: on a terminal, of whatever takes long; nothing of it in a pipe, with --quiet, or in the end."""
 
+import importlib
+import io
 import os
-import random
 import re
 import select
 import signal
@@ -12,13 +13,15 @@ import time
 
 import pytest
 
+from cogging.cli import terminal
+from cogging.cli.main import main
+from cogging.papers.malaize2009 import reproduce as paper
+from cogging.papers.result import Reproduction
 from tests.fixtures import command_files
-from tests.fixtures.commands import examples_of
+from tests.fixtures.commands import Terminal, examples_of
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="terminals of POSIX")
-
-#: What makes each command wait where it computes, so that it takes long on any machine: a function that it calls.
-WAITS = {
+#: A function that each command calls where it computes: the tests slow it down.
+COMPUTES = {
     "audit": "cogging.log_check.log_audit.audit",
     "diagnose": "cogging.diagnosis.diagnose.diagnose",
     "experiment": "cogging.design.experiment_plan.plan_experiment",
@@ -26,41 +29,7 @@ WAITS = {
     "predict": "cogging.design.error_prediction.predict_error",
     "simulate": "cogging.cli.simulate.simulate",
 }
-SLOW_SWEEP = "cogging.simulation.sweep.run_sweep"
 BARS = ("identify", "reproduce", "sweep", "tune")  # which know how many steps there are, and show them at once
-#: A command that waits there for half a second, which counts as long; papers are done at once, and tell their steps.
-PROGRAM = """
-import importlib, sys, time
-from cogging_command import run_command
-
-def run():
-    sys.stderr.isatty() and print("ready", end="", file=sys.stderr, flush=True)
-    import cogging.cli.terminal
-    from cogging.cli.main import main
-    import cogging.papers.malaize2009.reproduce as paper
-    from cogging.papers.result import Reproduction
-
-    paper.reproduce = lambda progress: [*map(progress, paper.STEPS)] and Reproduction("malaize2009", [], {})
-    where, name = sys.argv[1].rpartition(".")[::2]
-    if where:
-        cogging.cli.terminal.PATIENCE, cogging.cli.terminal.BETWEEN = 0.05, 0.05
-        module = importlib.import_module(where)
-        plain = getattr(module, name)
-        def slow(*arguments, **options):
-            time.sleep(float(sys.argv[2]))
-            return plain(*arguments, **options)
-        setattr(module, name, slow)
-    return main(sys.argv[3:])
-
-sys.exit(run_command(run))
-"""
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("progress")
-    command_files.write(folder)
-    return folder
 
 
 def call(command):
@@ -70,40 +39,26 @@ def call(command):
     return words if command != "reproduce" else ["reproduce", "malaize2009"]
 
 
-def on_a_terminal(words, folder, slow="", interrupted=None, seconds="0.5", **environment):
-    """Run with a terminal as standard error; status, standard output, and what the terminal got.
+@pytest.fixture
+def answer(tmp_path, monkeypatch, capsys):
+    """Run a call whose computation takes 0.2 s, which counts as long; status, standard output and standard error."""
+    monkeypatch.chdir(tmp_path)
+    command_files.write(tmp_path)
+    monkeypatch.setattr(paper, "reproduce", lambda done: [*map(done, paper.STEPS)] and Reproduction("a", [], {}))
 
-    interrupted: s from when signals are taken to SIGINT.
-    """
-    import fcntl
-    import pty
-    import termios
+    def run(words, stream, patience=0.05):
+        monkeypatch.setattr(terminal, "PATIENCE", patience)
+        monkeypatch.setattr(terminal, "BETWEEN", 0.03)
+        monkeypatch.setattr(sys, "stderr", stream)
+        if words[0] in COMPUTES:
+            where, name = COMPUTES[words[0]].rsplit(".", 1)
+            module = importlib.import_module(where)
+            plain = getattr(module, name)
+            monkeypatch.setattr(module, name, lambda *given, **options: time.sleep(0.2) or plain(*given, **options))
+        status = main(words)
+        return status, capsys.readouterr().out, stream.getvalue()
 
-    leader, follower = pty.openpty()
-    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
-    settings = {**os.environ, "TERM": "xterm", **environment}
-    words = [sys.executable, "-c", PROGRAM, slow, seconds, *words]
-    seen = b""
-    with subprocess.Popen(words, cwd=folder, env=settings, stdout=subprocess.PIPE, stderr=follower) as process:
-        os.close(follower)
-        assert read(leader, 5) == b"ready"
-        if interrupted is not None:
-            time.sleep(interrupted)
-            process.send_signal(signal.SIGINT)
-        while part := read(leader):
-            seen += part
-        text = process.stdout.read().decode()
-        status = process.wait(60)
-    os.close(leader)
-    return status, text, seen.decode()
-
-
-def read(terminal, most=65536):
-    """What a terminal got; nothing at its end."""
-    try:
-        return os.read(terminal, most) if select.select([terminal], [], [], 60)[0] else b""
-    except OSError:  # the other end is closed
-        return b""
+    return run
 
 
 def left_on_the_screen(seen):
@@ -117,12 +72,12 @@ def left_on_the_screen(seen):
     return "\n".join(lines).strip()
 
 
-@pytest.mark.parametrize("command", [*WAITS, *BARS])
-def test_what_takes_long_says_so_on_a_terminal(command, folder):
-    status, out, seen = on_a_terminal(call(command), folder, WAITS.get(command, ""))
+@pytest.mark.parametrize("command", [*COMPUTES, *BARS])
+def test_what_takes_long_says_so_on_a_terminal(command, answer):
+    status, out, seen = answer(call(command), Terminal())
     assert status == 0, seen
     assert command in seen or call(command)[1] in seen
-    if command in WAITS:
+    if command in COMPUTES:
         assert len(re.findall(rf"{command}[^\r]*\[00:0[01]\]", seen)) >= 3, "it moves while the core computes"
     else:
         assert re.search(r"\d+%.*\d+/\d+", seen), "how much of it is done"
@@ -131,48 +86,66 @@ def test_what_takes_long_says_so_on_a_terminal(command, folder):
     assert "\r" not in out
 
 
-@pytest.mark.parametrize("command", ["diagnose", "sweep"])
-def test_quiet_is_quiet_on_a_terminal(command, folder):
-    assert on_a_terminal([*call(command), "--quiet"], folder, WAITS.get(command, "")) == (0, "", "")
+@pytest.mark.parametrize("command", ["map", "sweep"])
+def test_there_is_none_with_quiet_nor_in_a_pipe_nor_of_what_takes_a_moment(command, answer):
+    assert answer([*call(command), "--quiet"], Terminal()) == (0, "", "")
+    assert answer(call(command), io.StringIO())[2] == ""
+    assert answer(call("simulate"), Terminal(), patience=10.0)[2] == ""
 
 
-def test_a_terminal_gets_progress_beside_json_that_is_piped(folder):
-    status, out, seen = on_a_terminal([*call("audit"), "--json", "-"], folder, WAITS["audit"])
+def test_a_terminal_gets_progress_beside_json_that_is_piped(answer):
+    status, out, seen = answer([*call("audit"), "--json", "-"], Terminal())
     assert (status, out[:2]) == (0, "[\n")
     assert "audit: log.csv [00:0" in seen
     assert left_on_the_screen(seen) == ""
 
 
-def test_what_takes_a_moment_shows_nothing(folder):
-    words = call("simulate")
-    assert on_a_terminal(words, folder)[2] == ""
-
-
-@pytest.mark.parametrize("command", ["map", "sweep"])
-def test_a_pipe_gets_none(command, folder):
-    words = [sys.executable, "-c", PROGRAM, WAITS.get(command, ""), "0.5", *call(command)]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "\r" not in done.stdout
-    assert "[00:0" not in done.stdout
-
-
-def test_an_error_takes_the_progress_off(folder):
+def test_an_error_takes_the_progress_off(answer, monkeypatch):
     """One line stands there, nothing before it."""
-    status, _, seen = on_a_terminal(["map", "scan.csv", "--pitch", "5"], folder, WAITS["map"], NO_COLOR="1")
+    monkeypatch.setenv("NO_COLOR", "1")
+    status, _, seen = answer(["map", "scan.csv", "--pitch", "5"], Terminal())
     assert status == 2
     assert "map [00:0" in seen
     assert re.fullmatch(r"cogging: scan.csv: [^\n]+", left_on_the_screen(seen))
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_ctrl_c_leaves_one_line_on_the_terminal(seed, folder):
-    """At any time: while it imports, while the line is shown, while it moves."""
-    draw = random.Random(seed)
-    command = draw.choice([*WAITS, "sweep"])
-    status, out, seen = on_a_terminal(
-        call(command), folder, WAITS.get(command, SLOW_SWEEP), interrupted=draw.uniform(0.0, 0.5), seconds="30"
-    )
-    assert (status, out) == (130, "")
-    assert left_on_the_screen(seen) == "cogging: interrupted; no file was left half written"
-    assert not list(folder.glob(".*.part"))
+PROGRAM = """
+import sys, time
+import cogging.cli.terminal
+import cogging.mapping.fit_map as module
+from cogging.cli.main import main
+from cogging_command import run_command
+cogging.cli.terminal.PATIENCE = cogging.cli.terminal.BETWEEN = 0.05
+module.fit_map = lambda *given, **options: time.sleep(30)
+sys.exit(run_command(lambda: main(["map", "scan.csv", "--pitch", "0.05"])))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="terminals of POSIX")
+def test_ctrl_c_leaves_one_line_on_the_terminal(tmp_path):
+    import fcntl
+    import pty
+    import termios
+
+    command_files.write(tmp_path)
+    leader, follower = pty.openpty()
+    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
+    with subprocess.Popen([sys.executable, "-c", PROGRAM], cwd=tmp_path, stderr=follower) as process:
+        os.close(follower)
+        seen = part = read(leader)
+        while part and b"map [00:0" not in seen:
+            seen += (part := read(leader))
+        process.send_signal(signal.SIGINT)
+        while part := read(leader):
+            seen += part
+        assert process.wait(60) == 130
+    os.close(leader)
+    assert left_on_the_screen(seen.decode()) == "cogging: interrupted; no file was left half written"
+
+
+def read(terminal, most=65536):
+    """What a terminal got; nothing at its end."""
+    try:
+        return os.read(terminal, most) if select.select([terminal], [], [], 60)[0] else b""
+    except OSError:  # the other end is closed
+        return b""

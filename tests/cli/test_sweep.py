@@ -164,18 +164,10 @@ def test_a_model_that_cannot_be_run_is_named(folder, capsys):
 
 @pytest.mark.parametrize(
     ("words", "answer"),
-    [
-        (["--threads", "-1"], "--threads: must be"),
-        (["--threads", "2000"], "--threads: must be"),
-        (["--out", "model.toml"], "--out: model.toml: must not be a file that is read"),
-        (["--out", "move.toml"], "--out: move.toml: must not be a file that is read"),
-        (["--out", "sweep.toml"], "--out: sweep.toml: must not be a file that is read"),
-        (["--out", "no/runs.csv"], "no/runs.csv: cannot be written"),
-        (["--out", "."], "."),
-    ],
+    [("--threads 2000", "--threads: must be"), ("--out no/runs.csv", "no/runs.csv: cannot be written")],
 )
-def test_an_output_that_cannot_be_is_refused_before_anything_runs(words, answer, folder, capsys):
+def test_a_call_that_cannot_run_is_refused_before_anything_runs(words, answer, folder, capsys):
     (folder / "sweep.toml").write_text(FILES + MASS)
     before = {path: path.read_bytes() for path in folder.iterdir()}
-    assert said(capsys, "sweep.toml", *words).startswith(answer)
+    assert said(capsys, "sweep.toml", *words.split()).startswith(answer)
     assert {path: path.read_bytes() for path in folder.iterdir()} == before

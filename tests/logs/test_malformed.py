@@ -292,7 +292,7 @@ def test_units_that_cannot_be_the_models(columns, message, tmp_path, capsys):
 
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_mutated_log_is_read_or_refused_in_one_line(kind):
-    """The first cases of `python -m tests.attack`, read as a user reads them; `.ci/run` reads 300 of each."""
+    """The first cases of `python -m tests.attack`, read as a user reads them."""
     found = [run_case(seed, kind, whole=True) for seed in range(100 if kind == "csv" else 4)]
     assert not [one for one in found if one is not None and not one.startswith("~")]
 

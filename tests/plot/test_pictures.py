@@ -3,7 +3,7 @@
 import itertools
 import subprocess
 import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib as mpl
 import numpy as np
@@ -18,7 +18,6 @@ from cogging.plot.gaps import shares
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import COLOURS, look, marker, named
 from cogging.plot.traces import UNITS, gaps, trace
-from tests.fixtures.covering import covering
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
 PREFIXES = {"": 1.0, "m": 1e3, "µ": 1e6, "n": 1e9}
@@ -60,8 +59,8 @@ def drawn_log(seed, rows):
     return cogging.Log(time[kept], position[kept], command[kept], reference), lost if rows > 50 else 0
 
 
-@pytest.mark.parametrize("rows", [2, 3, 60, 2000])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("rows", [2, 3, 2000])
+@pytest.mark.parametrize("seed", range(3))
 def test_a_log_is_drawn_row_by_row_with_gaps(seed, rows):
     log, lost = drawn_log(seed, rows)
     panels = cogging.plot.log(log)
@@ -81,9 +80,8 @@ def test_a_log_is_drawn_row_by_row_with_gaps(seed, rows):
 
 
 @pytest.mark.parametrize("rows", [50_000, 400_000])
-@pytest.mark.parametrize("seed", range(3))
-def test_a_long_log_is_an_envelope_that_loses_no_peak(seed, rows):
-    rng = np.random.default_rng(seed)
+def test_a_long_log_is_an_envelope_that_loses_no_peak(rows):
+    rng = np.random.default_rng(rows)
     time = 1e-4 * np.arange(rows)
     values = rng.normal(size=rows)
     values[rng.integers(0, rows, 3)] = (40.0, -50.0, 60.0)
@@ -101,16 +99,8 @@ def test_a_long_log_is_an_envelope_that_loses_no_peak(seed, rows):
         assert y[left:right].max() == values[inside].max()
 
 
-def test_a_gap_of_a_long_log_is_not_bridged():
-    time = np.concatenate([np.arange(0.0, 10.0, 1e-4), np.arange(14.0, 20.0, 1e-4)])
-    x, y = trace(time, np.ones(time.size), 800)
-    (missing,) = np.flatnonzero(np.isnan(y))
-    assert x[missing - 1] == pytest.approx(10.0, abs=1e-3)
-    assert x[missing + 1] == pytest.approx(14.0, abs=1e-3)
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_a_lost_row_is_told_from_jitter(seed):
+@pytest.mark.parametrize("seed", range(4))
+def test_a_lost_row_is_told_from_jitter_and_not_bridged(seed):
     rng = np.random.default_rng(seed)
     step = 10.0 ** rng.uniform(-5, -1)
     jitter = rng.uniform(0.0, 0.3)
@@ -118,6 +108,10 @@ def test_a_lost_row_is_told_from_jitter(seed):
     lost = np.sort(rng.choice(np.arange(5, 495, 3), 4, replace=False))
     assert not gaps(time).any()
     assert list(np.flatnonzero(gaps(np.delete(time, lost)))) == [row - 1 - k for k, row in enumerate(lost)]
+    long = np.delete(step * np.arange(100_000), slice(50_000, 60_000))
+    x, y = trace(long, np.ones(long.size), 800)
+    (missing,) = np.flatnonzero(np.isnan(y))
+    assert [x[missing - 1], x[missing + 1]] == pytest.approx(step * np.array([49_999, 60_000]), abs=20 * step)
 
 
 def test_columns_of_a_table_and_units_of_the_model():
@@ -155,7 +149,7 @@ def test_errors_of_several_logs():
 def test_the_band_of_a_map_holds_the_truth_as_often_as_it_says(order):
     """95 % of places, over noises drawn anew."""
     held = []
-    for seed in range(40):
+    for seed in range(25):
         rng = np.random.default_rng(seed)
         x = np.linspace(0.0, 0.4, 1601)
         truth = 0.1 * np.sin(2 * np.pi * x / 0.05) + 0.04 * np.cos(6 * np.pi * x / 0.05)
@@ -204,7 +198,7 @@ def test_spectra():
 # What was learned, what is left --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("harmonics", "points"), [([], 1), ([1], 1), ([1, 3], 4), ([1, 2, 6], 2)])
+@pytest.mark.parametrize(("harmonics", "points"), [([], 1), ([1, 3], 4)])
 def test_adaptation_stands_against_its_bounds(harmonics, points):
     bounds = {"mass_bounds": (0.05, 0.3), "cogging_bounds": (-0.2, 0.3), "viscous_bounds": (0.0, 0.7)}
     spline = {"cogging_control_points": points, "cogging_order": 1} if points > 1 else {}
@@ -235,9 +229,8 @@ def test_adaptation_stands_against_its_bounds(harmonics, points):
     assert len(one.lines) == 1
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_residual_in_bins_is_the_mean_of_its_rows(seed):
-    rng = np.random.default_rng(seed)
+def test_a_residual_in_bins_is_the_mean_of_its_rows():
+    rng = np.random.default_rng(1)
     x = rng.uniform(-1.0, 1.0, 20_000) * 10.0 ** rng.uniform(-2, 1)
     truth = 0.3 * x / np.abs(x).max()
     (panel,) = cogging.plot.residual(x, truth + 0.05 * rng.normal(size=x.size), "velocity")
@@ -268,7 +261,7 @@ def step(name, before, after, accepted=True):
     return Step(name, accepted, "", 10.0, before, after, None, None)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1, 5])
 def test_shares_of_a_ledger_add_up_and_are_drawn_end_to_end(seed):
     rng = np.random.default_rng(seed)
     sizes = np.sort(rng.uniform(0.1, 1.0, 5))[::-1]
@@ -342,12 +335,8 @@ def test_a_sweep_is_lines_of_a_grid_or_points(second):
         drawn = np.sort(ax.lines[0].get_ydata())
     assert in_si(ax.get_ylabel(), drawn) == pytest.approx(np.sort(runs.table["error_max"]))
     assert ax.get_xlabel() == "axis.mass (V/(m/s²))"
-
-
-def test_runs_that_failed_are_marked():
-    found = EXAMPLES["SweepRuns"]
-    table = {**found.table, "error_rms": np.where(np.arange(len(found)) == 0, np.nan, 1e-6)}
-    ax = cogging.plot.sweep(cogging.SweepRuns(table, found.varied, found.units))
+    table = {**runs.table, "error_rms": np.where(np.arange(len(runs)) == 0, np.nan, 1e-6)}
+    ax = cogging.plot.sweep(cogging.SweepRuns(table, runs.varied, runs.units))
     (mark,) = [line for line in ax.lines if line.get_label() == "failed"]
     assert len(mark.get_xdata()) == 1
 
@@ -454,9 +443,15 @@ RESULTS = ["Log", "MapFit", "FrictionCurve", "Identification", "Location", "Erro
 RESULTS += ["Tuning", "SweepRuns", "ExperimentPlan", "Model"]
 
 
-@pytest.mark.parametrize("name", RESULTS)
+def batch():
+    sine = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01, frequency=2.0))
+    given = {"duration": 0.1, "seeds": [1, 2, 3], "logs": True}
+    return cogging.closed_loop_batch([MODEL.plant()] * 3, [MODEL.make_controller()] * 3, sine, **given)
+
+
+@pytest.mark.parametrize("name", [*RESULTS, "Batch"])
 def test_every_result_draws_itself(name):
-    value = EXAMPLES[name]
+    value = batch() if name == "Batch" else EXAMPLES[name]
     figure = value.plot()
     assert isinstance(figure, Figure)
     assert figure._repr_png_().startswith(b"\x89PNG")
@@ -465,15 +460,6 @@ def test_every_result_draws_itself(name):
     for mine, theirs in zip(axes, figure.axes, strict=True):
         assert len(mine.lines) == len(theirs.lines)
         assert mine.get_ylabel() == theirs.get_ylabel()
-
-
-def test_a_batch_draws_the_errors_of_its_runs():
-    plant = MODEL.plant()
-    sine = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01, frequency=2.0))
-    seeds = {"duration": 0.1, "seeds": [1, 2, 3], "logs": True}
-    batch = cogging.closed_loop_batch([plant] * 3, [MODEL.make_controller()] * 3, sine, **seeds)
-    (axes,) = batch.plot().axes
-    assert [line.get_label() for line in axes.lines] == ["run 0", "run 1", "run 2"]
 
 
 # Looks ----------------------------------------------------------------------------------------------------------------
@@ -492,12 +478,11 @@ def lightness(colour, blind=False):
     return 100.0 * shown
 
 
-@pytest.mark.parametrize("place", range(20))
-def test_neighbouring_series_differ_without_colours(place):
-    one, other = look(place), look(place + 1)
-    assert one["linestyle"] != other["linestyle"]
-    assert marker(place) != marker(place + 1)
-    assert one != look(place + 7)
+def test_neighbouring_series_differ_without_colours():
+    for place in range(20):
+        assert look(place)["linestyle"] != look(place + 1)["linestyle"]
+        assert marker(place) != marker(place + 1)
+        assert look(place) != look(place + 7)
 
 
 @pytest.mark.parametrize("place", range(3))
@@ -509,9 +494,8 @@ def test_the_first_colours_differ_in_grey_and_to_the_colour_blind(place):
     assert all(lightness(colour) < 80.0 for colour in COLOURS)  # on white
 
 
-@pytest.mark.parametrize(
-    ("unit", "power"), covering(["m", "V", "s", "m/s", "N", "V/(m/s^2)", "1"], range(-8, 4), rounds=2)
-)
+@pytest.mark.parametrize("unit", ["m", "V", "s", "m/s", "N", "V/(m/s^2)", "1"])
+@pytest.mark.parametrize("power", [-8, -4, -1, 3])
 def test_a_scale_suits_the_size(unit, power):
     size = 3.0 * 10.0**power
     scale = scale_of(unit, [-size, 0.1 * size, np.nan], None)
@@ -536,43 +520,22 @@ def test_units_are_written_as_they_are_read():
 # Where figures live ---------------------------------------------------------------------------------------------------
 
 
-def test_threads_draw_at_once_and_leave_the_settings():
-    before = dict(mpl.rcParams)
-    made = []
-
-    def draw():
-        made.extend(cogging.plot.error(LOG).figure.get_facecolor() for _ in range(3))
-
-    threads = [threading.Thread(target=draw) for _ in range(6)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(made) == 18
-    assert dict(mpl.rcParams) == before
+def test_threads_draw_at_once():
+    with ThreadPoolExecutor(6) as pool:
+        faces = pool.map(lambda _: cogging.plot.error(LOG).figure.get_facecolor(), range(18))
+    assert len(set(faces)) == 1
 
 
-WINDOW = """
-import sys, types, gc, weakref
-import matplotlib; matplotlib.use("{backend}")
-import cogging
-ax = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])
-assert "matplotlib.pyplot" not in sys.modules
-import matplotlib.pyplot as plt
-plt.get_backend = lambda: "{shown_by}"
-ax = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])
-assert plt.get_fignums() == {figures}, plt.get_fignums()
-if not {figures}:
-    figure = weakref.ref(ax.figure); del ax; gc.collect()
-    assert figure() is None
-"""
+def test_pyplot_has_a_figure_only_where_a_window_shows_it(monkeypatch):
+    import matplotlib.pyplot as plt
 
-
-@pytest.mark.parametrize(("shown_by", "figures"), [("qtagg", [1]), ("inline", [])])
-def test_pyplot_has_a_figure_only_where_a_window_shows_it(shown_by, figures):
-    program = WINDOW.format(backend="agg", shown_by=shown_by, figures=figures)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    for backend, figures in (("inline", 0), ("qtagg", 1)):
+        monkeypatch.setattr(plt, "get_backend", lambda backend=backend: backend)
+        ax = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])
+        assert len(plt.get_fignums()) == figures
+    plt.close(ax.figure)
+    code = "import sys, cogging; cogging.plot.spectrum([1.0], [1.0]); assert 'matplotlib.pyplot' not in sys.modules"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_what_is_written_opens_no_window(monkeypatch, tmp_path):

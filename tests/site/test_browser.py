@@ -1,5 +1,6 @@
 """The built site in a real browser: on a phone, a tablet and two desks, in light and in dark."""
 
+import runpy
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,19 @@ def test_nothing_is_wrong_with_a_page(every, site, browser):
         paths = [site / name for name in SOME]
     found = looked_at(paths, browser)
     assert {what: where for what, where in found.items() if where} == {}
+
+
+def test_the_sidebar_leads_to_another_version(site, browser, tmp_path):
+    """From a folder, without a server."""
+    publish = runpy.run_path(str(Path(__file__).parents[2] / "docs" / "publish.py"))["publish"]
+    for name in ("latest", "v0.1.0"):
+        publish(site, tmp_path, name)
+    page = browser.new_page()
+    page.goto((tmp_path / "latest" / "_generated" / "effects" / "backlash.html").as_uri())
+    assert page.locator(".versions option").all_inner_texts()[1:] == ["v0.1.0"]
+    page.select_option(".versions select", label="v0.1.0")
+    page.wait_for_url((tmp_path / "v0.1.0" / "index.html").as_uri())
+    page.close()
 
 
 def test_the_checks_see_what_is_wrong(browser):

@@ -4,6 +4,7 @@ import base64
 import io
 import json
 import re
+import runpy
 
 import api_pages
 import notebook_pages
@@ -79,6 +80,21 @@ def test_the_first_picture_of_a_notebook_is_its_thumbnail(lines, tmp_path):
     assert cards.count("{image}") == 1
     with Image.open(tmp_path / "out" / "with.png") as small:
         assert small.width == notebook_pages.WIDTH
+
+
+def test_every_published_version_lists_all_and_the_front_page_leads_to_the_newest_release(tmp_path):
+    publish = runpy.run_path(str(DOCS / "publish.py"))["publish"]
+    built, published = tmp_path / "built", tmp_path / "published"
+    (built / "_static").mkdir(parents=True)
+    (built / "_static" / "versions.js").write_text((DOCS / "_static" / "versions.js").read_text())
+    for name in ("latest", "v0.9.0", "v0.10.0", "latest"):
+        (built / "index.html").write_text(name)
+        publish(built, published, name)
+        assert (published / name / "index.html").read_text() == name
+    for name in ("latest", "v0.9.0", "v0.10.0"):
+        listed = (published / name / "_static" / "versions.js").read_text()
+        assert listed == 'const VERSIONS = ["v0.10.0", "v0.9.0", "latest"];\n'
+    assert "url=v0.10.0/index.html" in (published / "index.html").read_text()
 
 
 def test_every_public_name_has_one_room():

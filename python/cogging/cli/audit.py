@@ -32,7 +32,6 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--model", metavar="MODEL.toml", help="model with the controller and travel to compare")
     add_log_options(command)
     add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the findings, one object for each log,")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -35,7 +35,6 @@ def add_parser(commands: Commands) -> None:
         examples=("cogging completion bash", "cogging completion zsh"),
     )
     command.add_argument("shell", choices=SHELLS, metavar="SHELL", help=", ".join(SHELLS))
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

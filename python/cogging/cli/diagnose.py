@@ -45,7 +45,6 @@ def add_parser(commands: Commands) -> None:
     )
     group.add_argument("--verbose", action="store_true", help="print the whole result, not only its conclusions")
     add_answer_options(group)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

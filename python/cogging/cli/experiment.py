@@ -58,7 +58,6 @@ def add_parser(commands: Commands) -> None:
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="REF.toml", help="write the reference")
     add_answer_options(group, json="the plan")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -47,11 +47,10 @@ def add_parser(commands: Commands) -> None:
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="FILE", help="write the file")
     add_answer_options(group, json="the printed text")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Export the model, write the files, and print what the machine takes of it."""
+    """Export the model, write the files, and print what the machine uses of it."""
     if arguments.to not in FORMS:
         got = f"{quoted(arguments.to)}: {did_you_mean(arguments.to, FORMS)}"
         raise InputError(f"--to: must be one of {', '.join(FORMS)}, got {got}")
@@ -77,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _options() -> list[tuple[Option, list[str]]]:
-    """Return the options of all forms, each with the forms that take it."""
+    """Return the options of all forms, each with the forms that accept it."""
     found: dict[str, tuple[Option, list[str]]] = {}
     for form in FORMS.values():
         for option in form.options:

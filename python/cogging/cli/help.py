@@ -17,7 +17,7 @@ def add_parser(commands: Commands) -> None:
         examples=("cogging help", "cogging help diagnose"),
     )
     command.add_argument("command", nargs="?", metavar="COMMAND", help="one of the commands")
-    command.set_defaults(run=run, commands=commands)
+    command.set_defaults(commands=commands)
 
 
 def run(arguments: argparse.Namespace) -> None:

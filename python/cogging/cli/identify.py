@@ -36,7 +36,6 @@ def add_parser(commands: Commands) -> None:
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", metavar="MODEL.toml", help="write the fitted model with [bounds]")
     add_answer_options(group, json="the fit")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

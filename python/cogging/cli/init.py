@@ -41,11 +41,10 @@ def add_parser(commands: Commands) -> None:
         help="write its motion (default: reference.toml)",
     )
     add_answer_options(group, json="all findings")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Draft model and reference, write and print what was found, and the command to give next."""
+    """Draft model and reference, write and print what was found, and the next command."""
     from cogging.first_model.model_draft import draft_model, require_new
 
     outputs = {"--out": arguments.out, "--reference": arguments.reference, "--json": json_file(arguments)}

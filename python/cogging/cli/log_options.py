@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from cogging.arrays import FloatArray
 from cogging.files import InputError
@@ -20,12 +20,13 @@ from cogging.shown import nearest, quoted
 ONE_FILE = "for one of several files, put its name before: %s"
 NEXT = re.compile(r",(?=[^,=]*=)|,(?=\s*$)")  # before NAME=: a column of a file may have commas in its name
 OPTIONS = ("columns", "scale", "zero", "rows")
+Entries: TypeAlias = dict[str, dict[str, Any]]
 
 
 def add_log_options(command: argparse.ArgumentParser) -> None:
     """Add the options `--columns`, `--scale`, `--zero` and `--rows`."""
     group = command.add_argument_group("reading files")
-    for option, kind, metavar, text, example in (
+    for option, convert, metavar, text, example in (
         ("--columns", _names, "NAME=IN_FILE,...", "names of columns in the file", "a.csv:position=qm"),
         ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", "a.csv:command=35,b.csv:command=2"),
         (
@@ -37,14 +38,8 @@ def add_log_options(command: argparse.ArgumentParser) -> None:
         ),
         ("--rows", _rows, "FIRST:END", "the data rows to read, from 0", "a.csv:0:500,b.csv:100:"),
     ):
-        group.add_argument(
-            option,
-            type=_with_text(kind),
-            default={},
-            metavar=metavar,
-            help=f"{text}; {ONE_FILE % example}",
-            action=_Merge,
-        )
+        help = f"{text}; {ONE_FILE % example}"
+        group.add_argument(option, action=_Merge, convert=convert, default={}, metavar=metavar, help=help)
 
 
 def options_of(arguments: argparse.Namespace, path: str) -> tuple[dict[str, Any], dict[str, float]]:
@@ -96,33 +91,29 @@ def _names_file(file: str, path: str) -> bool:
 
 
 class _Merge(argparse.Action):
-    """Option that may be given several times; the entries are merged."""
+    """Option that may be given several times: its entries by file ("": all) and name are merged.
 
-    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, *_: Any) -> None:
+    `log_words` of the result has each option with its text, for the next command.
+    """
+
+    def __init__(self, *words: Any, convert: Callable[[str], Entries], **options: Any) -> None:
+        super().__init__(*words, **options)
+        self.convert = convert
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, text: Any, *_: Any) -> None:
         """Merge the entries with those given before."""
+        try:
+            values = self.convert(text)
+        except ValueError as error:
+            raise argparse.ArgumentError(self, str(error)) from None
         before = getattr(namespace, self.dest)
         merged = {file: {**before.get(file, {}), **values.get(file, {})} for file in {**before, **values}}
         setattr(namespace, self.dest, merged)
-        namespace.log_words = [*getattr(namespace, "log_words", ()), (self.option_strings[0], values.text)]
+        namespace.log_words = [*getattr(namespace, "log_words", ()), (self.option_strings[0], text)]
 
 
-class _Entries(dict[str, dict[str, Any]]):
-    """Entries of an option by file ("": all) and name, with the text, which the next command repeats."""
-
-    text = ""
-
-
-def _with_text(convert: Callable[[str], dict[str, dict[str, Any]]]) -> Callable[[str], _Entries]:
-    def converted(text: str) -> _Entries:
-        found = _Entries(convert(text))
-        found.text = text
-        return found
-
-    return converted
-
-
-def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> dict[str, dict[str, Any]]:
-    pairs: dict[str, dict[str, Any]] = {}
+def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> Entries:
+    pairs: Entries = {}
     for entry in NEXT.split(text):
         key, _, value = entry.partition("=")
         file, _, name = key.rpartition(":")
@@ -131,37 +122,37 @@ def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> dict[str, dic
                 raise ValueError
             pairs.setdefault(file.strip(), {})[name.strip()] = convert(value.strip())
         except ValueError:
-            raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}") from None
+            raise ValueError(f"must be {rule}, got {quoted(text)}") from None
     return pairs
 
 
-def _names(text: str) -> dict[str, dict[str, Any]]:
+def _names(text: str) -> Entries:
     return _pairs(text, str, "NAME=VALUE,...")
 
 
-def _factors(text: str) -> dict[str, dict[str, Any]]:
+def _factors(text: str) -> Entries:
     return _pairs(text, float, "NAME=NUMBER,...")
 
 
-def _zeros(text: str) -> dict[str, dict[str, Any]]:
+def _zeros(text: str) -> Entries:
     zeros = _factors(text)
     if not all(math.isfinite(value) for entries in zeros.values() for value in entries.values()):
-        raise argparse.ArgumentTypeError(f"must be finite numbers, got {quoted(text)}")
+        raise ValueError(f"must be finite numbers, got {quoted(text)}")
     return zeros
 
 
-def _rows(text: str) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
+def _rows(text: str) -> Entries:
+    found: Entries = {}
     for entry in text.split(","):
         before, colon, last = entry.rpartition(":")
         file, _, first = before.rpartition(":")
         try:
-            taken = slice(int(first) if first else 0, int(last) if last else None)
+            start, stop = int(first or 0), int(last) if last else None
         except ValueError:
             colon = ""
         if not colon:
-            raise argparse.ArgumentTypeError(f"must be FIRST:END, got {quoted(text)}")
-        if (taken.start < 0) or (taken.stop is not None and taken.stop <= taken.start):
-            raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {quoted(text)}")
-        found[file.strip()] = {"rows": taken}
+            raise ValueError(f"must be FIRST:END, got {quoted(text)}")
+        if start < 0 or (stop is not None and stop <= start):
+            raise ValueError(f"needs 0 <= FIRST < END, got {quoted(text)}")
+        found[file.strip()] = {"rows": slice(start, stop)}
     return found

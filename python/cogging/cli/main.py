@@ -66,7 +66,9 @@ def _parser() -> Parser:
     parser.set_defaults(whole=parser)
     commands = parser.add_subparsers(metavar="COMMAND")
     for name in COMMANDS:
-        importlib.import_module(f"cogging.cli.{name}").add_parser(commands)
+        module = importlib.import_module(f"cogging.cli.{name}")
+        module.add_parser(commands)
+        commands.choices[name].set_defaults(run=module.run)
     return parser
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 WIDEST = 100  # letters of a line of help: longer ones are hard to read
 SEEDS = 1 << 64  # number of seeds
+THREADS_MAX = 1024
 EXAMPLES = "examples:\n"
 
 #: To which each command adds its parser.
@@ -50,7 +51,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_known_args(args, namespace)
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse as argparse does; the subcommand reports words that it does not take."""
+        """Parse as argparse does; the subcommand reports unknown words."""
         found, rest = self.parse_known_args(args, namespace)
         if rest:
             getattr(found, "parser", self).error(f"does not take {' '.join(rest)}")
@@ -151,6 +152,16 @@ def run_controller(arguments: argparse.Namespace) -> str:
     from cogging.design.pid import ASSUMED
 
     return "" if arguments.controller is None else f"controller: {ASSUMED}, for the model's mass\n"
+
+
+def add_threads(command: argparse.ArgumentParser) -> None:
+    """Add `--threads`."""
+    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
+
+
+def require_threads(arguments: argparse.Namespace) -> None:
+    """Raise InputError for more threads than a machine has, or fewer than none."""
+    require_whole("--threads", arguments.threads, 0, THREADS_MAX)
 
 
 def add_seed(command: argparse.ArgumentParser, of: str) -> None:

@@ -41,7 +41,6 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--samples", type=int, default=40, metavar="N", help="machines to draw (default: 40)")
     add_seed(command, of="machines and noise")
     add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the errors")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

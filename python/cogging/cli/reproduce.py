@@ -33,7 +33,6 @@ def add_parser(commands: Commands) -> None:
     group.add_argument("--all", action="store_true", help="also show tables that are in no paper")
     group.add_argument("--out", default="results", metavar="DIR", help="folder of the results (default: results)")
     add_answer_options(group, json="the tables, one object a paper,")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -11,7 +11,7 @@ from cogging.outputs import to_json
 
 def add_parser(commands: Commands) -> None:
     """Add the command, which takes no arguments."""
-    command = add_command(
+    add_command(
         commands,
         "schema",
         help="print the JSON Schema of model, reference, limits and sweep files",
@@ -19,7 +19,6 @@ def add_parser(commands: Commands) -> None:
         "sweep files.",
         examples=("cogging schema",),
     )
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -52,7 +52,6 @@ def add_parser(commands: Commands) -> None:
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="LOG.csv", help="also .mat and .parquet")
     add_answer_options(group, json="rows, seconds and the indexes of the error")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

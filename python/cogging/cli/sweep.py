@@ -8,13 +8,12 @@ import numpy as np
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, require_whole
+from cogging.cli.parser import Commands, add_command, add_threads, require_threads
 from cogging.files import InputError
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
 
-THREADS_MAX = 1024
 FILE = """SWEEP.toml:
   model = "model.toml"             # beside this file
   reference = "ref.toml"
@@ -40,12 +39,11 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     command.add_argument("sweep", metavar="SWEEP.toml", help="the runs, as below")
-    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
+    add_threads(command)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", default="runs.csv", metavar="RUNS.parquet", help="or .csv (default: runs.csv)")
     group.add_argument("--figure", metavar="OUT.png", help="plot the rms error over the most influential input")
     add_answer_options(group, json="a summary of the runs")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -55,7 +53,7 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
     from cogging.tables import library
 
-    require_whole("--threads", arguments.threads, 0, THREADS_MAX)
+    require_threads(arguments)
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.sweep))

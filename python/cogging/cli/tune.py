@@ -6,11 +6,10 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, require_whole
+from cogging.cli.parser import Commands, add_command, add_threads, require_threads
 from cogging.files import InputError
 from cogging.outputs import check_outputs
 
-THREADS_MAX = 1024
 FILE = """TUNE.toml:
   model = "gantry.toml"            # with [controller] and [bounds]
   reference = "move.toml"
@@ -40,21 +39,20 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     command.add_argument("tune", metavar="TUNE.toml", help="the tuning, as below")
-    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
+    add_threads(command)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument(
         "--out", default="tuned.toml", metavar="MODEL.toml", help="the model with the tuned gains (default: tuned.toml)"
     )
     group.add_argument("--figure", metavar="OUT.png", help="plot the trade-off")
     add_answer_options(group, json="the tuning")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
     from cogging.design.tuning import files_of_tune, optuna, read_tune, run_tune
 
-    require_whole("--threads", arguments.threads, 0, THREADS_MAX)
+    require_threads(arguments)
     asked = read_tune(arguments.tune)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_tune(asked, arguments.tune))
