@@ -12,7 +12,7 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 
 def call(function, *arguments):
     """What a function of a module returns, called with plain values in a process of its own."""
-    module, name = function.__module__, function.__name__
+    module, name = sys.modules[function.__module__].__spec__.name, function.__name__  # also of what `-m` runs
     code = f"import json; from {module} import {name}; print(json.dumps({name}(*{arguments})))"
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, cwd=ROOT, env=os.environ | ONE_THREAD, stdout=subprocess.PIPE, text=True, check=True)
