@@ -14,19 +14,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-FLAGS = [
-    "-static",
-    "-O1",
-    "-std=c++20",
-    "-ffp-contract=off",
-    "-Wall",
-    "-Wextra",
-    "-Werror",
-    "-I",
-    str(ROOT / "cpp"),
-    "-I",
-    str(ROOT / "tests/cpp"),
-]
+FLAGS = ["-static", "-O1", "-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-I", str(ROOT / "cpp")]
 #: Runs: what the processor is, the compiler and its flags, a feature that this machine must have, and the emulator.
 RUNS = [
     ("this machine", ["g++"], "", []),

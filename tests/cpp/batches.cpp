@@ -51,14 +51,6 @@ void add_bits(Bits& bits, const std::vector<double>& values) {
   for (const double value : values) add_bits(bits, value);
 }
 
-// Drag of a user's own, which falls again beyond a speed.
-class EddyDrag final : public OwnLaw {
- public:
-  double at(double, double velocity, double) const override {
-    return -0.05 * velocity / (1.0 + 16.0 * velocity * velocity);
-  }
-};
-
 struct Run {
   Plant<> plant;
   AnyController<> controller;
@@ -68,10 +60,12 @@ struct Run {
 // coupling; friction that sticks. And a run that cannot be set up.
 enum Kind { packed_run, own_law, flexible, sticking, refused, kinds };
 
-Plant<> plant_of_kind(Kind kind, const Machine& machine, const Custom<double>& own) {
-  Plant<> plant = plant_of(machine);
+Plant<> plant_of_kind(Kind kind, Machine machine, const Custom<double>& own) {
+  machine.lag = std::max(machine.lag, 5e-4);  // s: steps that a quicker loop cuts are no pack's
+  Plant<> plant = plant_of<double>({machine});
+  std::erase_if(plant.effects, [](const auto& effect) { return std::holds_alternative<Custom<double>>(effect); });
   if (kind == own_law) plant.effects.emplace_back(own);
-  if (kind == flexible) plant.effects.emplace_back(FlexibleMode<double>{80.0, 0.02, 0.1});
+  if (kind == flexible) plant.effects.back() = FlexibleMode<double>{80.0, 0.02, 0.1};
   if (kind == sticking) plant.axis.coulomb_width = 0.0;
   if (kind == refused) plant.axis.mass = -1.0;
   return plant;

@@ -138,7 +138,7 @@ AdaptiveRobustParameters<Scalar> mixed_parameters_of(const std::vector<Machine>&
 
 template <class Scalar>
 Plant<Scalar> mixed_plant_of(const std::vector<Machine>& list) {
-  AxisParameters<Scalar> axis = axis_of<Scalar>(list);
+  AxisParameters<Scalar> axis = plant_of<Scalar>(list).axis;
   axis.coulomb = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb; });
   axis.coulomb_width = of<Scalar>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.coulomb_width; });
   return {axis, CoggingModel<Scalar>{}, {}, EncoderParameters{0.5e-6, 1e-7}, NoiseParameters{}};
@@ -187,7 +187,7 @@ void mixed_widths() {
   CoulombAsymmetry<Four> asymmetry;  // a friction level of an effect is friction in every lane
   asymmetry.difference = 0.01;
   ActuatorLag<Four> lag;
-  lag.time_constant = of<Four>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : 5e-4; });
+  lag.time_constant = of<Four>(list, [](const Machine& m) { return is_sharp(m) ? 0.0 : m.lag; });
   bool refused = is_refused("coulomb_width: ", [&] { Axis<Four>(axis, CoggingModel<Four>{}, {asymmetry}); });
   refused = is_refused("actuator_lag: ", [&] { Amplifier<Four>({lag}, 1e-3); }) && refused;
   axis.coulomb = 0.1;

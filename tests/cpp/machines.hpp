@@ -3,9 +3,9 @@
 // many of them.
 
 #include <cstddef>
+#include <memory>
 #include <random>
 #include <type_traits>
-#include <variant>
 #include <vector>
 
 #include "cogging/control/list.hpp"
@@ -18,7 +18,8 @@ using namespace cogging;
 
 // What differs from lane to lane.
 struct Machine {
-  double mass, viscous, coulomb, coulomb_width, mass_estimate, error_gain, feedback_gain;
+  double mass, viscous, coulomb, coulomb_width, stiffness, static_excess, limit, lag;
+  double mass_estimate, error_gain, feedback_gain;
   std::vector<double> cogging;
 };
 
@@ -34,6 +35,7 @@ inline std::vector<Machine> machines(std::size_t count) {
   std::vector<Machine> list;
   for (std::size_t i = 0; i < count; ++i) {
     Machine m{uniform(0.1, 0.2), uniform(0.1, 0.3),     uniform(0.1, 0.3),   uniform(1e-3, 1e-2),
+              uniform(0.0, 2.0), uniform(0.0, 0.1),     uniform(1.0, 3.0),   uniform(1e-4, 1e-3),
               uniform(0.1, 0.2), uniform(100.0, 200.0), uniform(30.0, 60.0), {}};
     for (int c = 0; c < plant_basis().coefficients(); ++c) m.cogging.push_back(uniform(-0.05, 0.05));
     list.push_back(m);
@@ -51,72 +53,105 @@ Scalar of(const std::vector<Machine>& list, const Get& get) {
   }
 }
 
-// Of a size that shows in the motion and leaves the loop stable, by the names of the fields.
-template <class Law>
-Law sized(Law law) {
-  if constexpr (requires { law.stiffness; }) law.stiffness = requires { law.damping; } ? 3e3 : 0.8;
-  if constexpr (requires { law.level; }) law.level = 0.12;
-  if constexpr (requires { law.difference; }) law.difference = 0.07;
-  if constexpr (requires { law.static_excess; }) law.static_excess = 0.09, law.exponent = 1.3;
-  if constexpr (requires { law.nodes; }) law.nodes = {-0.1, 0.0, 0.2}, law.levels = {0.03, -0.02, 0.06};
-  if constexpr (requires { law.coefficient; }) law.coefficient = 0.3;
-  if constexpr (requires { law.change; }) law.change = 0.05, law.time_constant = 0.4;
-  if constexpr (requires { law.delay; }) law.delay = 0.00037;
-  if constexpr (std::is_same_v<Law, ActuatorLag<>>) law.time_constant = 0.0006;
-  if constexpr (requires { law.limit; }) law.limit = 1.1;
-  if constexpr (requires { law.width; }) law.width = 0.02;
-  if constexpr (requires { law.scale; }) law.scale = 1e-3;
-  if constexpr (requires { law.gap; }) law.gap = 2e-5, law.mass_ratio = 0.2;
-  if constexpr (std::is_same_v<Law, FlexibleMode<>>) law.frequency = 60.0, law.mass_ratio = 0.2;
-  if constexpr (requires { law.start; }) law.start = 0.11, law.stop = 0.33;
-  if constexpr (requires {
-                  law.frequency;
-                  law.sine;
-                })
-    law.frequency = 23.0;
-  if constexpr (std::is_same_v<Law, CoggingModulation<>>) {
-    law.pitch = law.period = 0.05;
-    for (int c = 0; c < 9; ++c) law.sine.push_back(0.01 * c), law.cosine.push_back(-0.005 * c);
-  } else if constexpr (std::is_same_v<Law, EncoderPeriodicError<>>) {
-    law.sine = 2e-6, law.cosine = -1e-6;
-  } else if constexpr (requires { law.sine; }) {
-    law.sine = 0.03, law.cosine = -0.02;
+// Drag of a user's own, which falls again beyond a speed.
+class EddyDrag final : public OwnLaw {
+ public:
+  double at(double, double velocity, double) const override {
+    return -0.05 * velocity / (1.0 + 16.0 * velocity * velocity);
   }
-  if constexpr (std::is_same_v<Law, EmpiricalForce<>>)
-    law.position_nodes = {-0.1, 0.05, 0.2}, law.position_forces = {0.02, -0.04, 0.03};
-  return law;
-}
-
-// All effects of such a size but a user's own; of those with a state, which exclude each other, all or none.
-template <class... E>
-std::vector<Effect<>> sized_effects(bool with_state, const std::variant<E...>*) {
-  std::vector<Effect<>> effects;
-  const auto add = [&]<class Law>(const Law& law) {
-    constexpr bool has_state = HasBristle<Law> || HasCoupling<Law>;
-    if constexpr (!ChoosesHooks<Law>)
-      if (with_state || !has_state) effects.push_back(sized(law));
-  };
-  (add(E{}), ...);
-  return effects;
-}
-inline std::vector<Effect<>> sized_effects(bool with_state) {
-  return sized_effects(with_state, static_cast<const Effect<>*>(nullptr));
-}
+};
 
 template <class Scalar>
-AxisParameters<Scalar> axis_of(const std::vector<Machine>& list) {
+Plant<Scalar> plant_of(const std::vector<Machine>& list) {
   AxisParameters<Scalar> axis;
   axis.mass = of<Scalar>(list, [](const Machine& m) { return m.mass; });
   axis.viscous = of<Scalar>(list, [](const Machine& m) { return m.viscous; });
   axis.coulomb = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
   axis.coulomb_width = of<Scalar>(list, [](const Machine& m) { return m.coulomb_width; });
   axis.travel = {0.0, 0.51};
-  return axis;
-}
-
-inline Plant<> plant_of(const Machine& machine) {
-  return {axis_of<double>({machine}), CoggingModel<>(plant_basis(), machine.cogging), sized_effects(false),
-          EncoderParameters{0.5e-6, 1e-7}, NoiseParameters{0.01, 100.0}};
+  std::vector<Scalar> coefficients;
+  for (int c = 0; c < plant_basis().coefficients(); ++c)
+    coefficients.push_back(of<Scalar>(list, [c](const Machine& m) { return m.cogging[c]; }));
+  CableSpring<Scalar> spring;
+  spring.stiffness = of<Scalar>(list, [](const Machine& m) { return m.stiffness; });
+  StribeckFriction<Scalar> stribeck;
+  stribeck.static_excess = of<Scalar>(list, [](const Machine& m) { return m.static_excess; });
+  CommandSaturation<Scalar> saturation;
+  saturation.limit = of<Scalar>(list, [](const Machine& m) { return m.limit; });
+  ActuatorLag<Scalar> lag;
+  lag.time_constant = of<Scalar>(list, [](const Machine& m) { return m.lag; });
+  CoulombAsymmetry<Scalar> coulomb_asymmetry;
+  coulomb_asymmetry.difference = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  ViscousAsymmetry<Scalar> viscous_asymmetry;
+  viscous_asymmetry.difference = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.viscous; });
+  QuadraticDrag<Scalar> drag;
+  drag.coefficient = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.viscous; });
+  CoggingHarmonic<Scalar> harmonic;
+  harmonic.period = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.mass; });
+  harmonic.sine = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  DisturbanceStep<Scalar> step;
+  step.level = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  step.start = 0.20003;
+  step.stop = 0.30004;
+  DisturbanceTone<Scalar> tone;
+  tone.frequency = of<Scalar>(list, [](const Machine& m) { return 100.0 * m.mass; });
+  tone.sine = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  ForceConstantRipple<Scalar> ripple;
+  ripple.period = of<Scalar>(list, [](const Machine& m) { return 0.3 * m.mass; });
+  ripple.sine = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.coulomb; });
+  ForceConstantDrift<Scalar> drift;
+  drift.change = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.mass; });
+  drift.time_constant = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  CommandDeadZone<Scalar> dead_zone;
+  dead_zone.width = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  EncoderPeriodicError<Scalar> wrong_by_period;
+  wrong_by_period.sine = of<Scalar>(list, [](const Machine& m) { return 1e-5 * m.mass; });
+  EncoderScaleError<Scalar> wrong_by_scale;
+  wrong_by_scale.scale = of<Scalar>(list, [](const Machine& m) { return 1e-3 * m.mass; });
+  EndEffect<Scalar> ends;
+  ends.level = of<Scalar>(list, [](const Machine& m) { return m.coulomb; });
+  ends.decay_length = of<Scalar>(list, [](const Machine& m) { return 0.2 * m.mass; });
+  CoggingModulation<Scalar> modulation;
+  for (int c = 0; c < 13; ++c) {
+    modulation.sine.push_back(0.01 * c);
+    modulation.cosine.push_back(-0.005 * c);
+  }
+  PositionDependentFriction<Scalar> along;
+  along.nodes = {0.1, 0.2, 0.4};
+  along.levels = {0.05, -0.02, 0.1};
+  Custom<Scalar> own;
+  own.label = "eddy_drag";
+  own.force_law = std::make_shared<const EddyDrag>();
+  ConstantForce<Scalar> force;
+  force.level = of<Scalar>(list, [](const Machine& m) { return 0.1 * m.coulomb; });
+  return {axis,
+          CoggingModel<Scalar>(plant_basis(), coefficients),
+          {spring,
+           stribeck,
+           saturation,
+           lag,
+           CommandDelay<Scalar>{0.00013},
+           coulomb_asymmetry,
+           viscous_asymmetry,
+           drag,
+           harmonic,
+           step,
+           tone,
+           force,
+           ripple,
+           drift,
+           dead_zone,
+           wrong_by_period,
+           wrong_by_scale,
+           ends,
+           modulation,
+           along,
+           own,
+           PreslidingFriction<Scalar>{},
+           Backlash<Scalar>{},
+           FlexibleMode<Scalar>{}},
+          EncoderParameters{0.5e-6, 1e-7},
+          NoiseParameters{0.01, 100.0}};
 }
 
 // What makes a controller's memory matter, by the fields that it has.
