@@ -149,26 +149,33 @@ def signature(doc: str) -> tuple[str, tuple[Parameter, ...]]:
     )
 
 
-class _Call(NamedTuple):
-    """A call of a function of the core: its parameters, the arguments by position, and all arguments by name."""
+class _Callee(NamedTuple):
+    """A function of the core: its parameters without `self`, and those that take numbers: alone (True) or many."""
 
     name: str
     parameters: dict[str, Parameter]
-    positional: Sequence[Any]
-    arguments: dict[str, Any]
-
-    @property
-    def by_position(self) -> list[Parameter]:
-        return [parameter for parameter in self.parameters.values() if not parameter.keyword_only]
+    by_position: list[str]
+    has_self: bool
+    numbers: dict[str, bool]
 
 
-def _call_of(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> _Call:
+@functools.cache
+def _callee(doc: str) -> _Callee:
     name, parameters = signature(doc)
-    if parameters and parameters[0].name == "self":  # a constructor or a method
-        name, parameters, given = parameters[0].annotation.split(".")[-1], parameters[1:], given[1:]
+    has_self = bool(parameters) and parameters[0].name == "self"  # a constructor or a method
+    if has_self:
+        name, parameters = parameters[0].annotation.split(".")[-1], parameters[1:]
+    numbers = {}
+    for parameter in parameters:
+        annotation = parameter.annotation
+        if _is_array(annotation) or (NUMBER.search(annotation) and "str" not in annotation):
+            numbers[parameter.name] = not _is_array(annotation) and "Sequence[" not in annotation
     by_position = [parameter.name for parameter in parameters if not parameter.keyword_only]
-    arguments = dict(zip(by_position, given, strict=False)) | dict(named)
-    return _Call(name, {parameter.name: parameter for parameter in parameters}, given, arguments)
+    return _Callee(name, {parameter.name: parameter for parameter in parameters}, by_position, has_self, numbers)
+
+
+def _arguments(callee: _Callee, given: Sequence[Any], named: Mapping[str, Any]) -> dict[str, Any]:
+    return {**dict(zip(callee.by_position, given[callee.has_self :], strict=False)), **named}
 
 
 def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
@@ -179,41 +186,40 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
         given: arguments by position; the first one of a constructor is the object itself.
         named: arguments by keyword.
     """
-    call = _call_of(doc, given, named)
-    places = call.by_position
-    if len(call.positional) > len(places):
+    callee = _callee(doc)
+    name, parameters, places = callee.name, callee.parameters, callee.by_position
+    count = len(given) - callee.has_self
+    if count > len(places):
         if not places:
-            words = ", ".join(f"{name}=..." for name in list(call.parameters)[:3])
-            got = described(call.positional[0])
-            return f"{call.name}: must be given its arguments by keyword ({words}), got {got} without one"
-        count = len(call.positional)
-        return f"{call.name}: must be given {len(places)} arguments by position, got {count}; the rest by keyword"
+            words = ", ".join(f"{word}=..." for word in list(parameters)[:3])
+            got = described(given[callee.has_self])
+            return f"{name}: must be given its arguments by keyword ({words}), got {got} without one"
+        return f"{name}: must be given {len(places)} arguments by position, got {count}; the rest by keyword"
     for word in named:
-        if word not in call.parameters:
-            return f"{call.name}: {word}: is not an argument; {did_you_mean(word, call.parameters)}"
-    for word, value in call.arguments.items():
-        rule = broken_rule(call.parameters[word].annotation, value)
+        if word not in parameters:
+            return f"{name}: {word}: is not an argument; {did_you_mean(word, parameters)}"
+    arguments = _arguments(callee, given, named)
+    for word, value in arguments.items():
+        rule = broken_rule(parameters[word].annotation, value)
         if rule:
-            return f"{call.name}: {word}: must be {rule}, got {described(value)}"
-    for parameter in call.parameters.values():
-        if parameter.required and parameter.name not in call.arguments:
-            return f"{call.name}: {parameter.name}: must be given, got nothing"
-    return f"{call.name}: these arguments do not go together: {', '.join(call.arguments) or 'none'}"
+            return f"{name}: {word}: must be {rule}, got {described(value)}"
+    for parameter in parameters.values():
+        if parameter.required and parameter.name not in arguments:
+            return f"{name}: {parameter.name}: must be given, got nothing"
+    return f"{name}: these arguments do not go together: {', '.join(arguments) or 'none'}"
 
 
 def told_of_no_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
     """Return in one line which argument has a truth value or a text where a number belongs; None if none has."""
-    call = _call_of(doc, given, named)
-    for word, value in call.arguments.items():
-        annotation = call.parameters[word].annotation if word in call.parameters else ""
-        is_array = _is_array(annotation)
-        if not is_array and (not NUMBER.search(annotation) or "str" in annotation):
+    callee = _callee(doc)
+    for word, value in _arguments(callee, given, named).items():
+        if word not in callee.numbers or type(value) in (float, int):
             continue
-        is_scalar = not is_array and "Sequence[" not in annotation
-        wrong = [value] * isinstance(value, bool | np.bool_) if is_scalar else no_number_in(value)
+        wrong = [value] * isinstance(value, bool | np.bool_) if callee.numbers[word] else no_number_in(value)
         if wrong:
             among = "" if wrong[0] is value else " among them"
-            return f"{call.name}: {word}: must be {_rule_of(annotation)}, got {described(wrong[0])}{among}"
+            rule = _rule_of(callee.parameters[word].annotation)
+            return f"{callee.name}: {word}: must be {rule}, got {described(wrong[0])}{among}"
     return None
 
 

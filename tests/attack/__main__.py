@@ -1,4 +1,4 @@
-"""`python -m tests.attack [NAME ...] [--cases N] [--seed S]`: attacks and what they found; status 1 where any."""
+"""`python -m tests.attack [NAME ...] [--cases N] [--seed S]`: runs attacks; status 1 where any found something."""
 
 import argparse
 import sys
@@ -7,7 +7,7 @@ import time
 from tests.attack.logs import FORMATS
 from tests.attack.watched import attack
 
-#: Attacks by name: their module, what it is told, and how many cases the default run makes.
+#: Attacks by name: their module, its options, and how many cases the default run makes.
 ATTACKS = {
     "bindings": ("tests.attack.bindings", {}, 20_000),
     **{kind: ("tests.attack.logs", {"kind": kind}, 5_000) for kind in FORMATS},
@@ -26,13 +26,13 @@ def main():
     arguments = parser.parse_args()
     found = 0
     for name in arguments.names or ATTACKS:
-        module, told, cases = ATTACKS[name]
+        module, options, cases = ATTACKS[name]
         started = time.monotonic()
         seeds = range(arguments.seed, arguments.seed + (arguments.cases or cases))
-        tally = attack(module, seeds, told, processes=arguments.processes)
+        tally = attack(module, seeds, options, processes=arguments.processes)
         if name in FORMATS and name != "csv":  # what ends a reader is tried as a user meets it, in a process of its own
             ended = [*tally.crashes, *tally.hangs]
-            again = attack(module, ended, told | {"whole": True}, processes=arguments.processes)
+            again = attack(module, ended, options | {"whole": True}, processes=arguments.processes)
             tally.crashes, tally.hangs, tally.faults = again.crashes, again.hangs, tally.faults | again.faults
         print(f"{name}: {tally.text()} ({time.monotonic() - started:.0f} s)", flush=True)
         found += tally.found

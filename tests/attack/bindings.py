@@ -19,11 +19,12 @@ import numpy as np
 
 from cogging import _core
 from tests.attack.binding_values import Pool, hostile, raw, sound
-from tests.attack.stub_signatures import Target, targets
+from tests.attack.core_signatures import Target, targets
 
 ERRORS = (TypeError, ValueError, OverflowError, IndexError, KeyError, AttributeError, RuntimeError, StopIteration)
 ERRORS = (*ERRORS, MemoryError, KeyboardInterrupt, NotImplementedError)
 INSIDES = re.compile(r"std::|vector::|basic_string|bad_alloc|map::at|_M_|Eigen|assert")
+NUMERIC = re.compile(r"\b(float|int|ArrayLike|NDArray)\b")
 #: A thread that heeds a flag which is set does nothing more in the core: that is what heed() is for.
 LEFT_OUT = "StopFlag.heed"
 
@@ -89,11 +90,11 @@ def _arguments(target: Target, random: np.random.Generator, pool: Pool) -> tuple
     named: dict[str, Any] = {}
     wrong = random.random() < 0.7
     for parameter in target.parameters:
-        if parameter.has_default and random.random() < 0.5:
+        if not parameter.required and random.random() < 0.5:
             continue
         bad = wrong and random.random() < 0.5
         value = hostile(random, pool) if bad else sound(parameter.name, parameter.annotation, random, pool)
-        if parameter.by_name or parameter.has_default or named:
+        if parameter.keyword_only or not parameter.required or named:
             named[parameter.name] = value
         else:
             positional.append(value)
@@ -135,7 +136,7 @@ def taken_for_number(target: Target, positional: list[Any], named: dict[str, Any
         return None
     given = {parameter.name: value for parameter, value in zip(target.parameters, positional, strict=False)} | named
     for parameter in target.parameters:
-        numeric = any(word in parameter.annotation for word in ("Supports", "ArrayLike", "NDArray"))
+        numeric = NUMERIC.search(parameter.annotation)
         if numeric and "str" not in parameter.annotation and _no_number(given.get(parameter.name)):
             return f"{parameter.name} took {given[parameter.name]!r} for a number"[:200]
     return None

@@ -1,7 +1,7 @@
-"""Sweeps that go on from pieces of which a bit was flipped meanwhile: `python -m tests.attack.damaged`.
+"""Sweeps that resume from pieces of which one bit was flipped: `python -m tests.attack.damaged`.
 
-Each case flips one bit of all that an ended sweep has left. The same call must then give the table of a sweep that
-nothing has disturbed, or, where the bit is one of `sweep.json`, refuse in one line.
+Each case flips one bit of the files that an ended sweep has left. The same call must then give the table of an
+undisturbed sweep, or, where the bit is one of `sweep.json`, refuse in one line.
 Options: --cases N, --seed S.
 """
 
@@ -27,29 +27,18 @@ DONE = 24  # runs, in three pieces
 
 @dataclass
 class Found:
-    """What came of the cases.
-
-    Attributes:
-        counts: of cases, by what came of them.
-        faults: what was wrong: an error that is no answer, or another table.
-    """
+    """Number of cases by outcome, and what was wrong: an error that is no answer, or another table."""
 
     counts: Counter[str] = field(default_factory=Counter)
     faults: list[str] = field(default_factory=list)
-
-    def text(self) -> str:
-        """One line, and one a fault."""
-        told = ", ".join(f"{count} {what}" for what, count in sorted(self.counts.items()))
-        line = f"{sum(self.counts.values())} bits flipped: {told}; {len(self.faults)} faults"
-        return "\n".join([line, *(f"    {fault}" for fault in self.faults[:20])])
 
 
 class Ended(Exception):
     """A sweep is ended at its middle."""
 
 
-def run(out: Path | None, until: int) -> cogging.SweepRuns:
-    """The sweep, ended before a run."""
+def run(out: Path, until: int) -> None:
+    """Make the sweep, ended before run number `until`."""
     plain = sweeps.run_piece
 
     def run_piece(piece):
@@ -59,13 +48,13 @@ def run(out: Path | None, until: int) -> cogging.SweepRuns:
 
     sweeps.run_piece = run_piece
     try:
-        return cogging.sweep(SMALL, MOVE, MANY, out=out, **ASKED)
+        cogging.sweep(SMALL, MOVE, MANY, out=out, **ASKED)
     finally:
         sweeps.run_piece = plain
 
 
 def ended(out: Path) -> dict[str, bytes]:
-    """What a sweep leaves that was ended at its middle, by name."""
+    """Files that a sweep leaves which was ended at its middle, by name."""
     try:
         run(out, DONE)
     except Ended:
@@ -74,17 +63,8 @@ def ended(out: Path) -> dict[str, bytes]:
     raise AssertionError("the sweep was not ended")
 
 
-def damaged(files: dict[str, bytes], chance: random.Random) -> tuple[str, dict[str, bytes]]:
-    """The files with one bit flipped, and which."""
-    name = chance.choices(list(files), [len(content) for content in files.values()])[0]
-    content = bytearray(files[name])
-    place, bit = chance.randrange(len(content)), chance.randrange(8)
-    content[place] ^= 1 << bit
-    return f"bit {bit} of byte {place} of {name}", {**files, name: bytes(content)}
-
-
 def attack(cases: int, seed: int) -> Found:
-    """Flip a bit and go on, so many times."""
+    """Flip a bit and resume, so many times."""
     found, chance = Found(), random.Random(seed)
     synced, outputs.synced = outputs.synced, False
     try:
@@ -95,18 +75,21 @@ def attack(cases: int, seed: int) -> Found:
             out.unlink()
             files = ended(out)
             for _ in range(cases):
-                how, others = damaged(files, chance)
-                what = gone_on(out, others, whole)
-                found.counts[what.partition(":")[0]] += 1
-                if what.startswith(("escapes", "wrong tables")):
-                    found.faults.append(f"{how}: {what}")
+                name = chance.choices(list(files), [len(content) for content in files.values()])[0]
+                content = bytearray(files[name])
+                place, bit = chance.randrange(len(content)), chance.randrange(8)
+                content[place] ^= 1 << bit
+                outcome = resumed(out, {**files, name: bytes(content)}, whole)
+                found.counts[outcome.partition(":")[0]] += 1
+                if outcome.startswith(("escapes", "wrong table")):
+                    found.faults.append(f"bit {bit} of byte {place} of {name}: {outcome}")
     finally:
         outputs.synced = synced
     return found
 
 
-def gone_on(out: Path, files: dict[str, bytes], whole: bytes) -> str:
-    """What comes of a sweep that finds these files."""
+def resumed(out: Path, files: dict[str, bytes], whole: bytes) -> str:
+    """The outcome of a sweep that finds these files."""
     folder = out.with_name(f"{out.name}.pieces")
     folder.mkdir(exist_ok=True)
     for path in folder.iterdir():
@@ -121,18 +104,19 @@ def gone_on(out: Path, files: dict[str, bytes], whole: bytes) -> str:
     except Exception:
         return f"escapes: {traceback.format_exc(limit=-1)}"
     if out.read_bytes() != whole:
-        return "wrong tables"
-    return "made anew, the same table" if not folder.exists() else "escapes: the folder stands"
+        return "wrong table"
+    return "made anew, the same table" if not folder.exists() else "escapes: the folder remains"
 
 
 def main() -> int:
-    """Flip bits and tell what came of it; status 1 where anything was wrong."""
+    """Flip bits and print the outcomes; status 1 where anything was wrong."""
     parser = argparse.ArgumentParser(prog="python -m tests.attack.damaged", description=__doc__)
     parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    found = attack(arguments.cases, arguments.seed)
-    print(found.text())
+    options = parser.parse_args()
+    found = attack(options.cases, options.seed)
+    outcomes = ", ".join(f"{count} {outcome}" for outcome, count in sorted(found.counts.items()))
+    print(f"{options.cases} bits flipped: {outcomes}; {len(found.faults)} faults", *found.faults[:20], sep="\n    ")
     return 1 if found.faults else 0
 
 

@@ -37,17 +37,7 @@ HANG = 120.0  # s
 
 @dataclass
 class Found:
-    """What came of the kills.
-
-    Attributes:
-        kills: by moment.
-        lives: of processes, those that came to their end among them.
-        done: sweeps that did.
-        runs: that these hold.
-        in_flight: that were being made at a kill, and were made again.
-        leftover: folders of pieces that a kill has left beside a whole table.
-        faults: what was wrong.
-    """
+    """Kills by moment, lives of processes, sweeps done and their runs, runs in flight at a kill, leftovers, faults."""
 
     kills: Counter[str] = field(default_factory=Counter)
     lives: int = 0
@@ -58,12 +48,12 @@ class Found:
     faults: list[str] = field(default_factory=list)
 
     def text(self) -> str:
-        """One line, and one a fault."""
+        """One line, and one for each fault."""
         moments = ", ".join(f"{count} at {moment}" for moment, count in sorted(self.kills.items()))
         line = f"{sum(self.kills.values())} ended ({moments}), {self.lives} lives, {self.done} sweeps done, "
         line += f"{self.runs} runs each once with the same bits, {self.in_flight} in flight made again, "
         line += f"{self.leftover} folders left beside a whole table, {len(self.faults)} faults"
-        return "\n".join([line, *(f"    {fault}" for fault in self.faults[:20])])
+        return "\n    ".join([line, *self.faults[:20]])
 
 
 class Sweep:
@@ -89,15 +79,12 @@ class Sweep:
         )
 
     def pieces(self) -> dict[str, tuple[int, int]]:
-        """The pieces that stand, by name, with what changes if one is written again; without `sweep.json` none do."""
-        found: dict[str, tuple[int, int]] = {}
-        told = self.out.with_name("runs.csv.pieces") / "sweep.json"
-        if not told.exists() or not told.stat().st_size:
-            return found
-        for path in self.out.with_name("runs.csv.pieces").glob("[0-9]*.npz"):
-            status = path.stat()
-            found[path.name] = status.st_ino, status.st_mtime_ns
-        return found
+        """The pieces by name, with what changes when one is written again; none without `sweep.json`."""
+        folder = self.out.with_name("runs.csv.pieces")
+        if not (folder / "sweep.json").exists() or not (folder / "sweep.json").stat().st_size:
+            return {}
+        found = {path.name: path.stat() for path in folder.glob("[0-9]*.npz")}
+        return {name: (status.st_ino, status.st_mtime_ns) for name, status in found.items()}
 
     def kept(self) -> list[int]:
         """The runs of these pieces."""
@@ -128,19 +115,14 @@ def attack(way: str, cases: int, seed: int, number: signal.Signals, runs: int) -
             found.faults.append(f"{way}: a sweep that nothing disturbs: status {process.returncode}, {said[:200]!r}")
             return found
         whole, life = sweep.out.read_bytes(), time.monotonic() - began
-        require_each_once(whole, runs)
+        numbers = [int(line.split(b",")[0]) for line in whole.splitlines()[1:]]
+        if numbers != list(range(runs)):
+            raise AssertionError("the table of an undisturbed sweep does not hold every run once")
         sweep.out.unlink()
         times = start, life
         while sum(found.kills.values()) < cases and not found.faults:
             found.faults += one_sweep(sweep, chance, times, number, cases, whole, found)
     return found
-
-
-def require_each_once(whole: bytes, runs: int) -> None:
-    """The table itself has every run once."""
-    numbers = [int(line.split(b",")[0]) for line in whole.splitlines()[1:]]
-    if numbers != list(range(runs)):
-        raise AssertionError("the table of an undisturbed sweep does not hold every run once")
 
 
 def one_sweep(

@@ -73,11 +73,9 @@ def processors():
 
 def judged(name, condition, apart):
     """The line, and whether it is as it must be."""
-    told = (
-        "same bits" if apart == 0.0 else f"up to {apart:.1e} apart" if apart < 1.0 else "other words, choices or counts"
-    )
+    line = "same bits" if apart == 0.0 else f"up to {apart:.1e} apart" if apart < 1.0 else "other words or choices"
     good = apart == 0.0 or (condition.processor and not CALLS[name].core and apart < APART)
-    return f"{name}, {condition.name}: {told}{'' if good else '  FAULT'}", good
+    return f"{name}, {condition.name}: {line}{'' if good else '  FAULT'}", good
 
 
 def main():

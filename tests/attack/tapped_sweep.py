@@ -1,4 +1,4 @@
-"""`cogging sweep` as it is, which tells what it computes and may be ended at a file operation: one life of `killed`.
+"""`cogging sweep` that writes which runs it begins and may be ended at a file operation: one life of `killed`.
 
     python -m tests.attack.tapped_sweep TOLD SIGNAL WHERE NUMBER PROCESSES ARGUMENT ...
 

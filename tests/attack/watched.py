@@ -1,4 +1,4 @@
-"""Cases run in watched processes: what crashes or hangs is told by its seed, and the rest goes on."""
+"""Cases run in watched processes: a crash or a hang is reported by its seed, and the rest goes on."""
 
 from __future__ import annotations
 
@@ -17,15 +17,7 @@ HANG = 60.0  # s without an end of the case
 
 @dataclass
 class Tally:
-    """What an attack found.
-
-    Attributes:
-        name: of the attack.
-        cases: that were run.
-        crashes, hangs: seeds of those that ended the process, or did not end.
-        faults: what was wrong, by seed.
-        remarks: how many cases ended in a way that is no fault and worth a count, by what a case says behind "~".
-    """
+    """Result of an attack: cases, seeds that ended the process or hung, faults by seed, counts of remarks ("~...")."""
 
     name: str
     cases: int = 0
@@ -66,7 +58,7 @@ def attack(module: str, seeds: Sequence[int], arguments: Mapping[str, Any] | Non
 
 
 class _Worker:
-    """A process that goes through its seeds and says which it begins."""
+    """A process that runs through its seeds and shares which it is at."""
 
     def __init__(self, module: str, arguments: dict[str, Any], seeds: list[int]) -> None:
         self.module, self.arguments, self.seeds = module, arguments, seeds
@@ -80,7 +72,7 @@ class _Worker:
         self.process.start()
 
     def watched(self, tally: Tally) -> _Worker | None:
-        """Take what the process found; itself, one that goes on behind a crash or a hang, or None at the end."""
+        """Collect what the process found; itself, one for the rest after a crash or hang, or None at the end."""
         while not self.queue.empty():
             seed, fault = self.queue.get()
             if fault.startswith("~"):

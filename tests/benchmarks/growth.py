@@ -1,26 +1,18 @@
-"""How the time and memory of runs grow: with harmonics, control points, effects, length of the run, runs, threads.
+"""How time and memory of runs grow, and what many runs of one machine cost.
 
-    python -m tests.benchmarks.growth [--repeats 5] [--figure docs/figures/growth.svg]
-
-One thing is made larger at a time on one machine, a PID loop at 5 kHz. Time is that of the processor, the least of some
-repeats, by which the table and the figure say what each takes against the smallest of its kind; memory is the most that
-a process of its own held above what it held before, with indexes kept and with whole logs.
+`grown`: one thing at a time is made larger on one machine, a PID loop at 5 kHz: harmonics, control points, effects,
+length of the run, runs, threads. Time is that of the processor, the least of some repeats; memory is the peak of a
+process of its own above what it held before, with indexes kept and with whole logs. `many`: the C3 loop of Lu et al.'s
+X axis with the mass drawn, one thread, by closed_loop_batch and by sweep, each in a process of its own.
 """
 
-import argparse
-import json
-import os
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 
 import cogging
-from cogging import _core
-from cogging_command import run_command
-from tests.benchmarks.memory import peak_megabytes
+from tests.benchmarks import child
+from tests.benchmarks.lu2008_loop import SETUP, core_arguments, random_coefficients
 
 RATE, PITCH = 5000.0, 0.05
 MOTION = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.1))
@@ -79,32 +71,44 @@ def seconds_of(what, size, repeats):
 
 
 def megabytes_of(what, size, logs):
-    """What a process of its own holds at most beyond what it held before the runs, MB."""
-    call = [sys.executable, "-m", "tests.benchmarks.growth", "--memory", what, str(size), "logs" if logs else ""]
-    root = Path(__file__).resolve().parents[2]
-    return json.loads(subprocess.run(call, cwd=root, stdout=subprocess.PIPE, text=True, check=True).stdout)
-
-
-def memory(what, size, logs):
-    """Prints it."""
+    """Peak memory of this process beyond what it held before the runs, MB."""
     warm, options = case("runs", 8)
     cogging.closed_loop_batch(*warm, **options)
-    arguments, options = case(what, float(size))
-    before = peak_megabytes()
-    kept = cogging.closed_loop_batch(*arguments, **options, logs=bool(logs))
+    arguments, options = case(what, size)
+    before = child.peak_megabytes()
+    kept = cogging.closed_loop_batch(*arguments, **options, logs=logs)
     assert not kept.failures
-    print(json.dumps(peak_megabytes() - before))
+    return child.peak_megabytes() - before
 
 
-def measured(repeats, with_memory=True):
-    """Sizes, seconds and MB of each thing that grows."""
+def grown(repeats, with_memory=False):
+    """Sizes and seconds of each thing that grows; MB with indexes and with logs too, if asked."""
     found = {}
     for what, sizes in GROWN.items():
-        seconds = [seconds_of(what, size, repeats) for size in sizes]
-        found[what] = {"sizes": sizes, "seconds": seconds}
-        for kept, logs in (("indexes", False), ("logs", True)):
-            found[what][kept] = [megabytes_of(what, size, logs) if with_memory else np.nan for size in sizes]
+        found[what] = {"sizes": sizes, "seconds": [seconds_of(what, size, repeats) for size in sizes]}
+        for kept, logs in (("indexes", False), ("logs", True)) if with_memory else ():
+            found[what][kept] = [child.call(megabytes_of, what, size, logs) for size in sizes]
     return found
+
+
+def many(kind, runs, rows):
+    """Seconds of the processor and peak MB of this process for so many runs by "batch" or "sweep"."""
+    plant, controller, motion = core_arguments(SETUP, random_coefficients())
+    parts = {"axis": plant.axis, "cogging": plant.cogging, "encoder": plant.encoder}
+    model = cogging.Model(**parts, controller=controller.parameters, controller_type="dcarc")
+    duration, begin = (rows - 1) / model.controller.sample_rate, time.process_time()
+    if kind == "sweep":
+        varied = {"axis.mass": {"mean": 0.12, "deviation": 0.004}}
+        found = cogging.sweep(model, motion, varied, method="random", runs=runs, duration=duration, threads=1)
+        assert found.failed == 0
+    else:
+        masses = np.random.default_rng(0).normal(0.12, 0.004, runs)
+        plants = [model.replace(axis=model.axis.replace(mass=mass)).plant() for mass in masses]
+        controllers = [model.make_controller() for _ in plants]
+        found = cogging.closed_loop_batch(plants, controllers, motion, duration=duration, threads=1)
+        assert not found.failures
+    assert len(found) == runs
+    return {"seconds": time.process_time() - begin, "peak": child.peak_megabytes()}
 
 
 def draw(found, path):
@@ -128,28 +132,3 @@ def draw(found, path):
             place.set_xlabel(what)
             place.set_ylabel("time / smallest")
         figure.savefig(path, metadata={"Date": None})
-
-
-def main(repeats, figure):
-    """Prints the table."""
-    found = measured(repeats)
-    print(f"one PID loop at 5 kHz, {_core.instruction_set()}, {os.cpu_count()} cores; least of {repeats}")
-    print(f"{'':20}{'size':>8}{'ms':>10}{'/ first':>9}{'MB, indexes':>13}{'MB, logs':>10}")
-    for what, one in found.items():
-        for size, seconds, indexes, logs in zip(*one.values(), strict=True):
-            times = f"{1e3 * seconds:10.2f}{seconds / one['seconds'][0]:9.2f}"
-            print(f"{what:20}{size:8}{times}{indexes:13.1f}{logs:10.1f}")
-    if figure:
-        draw(found, figure)
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--figure")
-    parser.add_argument("--memory", nargs=3, help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if options.memory:
-        memory(*options.memory)
-    else:
-        sys.exit(run_command(lambda: main(options.repeats, options.figure)))

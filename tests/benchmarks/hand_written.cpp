@@ -1,9 +1,11 @@
 // The C3 loop of the X axis of Lu et al. 2008, written by hand for this one case: what the core is measured against.
 // The same arithmetic and the same columns as the core, its structure fixed: harmonics 1, 2, 3, 6, 12 in the plant and
-// 1, 2, 3 in the controller, splines of order 3 with 13 control points, one Runge-Kutta step a sample.
+// 1, 2, 3 in the controller, splines of order 3 with 13 control points, one Runge-Kutta step a sample. With LANES
+// defined, so many machines side by side, in the compiler's vector types.
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #ifdef LIBRARY_FUNCTIONS  // the mathematics library's, to see what the core's own sine and arctangent change
 namespace functions {
@@ -83,88 +85,253 @@ Spline spline(double u) {  // position in pitches
   return {span, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
 }
 
+#ifdef LANES
+
+typedef double Number __attribute__((vector_size(LANES * sizeof(double))));
+typedef std::int64_t Mask __attribute__((vector_size(LANES * sizeof(double))));
+
+const Mask sign_bit = Mask{} + INT64_MIN;
+
+Number all(double value) {
+  return value - Number{};
+}
+
+Number trunc_of(Number a) {
+  // Exact below 2^51; what is rounded here is some 1e6 counts.
+  const Number shift = 6755399441055744.0 - Number{};
+  const Number size = (Number)((Mask)a & ~sign_bit), near = (size + shift) - shift;
+  const Number down = near > size ? near - 1.0 : near;
+  return (Number)((Mask)down | ((Mask)a & sign_bit));
+}
+
+Number clamp_of(Number a, Number low, Number high) {
+  a = low > a ? low : a;
+  return high < a ? high : a;
+}
+Number clamp_of(Number a, double low, double high) {
+  return clamp_of(a, all(low), all(high));
+}
+
+Number round_of(Number a) {
+  return trunc_of(a + (Number)((Mask)all(0.49999999999999994) | ((Mask)a & sign_bit)));
+}
+
+void sin_cos_of(Number angle, Number& sine, Number& cosine) {
+  const Number shifted = angle * 0.63661977236758134308 + 6755399441055744.0, turns = shifted - 6755399441055744.0;
+  const Mask quadrant = (Mask)shifted;
+  const Number r = ((angle - turns * 1.57079632673412561417) - turns * 6.07710050630396597660e-11) -
+                   turns * 2.02226624879595063154e-21;
+  const Number z = r * r, half = 0.5 * z, rest = 1.0 - half;
+  const Number sine_r = r + r * z *
+                                (-1.66666666666666324348e-01 +
+                                 z * (8.33333333332248946124e-03 +
+                                      z * (-1.98412698298579493134e-04 +
+                                           z * (2.75573137070700676789e-06 +
+                                                z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
+  const Number cosine_r =
+      rest + (((1.0 - rest) - half) +
+              z * z *
+                  (4.16666666666666019037e-02 +
+                   z * (-1.38888888888741095749e-03 +
+                        z * (2.48015872894767294178e-05 +
+                             z * (-2.75573143513906633035e-07 +
+                                  z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
+  const Mask odd = (quadrant & 1) != 0;
+  sine = (Number)((Mask)(odd ? cosine_r : sine_r) ^ ((quadrant & 2) << 62));
+  cosine = (Number)((Mask)(odd ? sine_r : cosine_r) ^ (((quadrant + 1) & 2) << 62));
+}
+
+Number atan_of(Number value) {
+  const Number x = (Number)((Mask)value & ~sign_bit), one = 1.0 - Number{}, zero = Number{};
+  const Mask b1 = x >= 0.4375, b2 = x >= 0.6875, b3 = x >= 1.1875, b4 = x >= 2.4375;
+  const Number above = b4 ? -one : b3 ? x - 1.5 : b2 ? x - 1.0 : b1 ? 2.0 * x - 1.0 : x;
+  const Number below = b4 ? x : b3 ? 1.0 + 1.5 * x : b2 ? x + 1.0 : b1 ? 2.0 + x : one;
+  const Number high = b4   ? 1.57079632679489655800e+00 + zero
+                      : b3 ? 9.82793723247329054082e-01 + zero
+                      : b2 ? 7.85398163397448278999e-01 + zero
+                      : b1 ? 4.63647609000806093515e-01 + zero
+                           : zero;
+  const Number low = b4   ? 6.12323399573676603587e-17 + zero
+                     : b3 ? 1.39033110312309984516e-17 + zero
+                     : b2 ? 3.06161699786838301793e-17 + zero
+                     : b1 ? 2.26987774529616870924e-17 + zero
+                          : zero;
+  const Number t = above / below, z = t * t, w = z * z;
+  const Number odd = z * (3.33333333333329318027e-01 +
+                          w * (1.42857142725034663711e-01 +
+                               w * (9.09088713343650656196e-02 +
+                                    w * (6.66107313738753120669e-02 +
+                                         w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
+  const Number even =
+      w *
+      (-1.99999999998764832476e-01 +
+       w * (-1.11111104054623557880e-01 +
+            w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
+  const Number result = high - ((t * (odd + even) - low) - t);
+  return value < 0.0 ? -result : result;
+}
+
+struct NumberSpline {
+  Number first, w0, w1, w2;
+};
+
+NumberSpline spline_of(Number u) {
+  u = clamp_of(u, 0.0, double(spans));
+  const Number whole = trunc_of(u), first = whole > spans - 1.0 ? all(spans - 1.0) : whole;
+  const Number t = u - first, s = 1.0 - t;
+  return {first, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
+}
+
+// The rows of the table that act; the machines are nearly always within one pitch of the magnets.
+template <int columns>
+const Number* active(const NumberSpline& b, const Number* table, Number* gathered) {
+  const Mask same = b.first == b.first[0];
+  std::int64_t together = -1;
+  for (int i = 0; i < LANES; ++i) together &= same[i];
+  if (together != 0) [[likely]]
+    return table + columns * int(b.first[0]);
+  for (int i = 0; i < 3 * columns; ++i)
+    for (int lane = 0; lane < LANES; ++lane) gathered[i][lane] = table[columns * int(b.first[lane]) + i][lane];
+  return gathered;
+}
+
+void store(double* column, int rows, int k, Number value) {
+  for (int lane = 0; lane < LANES; ++lane) column[lane * rows + k] = value[lane];
+}
+void load(Number& value, const double* machines, int columns, int column) {
+  for (int lane = 0; lane < LANES; ++lane) value[lane] = machines[lane * columns + column];
+}
+
+#else
+
+using Number = double;
+using NumberSpline = Spline;
+
+double all(double value) {
+  return value;
+}
+double clamp_of(double a, double low, double high) {
+  return std::clamp(a, low, high);
+}
+double round_of(double a) {
+  return std::round(a);
+}
+double atan_of(double a) {
+  return functions::atan(a);
+}
+void sin_cos_of(double angle, double& sine, double& cosine) {
+  functions::sin_cos(angle, sine, cosine);
+}
+Spline spline_of(double u) {
+  return spline(u);
+}
+template <int columns>
+const double* active(const Spline& b, const double* table, double*) {
+  return table + columns * b.first;
+}
+void store(double* column, int, int k, double value) {
+  column[k] = value;
+}
+void load(double& value, const double* machines, int, int column) {
+  value = machines[column];
+}
+
+#endif
+
+struct Machines {
+  Number mass, viscous, coulomb;
+  Number cogging[10 * control_points];
+};
+
 }  // namespace
 
-extern "C" void lu2008_loop(const Setup* setup, const double* cogging, int rows, double* time, double* reference,
-                            double* reference_velocity, double* reference_acceleration, double* position,
+// `machines`: for each machine a row of mass, viscous, coulomb and the coefficients. `reference` has four rows: time,
+// position, velocity, acceleration; the four columns of the result have a row for each machine.
+extern "C" void lu2008_loop(const Setup* setup, const double* machines, int rows, double* reference, double* position,
                             double* command, double* true_position, double* true_velocity) {
   const Setup& q = *setup;
-  const double h = 1.0 / q.sample_rate;
-  const double inverse_mass = 1.0 / q.mass, inverse_pitch = 1.0 / q.pitch, wavenumber = 2.0 * pi / q.pitch;
+  const double h = 1.0 / q.sample_rate, inverse_pitch = 1.0 / q.pitch, wavenumber = 2.0 * pi / q.pitch;
   const double inverse_width = 1.0 / q.coulomb_width, two_over_pi = 2.0 / pi;
 
   const PointToPoint motion{q};
+  double *time = reference, *reference_position = time + rows;
+  double *reference_velocity = time + 2 * rows, *reference_acceleration = time + 3 * rows;
   for (int k = 0; k < rows; ++k) {
     time[k] = k / q.sample_rate;
     const ReferencePoint point = motion.at(time[k]);
-    reference[k] = point.position;
+    reference_position[k] = point.position;
     reference_velocity[k] = point.velocity;
     reference_acceleration[k] = point.acceleration;
   }
 
-  const auto acceleration = [&](double x, double v, double u) {
-    double s1, c1;
-    functions::sin_cos(wavenumber * x, s1, c1);
-    const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
-    const double s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
-    const double s6 = 2.0 * s3 * c3, c6 = c3 * c3 - s3 * s3;
-    const double s12 = 2.0 * s6 * c6, c12 = c6 * c6 - s6 * s6;
-    const double harmonic[10] = {s1, c1, s2, c2, s3, c3, s6, c6, s12, c12};
-    const Spline b = spline(x * inverse_pitch);
-    const double* a = cogging + 10 * b.first;
-    double sine = 0.0, cosine = 0.0;
+  static thread_local Machines m;
+  constexpr int columns = 3 + 10 * control_points;
+  load(m.mass, machines, columns, 0), load(m.viscous, machines, columns, 1), load(m.coulomb, machines, columns, 2);
+  for (int c = 0; c < 10 * control_points; ++c) load(m.cogging[c], machines, columns, 3 + c);
+  const Number inverse_mass = 1.0 / m.mass, plant_viscous = m.viscous, plant_coulomb = m.coulomb * two_over_pi;
+  const Number* cogging = m.cogging;
+
+  const auto acceleration = [&](Number x, Number v, Number u) {
+    Number s1, c1;
+    sin_cos_of(wavenumber * x, s1, c1);
+    const Number s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
+    const Number s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
+    const Number s6 = 2.0 * s3 * c3, c6 = c3 * c3 - s3 * s3;
+    const Number s12 = 2.0 * s6 * c6, c12 = c6 * c6 - s6 * s6;
+    const Number harmonic[10] = {s1, c1, s2, c2, s3, c3, s6, c6, s12, c12};
+    const NumberSpline b = spline_of(x * inverse_pitch);
+    Number gathered[30];
+    const Number* a = active<10>(b, cogging, gathered);
+    Number sine = all(0.0), cosine = all(0.0);
     for (int i = 0; i < 10; i += 2) {
       sine += (b.w0 * a[i] + b.w1 * a[i + 10] + b.w2 * a[i + 20]) * harmonic[i];
       cosine += (b.w0 * a[i + 1] + b.w1 * a[i + 11] + b.w2 * a[i + 21]) * harmonic[i + 1];
     }
-    const double friction = q.viscous * v + q.coulomb * two_over_pi * functions::atan(v * inverse_width);
+    const Number friction = plant_viscous * v + plant_coulomb * atan_of(v * inverse_width);
     return (u - friction - (sine + cosine)) * inverse_mass;
   };
 
-  double mass = q.mass, viscous = q.viscous, coulomb = q.coulomb, disturbance = 0.0;  // estimates
-  double estimate[6 * control_points] = {};
-  double x = reference[0], v = 0.0, reading_previous = 0.0;
+  Number mass = all(q.mass), viscous = all(q.viscous), coulomb = all(q.coulomb), disturbance = all(0.0);  // estimates
+  Number estimate[6 * control_points] = {};
+  Number x = all(reference_position[0]), v = all(0.0), reading_previous = all(0.0);
   for (int k = 0; k < rows; ++k) {
-    const double reading = q.resolution * std::round(x / q.resolution);
-    const double measured_velocity = k == 0 ? 0.0 : (reading - reading_previous) * q.sample_rate;
+    const Number reading = q.resolution * round_of(x / q.resolution);
+    const Number measured_velocity = k == 0 ? all(0.0) : (reading - reading_previous) * q.sample_rate;
     reading_previous = reading;
 
-    const double xd = reference[k], vd = reference_velocity[k], ad = reference_acceleration[k];
-    const double p = measured_velocity - vd + q.error_gain * (reading - xd);
+    const double xd = reference_position[k], vd = reference_velocity[k], ad = reference_acceleration[k];
+    const Number p = measured_velocity - vd + q.error_gain * (reading - xd);
     double s1, c1;
     functions::sin_cos(wavenumber * xd, s1, c1);
     const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
-    const double s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
-    const double harmonic[6] = {s1, c1, s2, c2, s3, c3};
+    const double harmonic[6] = {s1, c1, s2, c2, s2 * c1 + c2 * s1, c2 * c1 - s2 * s1};
     const Spline b = spline(xd * inverse_pitch);
-    double* a = estimate + 6 * b.first;
-    double cogging_estimate = 0.0;
+    Number* a = estimate + 6 * b.first;
+    Number cogging_estimate = all(0.0);
     for (int i = 0; i < 6; ++i) cogging_estimate += (b.w0 * a[i] + b.w1 * a[i + 6] + b.w2 * a[i + 12]) * harmonic[i];
     const double direction = two_over_pi * functions::atan(vd * inverse_width);
-    const double u =
+    const Number u =
         mass * ad + viscous * vd + coulomb * direction - disturbance + cogging_estimate - q.feedback_gain * p;
 
-    const double step = h * p;
-    mass = std::clamp(mass - q.mass_adaptation * ad * step, q.mass_min, q.mass_max);
-    viscous = std::clamp(viscous - q.viscous_adaptation * vd * step, q.viscous_min, q.viscous_max);
-    coulomb = std::clamp(coulomb - q.coulomb_adaptation * direction * step, q.coulomb_min, q.coulomb_max);
-    disturbance = std::clamp(disturbance + q.disturbance_adaptation * step, q.disturbance_min, q.disturbance_max);
+    const Number step = h * p;
+    mass = clamp_of(mass - q.mass_adaptation * ad * step, q.mass_min, q.mass_max);
+    viscous = clamp_of(viscous - q.viscous_adaptation * vd * step, q.viscous_min, q.viscous_max);
+    coulomb = clamp_of(coulomb - q.coulomb_adaptation * direction * step, q.coulomb_min, q.coulomb_max);
+    disturbance = clamp_of(disturbance + q.disturbance_adaptation * step, q.disturbance_min, q.disturbance_max);
     for (int i = 0; i < 6; ++i) {
-      const double change = -q.cogging_adaptation * step * harmonic[i];
-      a[i] = std::clamp(a[i] + b.w0 * change, q.cogging_min, q.cogging_max);
-      a[i + 6] = std::clamp(a[i + 6] + b.w1 * change, q.cogging_min, q.cogging_max);
-      a[i + 12] = std::clamp(a[i + 12] + b.w2 * change, q.cogging_min, q.cogging_max);
+      const Number change = -q.cogging_adaptation * step * harmonic[i];
+      a[i] = clamp_of(a[i] + b.w0 * change, q.cogging_min, q.cogging_max);
+      a[i + 6] = clamp_of(a[i + 6] + b.w1 * change, q.cogging_min, q.cogging_max);
+      a[i + 12] = clamp_of(a[i + 12] + b.w2 * change, q.cogging_min, q.cogging_max);
     }
 
-    position[k] = reading;
-    command[k] = u;
-    true_position[k] = x;
-    true_velocity[k] = v;
+    store(position, rows, k, reading), store(command, rows, k, u);
+    store(true_position, rows, k, x), store(true_velocity, rows, k, v);
 
-    const double a1 = acceleration(x, v, u);
-    const double v2 = v + 0.5 * h * a1, a2 = acceleration(x + 0.5 * h * v, v2, u);
-    const double v3 = v + 0.5 * h * a2, a3 = acceleration(x + 0.5 * h * v2, v3, u);
-    const double v4 = v + h * a3, a4 = acceleration(x + h * v3, v4, u);
+    const Number a1 = acceleration(x, v, u);
+    const Number v2 = v + 0.5 * h * a1, a2 = acceleration(x + 0.5 * h * v, v2, u);
+    const Number v3 = v + 0.5 * h * a2, a3 = acceleration(x + 0.5 * h * v2, v3, u);
+    const Number v4 = v + h * a3, a4 = acceleration(x + h * v3, v4, u);
     x += h / 6.0 * (v + 2.0 * (v2 + v3) + v4);
     v += h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4);
   }

@@ -1,41 +1,26 @@
-"""Time of a control step: the core beside a loop written by hand in C++ and one compiled by numba.
+"""Time of a control step: the core beside loops written by hand in C++, for one run and for packs of runs.
 
 The C3 loop of the X axis of Lu et al. 2008 (five harmonics in the plant, three in the controller, B-splines of order
-3, one Runge-Kutta step a sample), over the whole run: reference, control, simulation and the columns of the log.
-"hand-written" uses the core's own sine and arctangent, so that it does the same arithmetic; "hand-written, libm" and
-"numba" those of the mathematics library.
-
-    python tests/benchmarks/lu2008_loop.py [--repeats 15]
+3, one Runge-Kutta step a sample), over the whole run: reference, control, simulation and the columns of the log. The
+packs are machines that differ in mass, friction and cogging. hand_written.cpp uses the core's own sine and arctangent
+(or, "libm", those of the mathematics library), so that it does the same arithmetic.
 """
 
-import argparse
 import ctypes
 import os
 import shutil
 import statistics
 import subprocess
-import sys
 import tempfile
 import time
-from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
 
 import cogging
 from cogging import _core
-from cogging_command import run_command
 
-COLUMNS = (
-    "time",
-    "reference",
-    "reference_velocity",
-    "reference_acceleration",
-    "position",
-    "command",
-    "true_position",
-    "true_velocity",
-)
+WIDTHS = {"v2": 2, "v3": 4, "v4": 8, "neon": 2}  # doubles in a register
 PLANT_HARMONICS, CONTROLLER_HARMONICS = [1, 2, 3, 6, 12], [1, 2, 3]
 SPLINE = {"order": 3, "origin": 0.0, "control_points": 13}
 
@@ -74,7 +59,6 @@ SETUP = {
     "cogging_min": -0.1,
     "cogging_max": 0.1,
 }
-Setup = namedtuple("Setup", SETUP)
 
 
 def core_arguments(setup, coefficients):
@@ -110,48 +94,60 @@ def random_coefficients(seed=0):
     return size * (numbers.standard_normal(10) + 0.3 * numbers.standard_normal((SPLINE["control_points"], 10)))
 
 
+def core_batch(setup, machines):
+    """Plants, controllers and reference of a batch of machines."""
+    plants = []
+    for mass, viscous, coulomb, *coefficients in machines:
+        one = setup | {"mass": mass, "viscous": viscous, "coulomb": coulomb}
+        plants.append(core_arguments(one, np.reshape(coefficients, (SPLINE["control_points"], -1)))[0])
+    _, controller, reference = core_arguments(setup, random_coefficients())
+    return plants, [controller] * len(plants), reference
+
+
+def nominal_machine(setup):
+    """The machine of the setup as hand_written.cpp reads it: mass, frictions and the cogging's coefficients, (1, n)."""
+    axis = [setup[name] for name in ("mass", "viscous", "coulomb")]
+    return np.hstack([axis, random_coefficients().ravel()])[None]
+
+
+def drawn_machines(runs, setup):
+    """Machines that differ in mass, viscous and Coulomb friction and in their cogging, one a row."""
+    rng = np.random.default_rng(3)
+    lowest = [0.9, 0.92, 0.9]  # within the controller's bounds
+    axis = nominal_machine(setup)[0, :3] * rng.uniform(lowest, 1.1, (runs, 3))
+    return np.hstack([axis, [random_coefficients(seed).ravel() for seed in range(runs)]])
+
+
 def compiler():
     """The C++ compiler, or None."""
     return shutil.which(os.environ.get("CXX", "c++")) or shutil.which("g++") or shutil.which("clang++")
 
 
-def compile_hand_written(*definitions):
-    """The function of hand_written.cpp with the core's optimisation flags: columns from (setup, coefficients, rows)."""
-    source = Path(__file__).with_name("hand_written.cpp")
-    flags = ["-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fPIC", "-shared"]
+def compile_hand_written(*definitions, instructions=""):
+    """The loop of hand_written.cpp, in packs of an instruction set: columns (runs, rows) of (setup, machines, rows)."""
+    source, lanes = Path(__file__).with_name("hand_written.cpp"), WIDTHS.get(instructions, 1)
+    flags = ["-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fPIC", "-shared", "-Wno-psabi"]
     flags += [f"-I{source.parents[2] / 'cpp'}", *(f"-D{name}" for name in definitions)]
+    flags += [f"-DLANES={lanes}"] if instructions else []
+    flags += [f"-march=x86-64-{instructions}"] if instructions.startswith("v") else []
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder) / "hand_written.so"
         subprocess.run([compiler(), *flags, str(source), "-o", str(library)], check=True)
         function = ctypes.CDLL(str(library)).lu2008_loop
     pointer = np.ctypeslib.ndpointer(dtype=np.float64, flags="C_CONTIGUOUS")
-    function.argtypes = [ctypes.c_void_p, pointer, ctypes.c_int, *[pointer] * len(COLUMNS)]
+    function.argtypes = [pointer, pointer, ctypes.c_int, *[pointer] * 5]
     function.restype = None
 
-    def run(setup, coefficients, rows):
-        columns = [np.empty(rows) for _ in COLUMNS]
-        values = np.array(list(setup.values()))
-        function(values.ctypes.data, coefficients, rows, *columns)
-        return dict(zip(COLUMNS, columns, strict=True))
+    def run(setup, machines, rows):
+        names = ("position", "command", "true_position", "true_velocity")
+        columns = {name: np.empty((len(machines), rows)) for name in names}
+        values, reference = np.array(list(setup.values())), np.empty((4, rows))
+        for first in range(0, len(machines), lanes):
+            pack = slice(first, first + lanes)
+            function(values, machines[pack], rows, reference, *(column[pack] for column in columns.values()))
+        return columns
 
     return run
-
-
-def compile_numba():
-    """The same function from numba_loop.py; ImportError without numba."""
-    from numba_loop import lu2008_loop
-
-    def run(setup, coefficients, rows):
-        columns = [np.empty(rows) for _ in COLUMNS]
-        lu2008_loop(Setup(**setup), coefficients, *columns)
-        return dict(zip(COLUMNS, columns, strict=True))
-
-    return run
-
-
-def largest_difference(log, other):
-    """Over the run: of the true positions and of the commands, m and V."""
-    return [float(np.max(np.abs(log[name] - other[name]))) for name in ("true_position", "command")]
 
 
 def measure(runs, repeats):
@@ -165,48 +161,48 @@ def measure(runs, repeats):
     return {name: statistics.median(values) for name, values in seconds.items()}
 
 
-def timed(repeats, setup=SETUP):
-    """Samples of a run, and median seconds of a run by each; after a look at whether they do the same."""
-    coefficients = random_coefficients()
-    plant, controller, reference = core_arguments(setup, coefficients)
-    core = _core.closed_loop(plant, controller, reference)
-    rows = len(core["time"])
-    hand_written, with_library = compile_hand_written(), compile_hand_written("LIBRARY_FUNCTIONS")
-    runs = {
-        "core": lambda: _core.closed_loop(plant, controller, reference),
-        "hand-written": lambda: hand_written(setup, coefficients, rows),
-        "hand-written, libm": lambda: with_library(setup, coefficients, rows),
-    }
-    try:
-        numba = compile_numba()
-        runs["numba"] = lambda: numba(setup, coefficients, rows)
-    except ImportError:
-        print("numba is not installed: its row is left out")
-    for name, run in runs.items():  # also compiles and warms up
-        position, command = largest_difference(core, run())
-        assert position <= setup["resolution"], f"{name} is off the core by {position:.1e} m"  # a count of the encoder
-        print(f"{name} less core: {position:.1e} m, {command:.1e} V at most")
-    batch = 4
-    runs["batch, 2 threads"] = lambda: cogging.closed_loop_batch(
-        [plant] * batch, [controller] * batch, reference, threads=2, logs=True
-    )
-
-    seconds = measure(runs, repeats)
-    seconds["batch, 2 threads"] /= batch
-    return rows, seconds
+def check_agreement(name, logs, by_hand, resolution):
+    """Print by how much loops by hand differ from the core's, and require that it is within a count of the encoder."""
+    apart = max(np.max(np.abs(log.true_position - x)) for log, x in zip(logs, by_hand["true_position"], strict=True))
+    assert apart <= resolution, f"{name} is off the core by {apart:.1e} m"
+    print(f"{name} less core: {apart:.1e} m at most")
 
 
-def main(repeats):
-    """Prints the table."""
-    rows, seconds = timed(repeats)
-    print(f"\nC3, X axis: {rows} samples, median of {repeats} repeats in turns")
-    print(f"{'':24}{'ns/step':>8}{'/ hand-written':>16}{'/ core':>8}")
-    for name, value in seconds.items():
-        ratios = value / seconds["hand-written"], value / seconds["core"]
-        print(f"{name:24}{1e9 * value / rows:8.1f}{ratios[0]:16.2f}{ratios[1]:8.2f}")
+def time_one_run(repeats, setup=SETUP):
+    """Samples of a run, and its median seconds in the core and by hand; the loops are compared first."""
+    machine, one = nominal_machine(setup), core_arguments(setup, random_coefficients())
+    log = cogging.closed_loop(*one)
+    rows = len(log)
+    ways = {"core": lambda: _core.closed_loop(*one)}
+    for name, definitions in (("hand-written", ()), ("hand-written, libm", ("LIBRARY_FUNCTIONS",))):
+        loop = compile_hand_written(*definitions)
+        ways[name] = lambda loop=loop: loop(setup, machine, rows)
+        check_agreement(name, [log], ways[name](), setup["resolution"])
+    return rows, measure(ways, repeats)
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--repeats", type=int, default=15)
-    sys.exit(run_command(lambda: main(parser.parse_args().repeats)))
+def run_core(arguments, instructions, threads=1, logs=True):
+    """A batch of the core under an instruction set, or "none"."""
+    os.environ["COGGING_INSTRUCTIONS"] = instructions
+    return cogging.closed_loop_batch(*arguments, threads=threads, logs=logs)
+
+
+def time_packs(repeats, runs):
+    """Rows of a run, and median seconds of all runs in packs of each instruction set; the loops are compared first."""
+    setup = SETUP | {"repeats": 1.0}
+    machines = drawn_machines(runs, setup)
+    arguments = core_batch(setup, machines)
+    rows = len(cogging.closed_loop(arguments[0][0], arguments[1][0], arguments[2]))
+    ways = {}
+    for name in _core.instruction_sets():
+        loop = compile_hand_written(instructions=name)
+        ways[f"core, {name}"] = lambda name=name: run_core(arguments, name, logs=False)
+        ways[f"core, {name}, logs"] = lambda name=name: run_core(arguments, name)
+        ways[f"by hand, {name}"] = lambda loop=loop: loop(setup, machines, rows)
+        core = run_core(arguments, name)
+        print(f"{name}: {sum(core.in_lanes)} of {runs} runs in lanes")
+        check_agreement(f"by hand, {name}", core, ways[f"by hand, {name}"](), setup["resolution"])
+    widest = list(_core.instruction_sets() or ["none"])[-1]
+    ways["core, alone"] = lambda: run_core(arguments, "none", logs=False)
+    ways[f"core, {widest}, 2 threads"] = lambda: run_core(arguments, widest, threads=2, logs=False)
+    return rows, measure(ways, repeats)

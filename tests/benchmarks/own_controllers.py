@@ -1,21 +1,16 @@
 """What a controller of one's own costs a sample, in Python and compiled, beside one of the core.
 
-    python tests/benchmarks/own_controllers.py [--repeats 9]
-
 The cost of the loop's call is the time of a run with the object, less that of the same run with a controller of the
-core that gives the same commands, less what the object's own two calls take when Python makes them in a loop. All are
-measured in turns, by the time of the processor that the thread had; medians.
+core that gives the same commands, less the object's own two calls made by a loop in Python. All are measured in turns,
+by the processor time of the thread; medians.
 """
 
-import argparse
 import statistics
-import sys
 import time
 
 import numpy as np
 
 import cogging
-from cogging_command import run_command
 
 RATE, DURATION = 5000.0, 4.0
 PLANT = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=0.1))
@@ -68,7 +63,7 @@ def own_calls(log):
 
 
 def measure(repeats):
-    """Nanoseconds a row of each, by name."""
+    """Nanoseconds a row of each, by name; the commands are compared first."""
 
     def run(controller):
         return cogging.closed_loop(PLANT, controller, MOTION, duration=DURATION)
@@ -90,22 +85,3 @@ def measure(repeats):
             call()
             seconds[name].append(time.thread_time() - start)
     return {name: 1e9 * statistics.median(values) / len(log) for name, values in seconds.items()}
-
-
-def main(repeats):
-    """Prints the table."""
-    found = measure(repeats)
-    own = found["own calls"] - found["their loop"]
-    above = found["Python"] - found["core"] - own
-    print(f"{'':24}{'ns/row':>8}{'/ core':>8}")
-    for name in ("core", "compiled", "Python"):
-        if name in found:
-            print(f"{name:24}{found[name]:8.0f}{found[name] / found['core']:8.2f}")
-    print(f"{'own calls, by Python':24}{own:8.0f}")
-    print(f"\nabove the object's own two calls: {above:.0f} ns a row, {above / own:.2f} of them")
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--repeats", type=int, default=9)
-    sys.exit(run_command(lambda: main(parser.parse_args().repeats)))

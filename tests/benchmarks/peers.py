@@ -1,41 +1,35 @@
-"""Many runs of one closed loop: the core beside what else runs such loops, on the same machines, with the same answer.
-
-    python -m tests.benchmarks.peers [--runs 1 100 2000] [--rows 2001] [--rounds 2]
+"""Many runs of one closed loop: the core beside other libraries that run such loops, on the same machines.
 
 The problem: a PID controller at 5 kHz holds an axis with cogging (three harmonics) and smooth friction on a motion; one
-Runge-Kutta step of order 4 a sample with the command held. Machines are drawn. Each library does the same arithmetic
-in its own idiom (numba: a loop over runs; JAX: vmap of lax.scan; CasADi: map of a fold; numpy: rows over all runs at
-once; python-control and scipy: one run at a time). What each gives, the position at the end and the rms error of every
-run, is compared with the core's before anything is timed. Each library runs in a process of its own, on one thread, in
-turns, few runs before many; the time of the first call beyond a later one (compilation) and the most memory that the
-process has held until then are listed beside.
+Runge-Kutta step of order 4 a sample with the command held. Machines are drawn. Each library does the same arithmetic,
+written once below, in its own idiom (numba: a loop over runs; JAX: vmap of lax.scan; CasADi: map of a fold; numpy: rows
+over all runs at once; python-control and scipy: one run at a time). The position at the end and the rms error of every
+run are compared with the core's before anything is timed. Each library runs in a process of its own, on one thread, in
+turns, few runs before many; the time of the first call beyond a later one (compilation) and the peak memory of the
+process are listed beside.
 """
 
 from __future__ import annotations
 
-import argparse
 import importlib.util
-import json
+import math
 import os
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tests.benchmarks.memory import peak_megabytes
+from tests.benchmarks import child
 
-ROOT = Path(__file__).resolve().parents[2]
 RATE, SECONDS = 5000.0, 0.4  # Hz; s of one move there and back
 HARMONICS, PITCH, WIDTH = (1, 2, 3), 0.03, 1.0 / 900.0
-GAINS = (9600.0, 1e5, 48.0)  # kp, ki, kd
+KP, KI, KD = 9600.0, 1e5, 48.0
 CLOSE = 1e-6  # m
-ONE_BY_ONE = 3  # runs at most, of what takes seconds for one
+ONE_BY_ONE = 3  # runs at most of a library that takes seconds for one
 LONG = 1.0  # s, of a call that is timed once in a round
 
 
@@ -62,90 +56,107 @@ class Problem:
         position = 0.02 * (1.0 - np.cos(turn * time))
         return cls(np.hstack([size, waves]), np.stack([position, 0.02 * turn**2 * np.cos(turn * time)], axis=1))
 
+    def answer(self, position: Any, squares: Any) -> Answer:
+        """The answer from positions at the end and sums of squared errors over all samples but the last."""
+        position = np.asarray(position)
+        last = position - self.reference[-1, 0]
+        return position, np.sqrt((np.asarray(squares) + last * last) / len(self.reference))
+
 
 Answer = tuple[np.ndarray, np.ndarray]  # position at the end, m; rms error, m; one a run
 Run = Callable[[], Answer]
 
 
-def core(problem: Problem) -> Run:
+def by_cogging(problem: Problem) -> Run:
     """cogging: a batch on one thread."""
     import cogging
 
-    kp, ki, kd = GAINS
     basis = cogging.SplineHarmonics(pitch=PITCH, harmonics=list(HARMONICS))
     plants, controllers = [], []
     for mass, viscous, coulomb, *waves in problem.machines:
         axis = cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=WIDTH)
-        cogged = cogging.CoggingModel(basis, np.array(waves[0::2])[:, None], np.array(waves[1::2])[:, None])
-        plants.append(cogging.Plant(axis, cogging=cogged))
-        controllers.append(cogging.Pid(cogging.PidParameters(sample_rate=RATE, kp=kp, ki=ki, kd=kd, mass=0.12)))
+        map_of_force = cogging.CoggingModel(basis, np.array(waves[0::2])[:, None], np.array(waves[1::2])[:, None])
+        plants.append(cogging.Plant(axis, cogging=map_of_force))
+        controllers.append(cogging.Pid(cogging.PidParameters(sample_rate=RATE, kp=KP, ki=KI, kd=KD, mass=0.12)))
     position, acceleration = problem.reference.T
-    moments = np.arange(len(position)) / RATE
-    motion = cogging.Sampled(moments, position, None, acceleration)
-    asked = ["true_error_final", "true_error_rms"]
+    motion = cogging.Sampled(np.arange(len(position)) / RATE, position, None, acceleration)
+    kept = ["true_error_final", "true_error_rms"]
 
     def run() -> Answer:
-        batch = cogging.closed_loop_batch(plants, controllers, motion, threads=1, reductions=asked)
+        batch = cogging.closed_loop_batch(plants, controllers, motion, threads=1, reductions=kept)
         return position[-1] + batch.indexes["true_error_final"], batch.indexes["true_error_rms"]
 
     return run
 
 
-def after_a_sample(acceleration: Callable, x: Any, v: Any, u: Any) -> tuple[Any, Any]:
-    """Position and velocity one sample later, by a Runge-Kutta step of order 4, of arrays or symbols."""
-    h = 1.0 / RATE
-    a1 = acceleration(x, v, u)
-    v2 = v + 0.5 * h * a1
-    a2 = acceleration(x + 0.5 * h * v, v2, u)
-    v3 = v + 0.5 * h * a2
-    a3 = acceleration(x + 0.5 * h * v2, v3, u)
-    v4 = v + h * a3
-    a4 = acceleration(x + h * v3, v4, u)
-    return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+def laws(sin: Any, cos: Any, atan: Any, compiled: Callable = lambda function: function) -> tuple[Callable, ...]:
+    """Acceleration, command and whole sample of the loop, of numbers, arrays or symbols."""
+
+    @compiled
+    def acceleration(machine, x, v, u):
+        s1, c1 = sin(2.0 * math.pi / PITCH * x), cos(2.0 * math.pi / PITCH * x)
+        s2, c2 = 2.0 * s1 * c1, c1 * c1 - s1 * s1
+        s3, c3 = s2 * c1 + c2 * s1, c2 * c1 - s2 * s1
+        force = machine[3] * s1 + machine[4] * c1 + machine[5] * s2 + machine[6] * c2
+        force = force + machine[7] * s3 + machine[8] * c3
+        friction = machine[1] * v + machine[2] * (2.0 / math.pi) * atan(v * (1.0 / WIDTH))
+        return (u - friction - force) * (1.0 / machine[0])
+
+    @compiled
+    def command(x, total, before, at):
+        error = x - at[0]
+        total = total + error * (1.0 / RATE)
+        return 0.12 * at[1] - KP * error - KI * total - KD * (error - before) * RATE, total, error
+
+    @compiled
+    def sample(machine, state, at):
+        h = 1.0 / RATE
+        x, v, total, before, squares = state
+        u, total, error = command(x, total, before, at)
+        a1 = acceleration(machine, x, v, u)
+        v2 = v + 0.5 * h * a1
+        a2 = acceleration(machine, x + 0.5 * h * v, v2, u)
+        v3 = v + 0.5 * h * a2
+        a3 = acceleration(machine, x + 0.5 * h * v2, v3, u)
+        v4 = v + h * a3
+        a4 = acceleration(machine, x + h * v3, v4, u)
+        x_next = x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
+        return x_next, v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4), total, error, squares + error * error
+
+    return acceleration, command, sample
 
 
 def by_numpy(problem: Problem) -> Run:
     """numpy: all runs of one row at once."""
-    return lambda: stepped(problem)
+    _, _, sample = laws(np.sin, np.cos, np.arctan)
+    machines, nothing = problem.machines.T, np.zeros(len(problem.machines))
 
+    def run() -> Answer:
+        state = (nothing + problem.reference[0, 0], nothing, nothing, nothing, nothing)
+        for at in problem.reference[:-1]:
+            state = sample(machines, state, at)
+        return problem.answer(state[0], state[4])
 
-def stepped(problem: Problem) -> Answer:
-    """The loop on arrays over the runs."""
-    kp, ki, kd = GAINS
-    mass, viscous, coulomb = problem.machines.T[:3]
-    waves = problem.machines.T[3:]
-    h = 1.0 / RATE
-
-    def acceleration(x: np.ndarray, v: np.ndarray, u: np.ndarray) -> np.ndarray:
-        force = viscous * v + coulomb * (2.0 / np.pi) * np.arctan(v / WIDTH)
-        for i, n in enumerate(HARMONICS):
-            angle = 2.0 * np.pi * n / PITCH * x
-            force = force + waves[2 * i] * np.sin(angle) + waves[2 * i + 1] * np.cos(angle)
-        return (u - force) / mass
-
-    x, v = np.full(len(mass), problem.reference[0, 0]), np.zeros(len(mass))
-    total, before, squares = np.zeros(len(mass)), None, np.zeros(len(mass))
-    for k, (position, wanted) in enumerate(problem.reference):
-        error = x - position
-        squares = squares + error * error
-        if k + 1 == len(problem.reference):
-            break
-        total = total + error * h
-        rate = (error - (error if before is None else before)) * RATE
-        before = error
-        u = 0.12 * wanted - kp * error - ki * total - kd * rate
-        x, v = after_a_sample(acceleration, x, v, u)
-    return x, np.sqrt(squares / len(problem.reference))
+    return run
 
 
 def by_numba(problem: Problem) -> Run:
     """numba: a compiled loop over runs and rows."""
-    from tests.benchmarks.peers_numba import loops
+    import numba
 
-    def run() -> Answer:
-        return loops(problem.machines, problem.reference, RATE, PITCH, WIDTH, GAINS)
+    _, _, sample = laws(math.sin, math.cos, math.atan, numba.njit)
 
-    return run
+    @numba.njit
+    def loops(machines, reference):
+        last, squares = np.empty(len(machines)), np.empty(len(machines))
+        for i in range(len(machines)):
+            state = (reference[0, 0], 0.0, 0.0, 0.0, 0.0)
+            for k in range(len(reference) - 1):
+                state = sample(machines[i], state, reference[k])
+            last[i], squares[i] = state[0], state[4]
+        return last, squares
+
+    return lambda: problem.answer(*loops(problem.machines, problem.reference))
 
 
 def by_jax(problem: Problem) -> Run:
@@ -155,79 +166,36 @@ def by_jax(problem: Problem) -> Run:
     import jax.numpy as jnp
 
     jax.config.update("jax_enable_x64", True)
-    kp, ki, kd = GAINS
-    h = 1.0 / RATE
-    harmonics = jnp.array(HARMONICS, dtype=float)
+    _, _, sample = laws(jnp.sin, jnp.cos, jnp.arctan)
 
     def one(machine: jax.Array, reference: jax.Array) -> tuple[jax.Array, jax.Array]:
-        mass, viscous, coulomb = machine[0], machine[1], machine[2]
-        sines, cosines = machine[3::2], machine[4::2]
-
-        def acceleration(x: jax.Array, v: jax.Array, u: jax.Array) -> jax.Array:
-            angles = 2.0 * jnp.pi / PITCH * harmonics * x
-            cogging = jnp.sum(sines * jnp.sin(angles) + cosines * jnp.cos(angles))
-            return (u - viscous * v - coulomb * (2.0 / jnp.pi) * jnp.arctan(v / WIDTH) - cogging) / mass
-
-        def row(state: tuple, at: jax.Array) -> tuple[tuple, None]:
-            x, v, total, before, squares = state
-            error = x - at[0]
-            total = total + error * h
-            u = 0.12 * at[1] - kp * error - ki * total - kd * (error - before) * RATE
-            x, v = after_a_sample(acceleration, x, v, u)
-            return (x, v, total, error, squares + error * error), None
-
         start = (reference[0, 0], 0.0, 0.0, 0.0, 0.0)
-        (x, _, _, _, squares), _ = jax.lax.scan(row, start, reference[:-1])
-        return x, jnp.sqrt((squares + (x - reference[-1, 0]) ** 2) / len(reference))
+        state, _ = jax.lax.scan(lambda state, at: (sample(machine, state, at), None), start, reference[:-1])
+        return state[0], state[4]
 
     many = jax.jit(jax.vmap(one, in_axes=(0, None)))
     machines, reference = jnp.asarray(problem.machines), jnp.asarray(problem.reference)
-
-    def run() -> Answer:
-        x, rms = many(machines, reference)
-        return np.asarray(x), np.asarray(rms)
-
-    return run
+    return lambda: problem.answer(*many(machines, reference))
 
 
 def by_casadi(problem: Problem) -> Run:
     """CasADi: a fold over the rows, mapped over the runs, by its own virtual machine."""
     import casadi
 
-    kp, ki, kd = GAINS
-    h = 1.0 / RATE
+    _, _, sample = laws(casadi.sin, casadi.cos, casadi.atan)
     state, at, machine = casadi.SX.sym("state", 5), casadi.SX.sym("at", 2), casadi.SX.sym("machine", 9)
-    x, v, total, before, squares = casadi.vertsplit(state)
-
-    def acceleration(x: casadi.SX, v: casadi.SX, u: casadi.SX) -> casadi.SX:
-        force = machine[1] * v + machine[2] * (2.0 / np.pi) * casadi.atan(v / WIDTH)
-        for i, n in enumerate(HARMONICS):
-            angle = 2.0 * np.pi * n / PITCH * x
-            force += machine[3 + 2 * i] * casadi.sin(angle) + machine[4 + 2 * i] * casadi.cos(angle)
-        return (u - force) / machine[0]
-
-    error = x - at[0]
-    summed = total + error * h
-    u = 0.12 * at[1] - kp * error - ki * summed - kd * (error - before) * RATE
-    after = casadi.vertcat(
-        *after_a_sample(acceleration, x, v, u),
-        summed,
-        error,
-        squares + error * error,
-    )
-    step = casadi.Function("step", [state, at, machine], [after])
+    after = casadi.vertcat(*sample(machine, casadi.vertsplit(state), at))
     rows, runs = len(problem.reference) - 1, len(problem.machines)
-    rowed = step.fold(rows)
+    rowed = casadi.Function("step", [state, at, machine], [after]).fold(rows)
     references, known = casadi.MX.sym("references", 2, rows), casadi.MX.sym("machine", 9)
     start = casadi.DM([problem.reference[0, 0], 0.0, 0.0, 0.0, 0.0])
     whole = casadi.Function("whole", [references, known], [rowed(start, references, casadi.repmat(known, 1, rows))])
     many = whole.map(runs, "serial")
-    machines, along = problem.machines.T, problem.reference[:-1].T
+    machines, along = problem.machines.T, casadi.repmat(casadi.DM(problem.reference[:-1].T), 1, runs)
 
     def run() -> Answer:
-        ends = np.array(many(casadi.repmat(casadi.DM(along), 1, runs), machines))
-        last = ends[0] - problem.reference[-1, 0]
-        return ends[0], np.sqrt((ends[4] + last * last) / len(problem.reference))
+        ends = np.array(many(along, machines))
+        return problem.answer(ends[0], ends[4])
 
     return run
 
@@ -236,78 +204,44 @@ def by_scipy(problem: Problem) -> Run:
     """scipy: solve_ivp (RK45 at 1e-9) over each sample, one run after the other."""
     from scipy.integrate import solve_ivp
 
-    kp, ki, kd = GAINS
+    acceleration, command, _ = laws(math.sin, math.cos, math.atan)
 
     def one(machine: np.ndarray) -> tuple[float, float]:
-        rates = rates_of(machine)
-        state, total, before, squares = np.array([problem.reference[0, 0], 0.0]), 0.0, None, 0.0
-        for k, (position, wanted) in enumerate(problem.reference):
-            error = float(state[0]) - position
-            squares += error * error
-            if k + 1 == len(problem.reference):
-                break
-            total += error / RATE
-            rate = (error - (error if before is None else before)) * RATE
-            before = error
-            u = 0.12 * wanted - kp * error - ki * total - kd * rate
-            over = (k / RATE, (k + 1) / RATE)
-            state = solve_ivp(lambda _, s, u=u: rates(s, u), over, state, rtol=1e-9, atol=1e-12).y[:, -1]
-        return float(state[0]), float(np.sqrt(squares / len(problem.reference)))
+        state, total, before, squares = np.array([problem.reference[0, 0], 0.0]), 0.0, 0.0, 0.0
+        for k, at in enumerate(problem.reference[:-1]):
+            u, total, before = command(state[0], total, before, at)
+            squares += before * before
 
-    return lambda: tuple(np.array([one(machine) for machine in problem.machines]).T)
+            def rates(_, s, u=u):
+                return [s[1], acceleration(machine, s[0], s[1], u)]
 
+            state = solve_ivp(rates, (k / RATE, (k + 1) / RATE), state, rtol=1e-9, atol=1e-12).y[:, -1]
+        return float(state[0]), squares
 
-def rates_of(machine: np.ndarray) -> Callable[[np.ndarray, float], list[float]]:
-    """Derivative of position and velocity under a command."""
-    import math
-
-    mass, viscous, coulomb, *waves = machine
-
-    def rates(state: np.ndarray, u: float) -> list[float]:
-        x, v = float(state[0]), float(state[1])
-        force = viscous * v + coulomb * (2.0 / math.pi) * math.atan(v / WIDTH)
-        for i, n in enumerate(HARMONICS):
-            angle = 2.0 * math.pi * n / PITCH * x
-            force += waves[2 * i] * math.sin(angle) + waves[2 * i + 1] * math.cos(angle)
-        return [v, (u - force) / mass]
-
-    return rates
+    return lambda: problem.answer(*np.array([one(machine) for machine in problem.machines]).T)
 
 
 def by_control(problem: Problem) -> Run:
     """python-control: a nonlinear system in discrete time, one run after the other."""
     import control
 
-    kp, ki, kd = GAINS
-    h = 1.0 / RATE
+    _, _, sample = laws(math.sin, math.cos, math.atan)
 
     def one(machine: np.ndarray) -> tuple[float, float]:
-        rates = rates_of(machine)
-
         def after(_: float, state: np.ndarray, at: np.ndarray, __: dict) -> np.ndarray:
-            error = state[0] - at[0]
-            total = state[2] + error * h
-            u = 0.12 * at[1] - kp * error - ki * total - kd * (error - state[3]) * RATE
-            s = state[:2]
-            k1 = np.array(rates(s, u))
-            k2 = np.array(rates(s + 0.5 * h * k1, u))
-            k3 = np.array(rates(s + 0.5 * h * k2, u))
-            k4 = np.array(rates(s + h * k3, u))
-            moved = s + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-            return np.array([*moved, total, error])
+            return np.array(sample(machine, state, at))
 
-        loop = control.nlsys(after, lambda _, state, at, __: state[0], inputs=2, outputs=1, states=4, dt=h)
-        moments = np.arange(len(problem.reference)) * h
-        start = [problem.reference[0, 0], 0.0, 0.0, 0.0]
-        found = control.input_output_response(loop, moments, problem.reference.T, start)
-        error = np.ravel(found.outputs) - problem.reference[:, 0]
-        return float(np.ravel(found.outputs)[-1]), float(np.sqrt(np.mean(error**2)))
+        loop = control.nlsys(after, lambda _, state, at, __: state, inputs=2, outputs=5, states=5, dt=1.0 / RATE)
+        moments = np.arange(len(problem.reference)) / RATE
+        start = [problem.reference[0, 0], 0.0, 0.0, 0.0, 0.0]
+        last = control.input_output_response(loop, moments, problem.reference.T, start).outputs[:, -1]
+        return last[0], last[4]
 
-    return lambda: tuple(np.array([one(machine) for machine in problem.machines]).T)
+    return lambda: problem.answer(*np.array([one(machine) for machine in problem.machines]).T)
 
 
 PEERS: dict[str, tuple[Callable[[Problem], Run], str]] = {
-    "cogging": (core, "cogging"),
+    "cogging": (by_cogging, "cogging"),
     "numba": (by_numba, "numba"),
     "JAX": (by_jax, "jax"),
     "CasADi": (by_casadi, "casadi"),
@@ -319,14 +253,14 @@ SLOW = ("python-control", "scipy")  # seconds a run: one alone is timed
 
 
 def installed() -> list[str]:
-    """The peers that are there."""
+    """Names of the libraries that are installed."""
     return [name for name, (_, module) in PEERS.items() if importlib.util.find_spec(module) is not None]
 
 
 def differences(names: list[str], runs: int, rows: int) -> dict[str, float]:
-    """By how much each answer is off the core's at most, m: of what takes seconds a run, the first runs alone."""
+    """Largest difference of each answer from the core's, m; of a slow library, of the first runs alone."""
     problem = Problem.drawn(runs, rows)
-    expected = core(problem)()
+    expected = by_cogging(problem)()
     found = {}
     for name in names:
         count = min(runs, ONE_BY_ONE) if name in SLOW else runs
@@ -339,7 +273,7 @@ def differences(names: list[str], runs: int, rows: int) -> dict[str, float]:
 
 
 def measured(name: str, rows: int, repeats: int, counts: list[int]) -> list[dict[str, float]]:
-    """Seconds of all runs, median; of the first call beyond that; most MB held so far: for each number of runs."""
+    """For each number of runs: median seconds of all runs, seconds of the first call beyond that, peak MB so far."""
     found = []
     for runs in counts:
         problem, seconds = Problem.drawn(runs, rows), []
@@ -352,90 +286,35 @@ def measured(name: str, rows: int, repeats: int, counts: list[int]) -> list[dict
             run()
             seconds.append(time.perf_counter() - begin)
         usual = statistics.median(seconds)
-        found.append({"seconds": usual, "compile": max(first - usual, 0.0), "megabytes": peak_megabytes()})
+        found.append({"seconds": usual, "compile": max(first - usual, 0.0), "megabytes": child.peak_megabytes()})
     return found
 
 
-def in_a_process(*arguments: object) -> Any:
-    """What this module prints for these arguments, in a process of its own, on one thread."""
-    alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-    command = [sys.executable, "-m", "tests.benchmarks.peers", *map(str, arguments)]
-    done = subprocess.run(command, cwd=ROOT, env={**os.environ, **alone}, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout.splitlines()[-1])
-
-
-@dataclass(frozen=True)
-class Figure:
-    """What a library takes for so many runs: ns a step and run, its ratio to the core, s to compile, most MB held."""
-
-    name: str
-    runs: int
-    step: float
-    ratio: float
-    compile: float
-    megabytes: float
-
-
-def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[Figure]:
-    """Of all that are installed, once their answers are seen to be the core's."""
+def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[tuple[int, str, float, float, float]]:
+    """Runs, library, time relative to the core, s to compile, peak MB; of each that gives the core's answer."""
     names = installed()
-    off = in_a_process("--compare", 8, min(rows, 501))
+    off = child.call(differences, names, 8, min(rows, 501))
     wrong = {name: value for name, value in off.items() if value > CLOSE}
     if wrong:
         raise SystemExit(f"answers differ by more than {CLOSE:g} m, nothing is timed: {wrong}")
     print(f"the same answers: {max(off.values()):.1e} m at most\n")
-    found: dict[tuple[str, int], list[dict[str, float]]] = {}
+    found: dict[tuple[int, str], list[dict[str, float]]] = {}
     for number in range(1, rounds + 1):
         for name in names:
             print(f"  round {number} of {rounds}: {name}", file=sys.stderr, flush=True)
-            asked = [runs for runs in counts if name not in SLOW or runs == 1]
-            for runs, one in zip(asked, in_a_process("--alone", name, rows, repeats, *asked), strict=True):
-                found.setdefault((name, runs), []).append(one)
+            timed = [runs for runs in counts if name not in SLOW or runs == 1]
+            for runs, one in zip(timed, child.call(measured, name, rows, repeats, timed), strict=True):
+                found.setdefault((runs, name), []).append(one)
     usual = {which: statistics.median(one["seconds"] for one in some) for which, some in found.items()}
     return [
-        Figure(
-            name,
+        (
             runs,
-            1e9 * usual[name, runs] / runs / (rows - 1),
-            usual[name, runs] / usual["cogging", runs],
-            statistics.median(one["compile"] for one in found[name, runs]),
-            max(one["megabytes"] for one in found[name, runs]),
+            name,
+            usual[runs, name] / usual[runs, "cogging"],
+            statistics.median(one["compile"] for one in found[runs, name]),
+            max(one["megabytes"] for one in found[runs, name]),
         )
         for runs in counts
         for name in names
-        if (name, runs) in found
+        if (runs, name) in found
     ]
-
-
-def table(found: list[Figure]) -> list[str]:
-    """Lines of it."""
-    lines = [f"{'':16}{'runs':>7}{'ns a step':>11}{'/ cogging':>11}{'compile, s':>12}{'peak, MB':>10}"]
-    for one in found:
-        numbers = f"{one.step:11.1f}{one.ratio:11.2f}{one.compile:12.2f}{one.megabytes:10.0f}"
-        lines.append(f"{one.name:16}{one.runs:7}{numbers}")
-    return lines
-
-
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--runs", type=int, nargs="+", default=[1, 100, 2000])
-    parser.add_argument("--rows", type=int, default=2001)
-    parser.add_argument("--rounds", type=int, default=2)
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--alone", nargs="+", metavar="NAME ROWS REPEATS RUNS", help=argparse.SUPPRESS)
-    parser.add_argument("--compare", nargs="+", metavar="RUNS ROWS NAMES", help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if options.compare is not None:
-        runs, rows, *names = options.compare
-        print(json.dumps(differences(names or installed(), int(runs), int(rows))))
-        return
-    if options.alone is not None:
-        name, rows, repeats, *counts = options.alone
-        print(json.dumps(measured(name, int(rows), int(repeats), list(map(int, counts)))))
-        return
-    print("\n".join(table(figures(options.runs, options.rows, options.rounds, options.repeats))))
-
-
-if __name__ == "__main__":
-    main()

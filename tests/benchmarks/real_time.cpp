@@ -1,16 +1,15 @@
-// The step of every controller of the list, call by call: `real_time CALLS`, or `real_time check` for what the
-// instruments themselves see. One line for each figure: the controller's name, the figure's, and its value.
-// real_time.py builds it with the setups that it writes to setups.hpp, and prints the table.
+// The step of every controller of the list, call by call: `real_time CALLS TICKS`. Prints one line for each figure (the
+// controller's name, the figure's, its value) and writes the duration of each call (ticks, 32 bits) to the file TICKS;
+// `ticks_NAME COUNT` names each series, in the order of the file. real_time.py builds it with the setups that it writes
+// to setups.hpp, and prints the table.
 
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <functional>
-#include <limits>
+#include <new>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -18,118 +17,248 @@
 #include <utility>
 #include <vector>
 
-#include "real_time_runs.hpp"
+#if defined(__x86_64__)
+#include <immintrin.h>
+#else
+#include <cfenv>
+#endif
+
+#include "cogging/inlining.hpp"
+#include "cogging/reference/point_to_point.hpp"
+#include "real_time_step.hpp"
+#include "setups.hpp"
+#include "simulated_axis.hpp"
+
+namespace {
+
+long allocations = 0;         // calls of new and delete
+std::size_t bytes_asked = 0;  // of new
+
+}  // namespace
+
+COGGING_NOINLINE void* operator new(std::size_t size) {
+  ++allocations;
+  bytes_asked += size;
+  void* memory = std::malloc(size);
+  if (memory == nullptr) std::abort();
+  return memory;
+}
+COGGING_NOINLINE void operator delete(void* memory) noexcept {
+  ++allocations;
+  std::free(memory);
+}
+COGGING_NOINLINE void operator delete(void* memory, std::size_t) noexcept {
+  ::operator delete(memory);
+}
 
 namespace {
 
 using namespace real_time;
+using cogging::ReferencePoint;
 
-/// The setup with numbers drawn about their values, switches at random, and half of what is off on.
-template <class Parameters>
-Parameters drawn(Parameters q, std::mt19937& random) {
-  std::uniform_real_distribution<double> factor(0.7, 1.4), small(-0.01, 0.01);
-  cogging::for_each_field<Parameters>([&](const auto& field) {
-    auto& value = q.*(field.member);
-    if constexpr (std::is_same_v<decltype(value), double&>)
-      value = value != 0.0 ? value * factor(random) : std::fmax(0.0, small(random));
-    if constexpr (std::is_same_v<decltype(value), bool&>) value = small(random) > 0.0;
-  });
-  return q;
+// Ticks of the processor's counter where there is one, else nanoseconds; the fences keep the step between both reads.
+#if defined(__x86_64__)
+std::uint64_t begin_ticks() noexcept {
+  _mm_lfence();
+  const std::uint64_t ticks = __rdtsc();
+  _mm_lfence();
+  return ticks;
+}
+std::uint64_t end_ticks() noexcept {
+  unsigned processor;
+  const std::uint64_t ticks = __rdtscp(&processor);
+  _mm_lfence();
+  return ticks;
+}
+#else
+std::uint64_t begin_ticks() noexcept {
+  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+}
+std::uint64_t end_ticks() noexcept {
+  return begin_ticks();
+}
+#endif
+
+double ticks_per_nanosecond() {
+  const auto begun = std::chrono::steady_clock::now();
+  const std::uint64_t ticks = begin_ticks();
+  while (std::chrono::steady_clock::now() - begun < std::chrono::milliseconds(50)) {
+  }
+  const std::uint64_t passed = end_ticks() - ticks;
+  const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begun;
+  return static_cast<double>(passed) / time.count();
 }
 
-/// Of such a setup, or of the one as it is where the controller refuses a hundred draws.
+// Whether arithmetic met a denormal number since `forget`: as an operand (x86 alone tells) or as a rounded result.
+struct Denormals {
+#if defined(__x86_64__)
+  static constexpr unsigned flags = 0x02 | 0x10, to_zero = 0x40 | 0x8000;  // DE, UE; DAZ, FTZ of MXCSR
+  static void forget() noexcept { _mm_setcsr(_mm_getcsr() & ~flags); }
+  static bool met() noexcept { return (_mm_getcsr() & flags) != 0; }
+  /// Takes them as 0 and puts them out as 0 from here on; whether this is possible.
+  static bool flush(bool wanted) noexcept {
+    _mm_setcsr(wanted ? _mm_getcsr() | to_zero : _mm_getcsr() & ~to_zero);
+    return true;
+  }
+#else
+  static void forget() noexcept { std::feclearexcept(FE_UNDERFLOW); }
+  static bool met() noexcept { return std::fetestexcept(FE_UNDERFLOW) != 0; }
+  static bool flush(bool) noexcept { return false; }
+#endif
+};
+
+struct Controlled {
+  void* memory = nullptr;
+  Step step = nullptr;
+  double sample_rate = 5000.0, preview = 0.0;
+};
+
+struct Run {
+  std::vector<std::uint32_t> ticks;
+  long allocations = 0, denormal = 0;
+  double error_squares = 0.0, error_max = 0.0, command_max = 0.0;
+
+  /// One step, timed.
+  double take(const Controlled& c, const ReferencePoint& now, const ReferencePoint& ahead, double reading) {
+    Denormals::forget();
+    const long before = ::allocations;
+    const std::uint64_t begun = begin_ticks();
+    const double command = c.step(c.memory, now, ahead, reading);
+    const std::uint64_t ended = end_ticks();
+    denormal += Denormals::met();
+    allocations += ::allocations - before;
+    ticks.push_back(static_cast<std::uint32_t>(std::min<std::uint64_t>(ended - begun, UINT32_MAX)));
+    const double error = reading - now.position;
+    error_squares += error * error;
+    error_max = std::fmax(error_max, std::abs(error));
+    command_max = std::fmax(command_max, std::abs(command));
+    return command;
+  }
+};
+
+/// The machine and its motion, and how far they have come.
+struct Loop {
+  const cogging::PointToPoint& motion;
+  SimulatedAxis axis{plant(), motion.at(0.0).position};
+  long sample = 0;
+
+  /// Samples in closed loop; `cold` pushes what lies in the caches out before each, as other work on a machine does.
+  void run(const Controlled& c, long samples, Run& found, bool cold = false) {
+    static std::vector<unsigned char> other(std::size_t{1} << 25);
+    for (const long end = sample + samples; sample < end; ++sample) {
+      for (std::size_t i = 0; cold && i < other.size(); i += 64) ++other[i];
+      const double time = static_cast<double>(sample) / c.sample_rate;
+      const double reading = axis.read(time);
+      axis.write(found.take(c, motion.at(time), motion.at(time + c.preview), reading));
+    }
+  }
+};
+
+/// A move there and back that ends exactly where it began, then rest: what is not driven any more dies away. With
+/// `losses`, some readings are lost.
+void rest(const Controlled& c, double start, long samples, bool losses, Run& found) {
+  cogging::PointToPointParameters once = motion();
+  once.start = start;
+  once.repeats = 1;
+  const cogging::PointToPoint move(once);
+  const double resolution = plant().encoder.resolution;
+  const long moving = static_cast<long>(move.end() * c.sample_rate) + 1;
+  Run before;
+  for (long k = 0; k < moving + samples; ++k) {
+    const double time = static_cast<double>(k) / c.sample_rate;
+    const ReferencePoint now = move.at(time);
+    const double behind = resolution * std::round(5.0 * std::sin(300.0 * time));  // as a loop leaves it
+    const double reading = losses && k % 5003 < k % 29 ? NAN : k < moving ? now.position + behind : start;
+    (k < moving ? before : found).take(c, now, move.at(time + c.preview), reading);
+  }
+  found.denormal += before.denormal;
+  found.allocations += before.allocations;
+}
+
+/// Samples behind 16 lost readings, as many as an observer makes up for at once.
+void gaps(const Controlled& c, const cogging::PointToPoint& along, long samples, Run& found) {
+  Run lost;
+  for (long k = 0; k < 17 * samples; ++k) {
+    const double time = static_cast<double>(k) / c.sample_rate;
+    const ReferencePoint now = along.at(time), ahead = along.at(time + c.preview);
+    (k % 17 == 0 ? found : lost).take(c, now, ahead, k % 17 == 0 ? now.position : NAN);
+  }
+  found.allocations += lost.allocations;
+}
+
+/// Readings and references that are denormal numbers, as those of a simulation or of a filter may become.
+void tiny(const Controlled& c, long samples, Run& found) {
+  for (long k = 0; k < samples; ++k) {
+    const double x = 1e-310 * (2.0 + std::sin(0.1 * static_cast<double>(k)));
+    found.take(c, {x, -x, x}, {x, -x, x}, 2.0 * x);
+  }
+}
+
+void say(const std::string& name, const std::string& figure, double value) {
+  std::printf("%s %s %.17g\n", name.c_str(), figure.c_str(), value);
+}
+
+std::FILE* ticks_file = nullptr;
+
+void write_ticks(const std::string& name, const std::string& series, const Run& run) {
+  say(name, "ticks_" + series, static_cast<double>(run.ticks.size()));
+  std::fwrite(run.ticks.data(), sizeof(std::uint32_t), run.ticks.size(), ticks_file);
+}
+
+/// A fresh controller for each part: the closed loop twice, cold samples behind it, gaps, rests, and denormal inputs.
+/// Both loops do the same to the bit, so what is long in one of them alone was the machine's doing.
+template <class Fresh>
+void measure(const std::string& name, const Fresh& fresh, long calls) {
+  const cogging::PointToPoint along(motion());
+  Run warm_up, moving, again, cold, gap, resting, small, flushed;
+  Loop{along}.run(fresh(), 5000, warm_up);
+  moving.ticks.reserve(static_cast<std::size_t>(calls));
+  again.ticks.reserve(static_cast<std::size_t>(calls));
+  Loop{along}.run(fresh(), calls, moving);
+  const Controlled c = fresh();
+  Loop loop{along};
+  loop.run(c, calls, again);
+  loop.run(c, std::min(200L, calls / 1000 + 1), cold, true);
+  gaps(fresh(), along, 1000, gap);
+  for (const double start : {along.parameters().start, 0.0}) rest(fresh(), start, 100'000, false, resting);
+  tiny(fresh(), 20'000, small);
+  if (Denormals::flush(true)) tiny(fresh(), 20'000, flushed);
+  Denormals::flush(false);
+  write_ticks(name, "moving", moving), write_ticks(name, "again", again), write_ticks(name, "cold", cold);
+  write_ticks(name, "gap", gap), write_ticks(name, "resting", resting), write_ticks(name, "tiny", small);
+  write_ticks(name, "flushed", flushed);
+  say(name, "error_rms", std::sqrt(moving.error_squares / static_cast<double>(calls)));
+  say(name, "error_max", moving.error_max);
+  say(name, "command_max", moving.command_max);
+  say(name, "differs", moving.error_squares == again.error_squares ? 0.0 : 1.0);
+  long allocated = 0;
+  for (const Run* run : {&moving, &again, &cold, &gap, &resting}) allocated += run->allocations;
+  say(name, "allocations", static_cast<double>(allocated));
+  say(name, "denormal", static_cast<double>(moving.denormal + resting.denormal));
+  say(name, "denormal_tiny", static_cast<double>(small.denormal));
+}
+
+/// The controller of this setup with numbers drawn about their values, switches at random, and half of what is off on;
+/// of the setup as it is where the controller refuses a hundred draws.
 template <class C>
 C drawn_controller(std::mt19937& random, long& refused) {
+  using Parameters = typename C::Parameters;
+  std::uniform_real_distribution<double> factor(0.7, 1.4), small(-0.01, 0.01);
   for (int attempt = 0; attempt < 100; ++attempt) {
+    Parameters q = setup<C>();
+    cogging::for_each_field<Parameters>([&](const auto& field) {
+      auto& value = q.*(field.member);
+      if constexpr (std::is_same_v<decltype(value), double&>)
+        value = value != 0.0 ? value * factor(random) : std::fmax(0.0, small(random));
+      if constexpr (std::is_same_v<decltype(value), bool&>) value = small(random) > 0.0;
+    });
     try {
-      return C(drawn(setup<C>(), random));
+      return C(q);
     } catch (const std::invalid_argument&) {  // a bound that the draw has passed
     }
   }
   ++refused;
   return C(setup<C>());
-}
-
-double nothing(void*, const ReferencePoint&, const ReferencePoint&, double) {
-  return 0.0;
-}
-
-/// Bytes of the stack below a call: of samples as they come, and of lost ones.
-std::size_t stack_of(const Controlled& c) {
-  return stack_touched([&] {
-    for (int k = 0; k < 200; ++k) {
-      const double x = 0.1 + 1e-3 * k;
-      c.step(c.memory, {x, 0.5, 0.1}, {x, 0.5, 0.1}, k % 7 == 3 || (k > 50 && k < 90) ? NAN : x + 1e-5);
-    }
-  });
-}
-
-void say(const std::string& name, const char* figure, double value) {
-  std::printf("%s %s %.17g\n", name.c_str(), figure, value);
-}
-
-struct Parts {
-  Run moving, again, cold, gap, resting, tiny, flushed;
-  std::vector<std::uint32_t> shortest;  // ticks of each call, by the quicker of both loops
-};
-
-/// A fresh controller for each part: the closed loop twice, cold samples behind it, gaps, two rests, and
-/// denormal inputs. Both loops do the same to the bit, so that what is long in one of them alone was the machine's
-/// doing.
-void measure(const std::function<Controlled()>& fresh, long calls, Parts& found) {
-  const cogging::PointToPoint along(motion());
-  Run warm_up;
-  Loop(along).run(fresh(), 5000, warm_up);
-  found.shortest.assign(static_cast<std::size_t>(calls), std::numeric_limits<std::uint32_t>::max());
-  found.moving.shortest = found.again.shortest = &found.shortest;
-  Loop(along).run(fresh(), calls, found.moving);
-  const Controlled c = fresh();
-  Loop loop(along);
-  loop.run(c, calls, found.again);
-  loop.run(c, std::min(200L, calls / 1000 + 1), found.cold, evict);
-  gaps(fresh(), along, 1000, found.gap);
-  for (const double start : {along.parameters().start, 0.0}) rest(fresh(), start, 100'000, false, found.resting);
-  tiny(fresh(), 20'000, found.tiny);
-  if (Denormals::flush(true)) tiny(fresh(), 20'000, found.flushed);
-  Denormals::flush(false);
-}
-
-void say_parts(const std::string& name, const Parts& found, double ticks) {
-  const auto in_nanoseconds = [&](const char* figure, auto duration) {
-    say(name, figure, static_cast<double>(duration) / ticks);
-  };
-  const Run& moving = found.moving;
-  in_nanoseconds("mean", moving.durations.mean(0.9999));
-  in_nanoseconds("median", moving.durations.quantile(0.5));
-  in_nanoseconds("most", moving.durations.quantile(0.9999));
-  in_nanoseconds("worst", moving.durations.largest());
-  in_nanoseconds("own_worst", *std::max_element(found.shortest.begin(), found.shortest.end()));
-  in_nanoseconds("cold", found.cold.durations.quantile(0.5));
-  in_nanoseconds("gap", found.gap.durations.quantile(0.5));
-  in_nanoseconds("resting", found.resting.durations.mean(0.9999));
-  in_nanoseconds("tiny", found.tiny.durations.mean(0.99));
-  if (found.flushed.durations.count() > 0) in_nanoseconds("flushed", found.flushed.durations.mean(0.99));
-  say(name, "longer", static_cast<double>(moving.durations.longer_than(10e3 * ticks)));
-  const double calls = static_cast<double>(moving.durations.count());
-  say(name, "calls", calls);
-  say(name, "error_rms", std::sqrt(moving.error_squares / calls));
-  say(name, "error_max", moving.error_max);
-  say(name, "command_max", moving.command_max);
-  say(name, "differs", moving.error_squares == found.again.error_squares ? 0.0 : 1.0);
-  long allocated = 0;
-  for (const Run* run : {&moving, &found.again, &found.cold, &found.gap, &found.resting}) allocated += run->allocations;
-  say(name, "allocations", static_cast<double>(allocated));
-  say(name, "denormal_moving", static_cast<double>(moving.denormal));
-  say(name, "denormal_tiny", static_cast<double>(found.tiny.denormal));
-  say(name, "denormal_resting", static_cast<double>(found.resting.denormal));
-}
-
-void measure_and_say(const std::string& name, const std::function<Controlled()>& fresh, long calls, double ticks) {
-  Parts found;
-  measure(fresh, calls, found);
-  say_parts(name, found, ticks);
-  const std::size_t touched = stack_of(fresh()), without = stack_of({nullptr, nothing});
-  if (touched > 0) say(name, "touched", static_cast<double>(touched - without + sizeof(void*)));
 }
 
 template <class C>
@@ -139,26 +268,8 @@ Controlled controlled(C& controller, Step step) {
   return c;
 }
 
-/// Drawn gains at rest in drawn places, one of them the origin.
 template <std::size_t number>
-void rest_as_drawn() {
-  std::mt19937 random(number);
-  Run found;
-  long refused = 0;
-  for (int draw = 0; draw < 10; ++draw) {
-    auto controller = drawn_controller<Listed<number>>(random, refused);
-    const double start = 1e-6 * std::uniform_int_distribution<int>(-300'000, 300'000)(random);
-    rest(controlled(controller, steps[number]), draw % 3 == 0 ? 0.0 : start, 40'000, draw % 2 == 1, found);
-  }
-  const std::string name(Listed<number>::name);
-  say(name, "drawn_refused", static_cast<double>(refused));
-  say(name, "drawn_calls", static_cast<double>(found.durations.count()));
-  say(name, "drawn_denormal", static_cast<double>(found.denormal));
-  say(name, "drawn_allocations", static_cast<double>(found.allocations));
-}
-
-template <std::size_t number>
-void measure_listed(long calls, double ticks) {
+void measure_listed(long calls) {
   using C = Listed<number>;
   const std::string name(C::name);
   C controller(setup<C>());
@@ -170,73 +281,37 @@ void measure_listed(long calls, double ticks) {
     controller = copy;
     return controlled(controller, steps[number]);
   };
-  measure_and_say(name, fresh, calls, ticks);
-  rest_as_drawn<number>();
+  measure(name, fresh, calls);
+
+  std::mt19937 random(number);  // drawn gains at rest in drawn places, one of them the origin
+  Run found;
+  long refused = 0;
+  for (int draw = 0; draw < 10; ++draw) {
+    auto drawn = drawn_controller<C>(random, refused);
+    const double start = 1e-6 * std::uniform_int_distribution<int>(-300'000, 300'000)(random);
+    rest(controlled(drawn, steps[number]), draw % 3 == 0 ? 0.0 : start, 40'000, draw % 2 == 1, found);
+  }
+  say(name, "drawn_refused", static_cast<double>(refused));
+  say(name, "drawn_denormal", static_cast<double>(found.denormal));
+  say(name, "drawn_allocations", static_cast<double>(found.allocations));
+}
+
+double nothing(void*, const ReferencePoint&, const ReferencePoint&, double) {
+  return 0.0;
 }
 
 template <std::size_t... number>
 void measure_all(long calls, std::index_sequence<number...>) {
-  const double ticks = Clock::ticks_in_a_nanosecond();
-  measure_and_say("none", [] { return Controlled{nullptr, nothing}; }, calls, ticks);
-  (measure_listed<number>(calls, ticks), ...);
-}
-
-/// What each instrument says of what it must see.
-void check_allocations() {
-  const auto counted = [](const std::function<void()>& function) {
-    const long before = allocations;
-    function();
-    return static_cast<double>(allocations - before);
-  };
-  static void* volatile kept;
-  say("seen", "nothing", counted([] {}));
-  say("seen", "new", counted([] { kept = ::operator new(8); }));
-  say("seen", "delete", counted([] { ::operator delete(kept); }));
-  say("seen", "vector", counted([] { kept = new std::vector<double>(10); }));
-  say("seen", "string", counted([] { kept = new std::string(100, 'x'); }));
-#ifdef __GLIBC__
-  say("seen", "malloc", counted([] { kept = std::malloc(8); }));
-  say("seen", "realloc", counted([] { kept = std::realloc(kept, 80); }));
-  say("seen", "free", counted([] { std::free(kept); }));
-  say("seen", "calloc", counted([] { kept = std::calloc(2, 8); }));
-  say("seen", "aligned_alloc", counted([] { kept = std::aligned_alloc(64, 64); }));
-#endif
-}
-
-void check_instruments() {
-  check_allocations();
-  volatile double decays = 1.0;
-  for (const int halvings : {500, 1000}) {
-    Denormals::forget();
-    for (int i = 0; i < halvings; ++i) decays = 0.5 * decays * 0.999;
-    say("denormal", std::to_string(halvings).c_str(), Denormals::met() ? 1.0 : 0.0);
-  }
-  Histogram durations;
-  for (std::uint64_t ticks = 1; ticks <= 20'000; ++ticks) durations.add(ticks);
-  durations.add(1'000'000);
-  for (const double share : {0.5, 0.9999})
-    say("quantile", std::to_string(share).c_str(), double(durations.quantile(share)));
-  say("quantile", "largest", static_cast<double>(durations.largest()));
-  say("quantile", "longer_than_15000.5", static_cast<double>(durations.longer_than(15'000.5)));
-  for (const std::size_t size : {1000, 10'000})
-    say("stack", std::to_string(size).c_str(), static_cast<double>(stack_touched([size] {
-          std::array<volatile unsigned char, 10'000> large;
-          for (std::size_t i = 0; i < size; ++i) large[large.size() - 1 - i] = 1;
-        })));
+  say("clock", "ticks_per_nanosecond", ticks_per_nanosecond());
+  measure("none", [] { return Controlled{nullptr, nothing}; }, calls);
+  (measure_listed<number>(calls), ...);
 }
 
 }  // namespace
 
-int main(int count, char** arguments) {
-  if (count == 2 && std::strcmp(arguments[1], "check") == 0) {
-    check_instruments();
-    return 0;
-  }
-  const long calls = count == 2 ? std::atol(arguments[1]) : 0;
-  if (calls < 1) {
-    std::fprintf(stderr, "real_time CALLS | check: CALLS must be a whole number of at least 1\n");
-    return 2;
-  }
-  measure_all(calls, std::make_index_sequence<controllers>{});
-  return 0;
+int main(int, char** arguments) {
+  ticks_file = std::fopen(arguments[2], "wb");
+  if (ticks_file == nullptr) return 2;
+  measure_all(std::atol(arguments[1]), std::make_index_sequence<controllers>{});
+  return std::fclose(ticks_file) == 0 ? 0 : 2;
 }

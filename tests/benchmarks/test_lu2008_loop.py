@@ -1,44 +1,31 @@
-"""The loops of the benchmark do the same arithmetic: a ratio between them compares like with like.
+"""The loops written by hand do the arithmetic of the core's: a ratio between them compares like with like.
 
-All but the core take one Runge-Kutta step a sample, whatever it errs by. The core takes more where friction reverses
-within less than a step; with friction that is wide enough it takes the same, and gives the same.
+They take one Runge-Kutta step a sample, whatever its error. The core takes more where friction reverses within less
+than a step; with friction that is wide enough it takes the same, and gives the same.
 """
 
-import lu2008_loop
 import numpy as np
 import pytest
 
+import cogging
 from cogging import _core
+from tests.benchmarks import lu2008_loop
 
 WIDE = 0.2  # m/s, of the friction's smoothing
 
 
-@pytest.fixture(scope="module", params=["as timed", "wide friction"])
-def short(request):
-    setup = {**lu2008_loop.SETUP, "repeats": 2.0}
-    if request.param == "wide friction":
-        setup["coulomb_width"] = WIDE
-    coefficients = lu2008_loop.random_coefficients()
-    core = _core.closed_loop(*lu2008_loop.core_arguments(setup, coefficients))
-    return setup, coefficients, core
-
-
-def check(core, other, tolerance):
-    position, command = lu2008_loop.largest_difference(core, other)
-    assert position < tolerance  # m
-    np.testing.assert_allclose(other["reference"], core["reference"], atol=1e-15)
-    return command
-
-
-def test_hand_written_loop_agrees(short):
-    setup, coefficients, core = short
-    wide = setup["coulomb_width"] == WIDE
-    tolerance = 1e-12 if wide else setup["resolution"]  # a reading may move by a count
-    command = check(core, lu2008_loop.compile_hand_written()(setup, coefficients, len(core["time"])), tolerance)
-    assert not wide or command < 1e-9  # V
-
-
-def test_numba_loop_agrees(short):
-    setup, coefficients, core = short
-    # Another sine moves a reading by a count now and then, and the loop follows by a fraction of it.
-    check(core, lu2008_loop.compile_numba()(setup, coefficients, len(core["time"])), setup["resolution"])
+@pytest.mark.parametrize("instructions", ["", *list(_core.instruction_sets())[-1:]])
+def test_loops_by_hand_agree_with_the_core(instructions, monkeypatch):
+    setup = {**lu2008_loop.SETUP, "repeats": 1.0, "coulomb_width": WIDE}
+    if instructions:
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+        machines = lu2008_loop.drawn_machines(8, setup)
+        logs = lu2008_loop.run_core(lu2008_loop.core_batch(setup, machines), instructions)
+        assert all(logs.in_lanes)
+    else:
+        machines = lu2008_loop.nominal_machine(setup)
+        logs = [cogging.closed_loop(*lu2008_loop.core_arguments(setup, lu2008_loop.random_coefficients()))]
+    by_hand = lu2008_loop.compile_hand_written(instructions=instructions)(setup, machines, len(logs[0]))
+    for log, position, command in zip(logs, by_hand["true_position"], by_hand["command"], strict=True):
+        np.testing.assert_allclose(position, log.true_position, rtol=0, atol=1e-11)  # roundings, of half a metre
+        np.testing.assert_allclose(command, log.command, rtol=0, atol=1e-9)

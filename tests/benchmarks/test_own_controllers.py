@@ -1,6 +1,6 @@
 """The benchmark compares like with like: all its controllers give the same commands."""
 
-import own_controllers
+from tests.benchmarks import own_controllers
 
 
 def test_every_way_is_measured_on_the_same_run():

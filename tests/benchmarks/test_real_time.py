@@ -1,10 +1,6 @@
-"""A step of every controller: no allocation, no lock, no denormal number, a stack with a bound; never a time.
-
-Each instrument is shown what it must see beside what it must not.
-"""
+"""A step of every controller: no allocation, no lock, no denormal number, a stack with a bound; never a time."""
 
 import os
-import platform
 import sys
 
 import numpy as np
@@ -14,14 +10,12 @@ import cogging
 from cogging import _core
 from cogging.model.model import CONTROLLERS
 from tests.benchmarks import real_time
-from tests.benchmarks.real_time_report import UnboundedStack, compile_unit, report, reports_stack, undefined_symbols
+from tests.benchmarks.real_time import UnboundedStack, compile_unit, reports_stack, stack_of_each, undefined_symbols
 
 CALLS = 20_000
 STACK = 1024  # bytes, of every controller: what docs/real_time.md states
-LIBRARY = 512  # bytes that a function of the mathematics library may take below them
 #: Functions of other units that a step may call: they neither lock nor allocate, and end in bounded time.
 ALLOWED = {"sin", "cos", "sincos", "round", "memcpy", "memmove", "memset"}
-EVERY = pytest.mark.parametrize("kind", CONTROLLERS)
 
 
 @pytest.fixture(scope="module")
@@ -32,169 +26,92 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(folder):
-    return real_time.build(folder, *(["-Werror"] if reports_stack() else []))
+def rows(folder):
+    return real_time.measure(real_time.build(folder, *(["-Werror"] if reports_stack() else [])), CALLS)
 
 
-@pytest.fixture(scope="module")
-def rows(program):
-    return real_time.measure(program, CALLS)
-
-
-@pytest.fixture(scope="module")
-def unit(folder):
-    return compile_unit(folder)
-
-
-@pytest.fixture
-def reaches(unit):
-    if not reports_stack():
-        pytest.skip("the compiler writes no call graph")
-    return report(unit, list(CONTROLLERS))
-
-
-def test_every_controller_of_the_list_is_measured(rows):
+@pytest.mark.parametrize("kind", CONTROLLERS)
+def test_a_step_in_closed_loop_neither_allocates_nor_meets_denormal_numbers(rows, kind):
+    """Under way, in long rests, behind lost readings, with drawn gains; and its errors are those of the simulation."""
     assert list(rows) == ["none", *CONTROLLERS]
-    for row in rows.values():
-        assert row["calls"] == CALLS
-        assert 0.0 <= row["median"] <= row["most"] <= row["worst"]
-        assert 0.0 < row["mean"] <= row["most"]
-        assert row["median"] <= row["own_worst"] <= row["worst"]
-        assert row["differs"] == 0  # both runs of the loop do the same
+    row, parameters = rows[kind], real_time.settings()[kind]
+    assert 0.0 < row["median"] <= row["own worst"] <= row["worst"]
+    assert row["calls"] == CALLS
+    assert row["differs"] == 0  # both runs of the loop do the same
+    assert (row["allocations"], row["drawn_allocations"]) == (0, 0)
+    assert (row["denormal"], row["drawn_denormal"], row["drawn_refused"]) == (0, 0, 0)
+    assert row["denormal_tiny"] > 10_000  # of 20000 with denormal readings and references: they are counted
 
-
-@EVERY
-def test_the_steps_close_the_loop_that_python_closes(rows, kind):
-    """Adaptation, splines and observers are at work while they are timed: the errors are those of the simulation."""
-    parameters = real_time.settings()[kind]
+    controller = CONTROLLERS[kind][1](parameters)
     motion = cogging.PointToPoint(real_time.motion())
     duration = (CALLS - 1) / parameters.sample_rate
-    log = _core.closed_loop(real_time.plant(), CONTROLLERS[kind][1](parameters), motion, duration=duration)
+    log = _core.closed_loop(real_time.plant(), controller, motion, duration=duration)
     error = log["position"] - log["reference"]
-    assert len(error) == CALLS
-    assert rows[kind]["error_rms"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
-    assert rows[kind]["error_max"] == pytest.approx(np.abs(error).max(), rel=1e-9)
-    assert rows[kind]["command_max"] == pytest.approx(np.abs(log["command"]).max(), rel=1e-9)
+    assert row["error_rms"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
+    assert row["error_max"] == pytest.approx(np.abs(error).max(), rel=1e-9)
+    assert row["command_max"] == pytest.approx(np.abs(log["command"]).max(), rel=1e-9)
     assert np.ptp(log["position"]) > 0.39  # m
-
-
-@EVERY
-def test_no_allocation(rows, kind):
-    assert rows[kind]["allocations"] == 0
-    assert rows[kind]["drawn_allocations"] == 0
-
-
-@EVERY
-def test_no_denormal_number(rows, kind):
-    """Neither under way nor in long rests, also with drawn gains, in drawn places and with readings lost."""
-    row = rows[kind]
-    assert row["drawn_calls"] == 400_000
-    assert row["drawn_refused"] == 0
-    assert (row["denormal_moving"], row["denormal_resting"], row["drawn_denormal"]) == (0, 0, 0)
-    assert row["denormal_tiny"] > 10_000  # of 20000 with denormal readings and references: it would be seen
-
-
-@EVERY
-def test_bytes_hold_the_state(rows, kind):
-    controller = CONTROLLERS[kind][1](real_time.settings()[kind])
     _, numbers = controller.__getstate__()
-    assert 8 * len(numbers) <= rows[kind]["bytes"] + rows[kind]["heap"] < 8 * len(numbers) + 4096
-    assert (rows[kind]["heap"] > 0) == (kind not in {"pid", "cascade", "output_feedback_arc"})
-
-
-def test_what_the_instruments_must_see(program):
-    said = real_time.measure(program, "check")
-    assert said["seen"].pop("nothing") == 0
-    assert len(said["seen"]) >= 4
-    assert all(count >= 1 for count in said["seen"].values())
-    assert said["denormal"] == {"500": 0, "1000": 1}
-    # Of 1, 2, ... 20000 ticks, and one of a million.
-    assert said["quantile"] == {"0.500000": 10001, "0.999900": 19999, "largest": 1e6, "longer_than_15000.5": 5001}
-    if platform.libc_ver()[0] == "glibc":
-        assert 9000 <= said["stack"]["10000"] - said["stack"]["1000"] < 9100
-
-
-# What the compiler reports --------------------------------------------------------------------------------------------
+    assert 8 * len(numbers) <= row["bytes"] + row["heap"] < 8 * len(numbers) + 4096
+    assert (row["heap"] > 0) == (kind not in {"pid", "cascade", "output_feedback_arc"})
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of symbols as ELF has them")
-def test_a_step_calls_nothing_that_locks_allocates_or_throws(unit):
-    """Of one unit that holds the steps and nothing else: function-local statics, memory, exceptions would be seen."""
-    assert undefined_symbols(unit) <= ALLOWED
+@pytest.mark.parametrize("flag", ["-O3", "-O1", "-Os"])
+def test_a_step_calls_nothing_that_locks_allocates_or_throws_and_its_stack_is_bounded(folder, flag, tmp_path):
+    """Of a unit that holds the steps and nothing else: function-local statics, memory, exceptions would be seen."""
+    made = compile_unit(tmp_path, flag)
+    assert undefined_symbols(made) <= ALLOWED
+    if not reports_stack():
+        pytest.skip("the compiler writes no call graph")
+    found = [stack() for stack in stack_of_each(made).values()]
+    assert len(found) == len(CONTROLLERS)
+    assert set().union(*(outside for _, outside in found)) == undefined_symbols(made)
+    assert all(0 < size <= (STACK if flag == "-O3" else 2 * STACK) for size, _ in found)
 
 
-def test_the_call_graph_tells_the_same_functions(unit, reaches):
-    assert set().union(*(reach.outside for reach in reaches.values())) == undefined_symbols(unit)
+OWN_STEPS = """
+#include <alloca.h>
+#include <cstddef>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+std::mutex lock;
+double (*volatile other)(double);
+#define DEEP __attribute__((noinline)) double
+DEEP guarded(double x) { static const std::string name(50 + std::size_t(x), 'n'); return name.size() + x; }
+DEEP allocates(double x) { double* volatile kept = new double(x); return *kept; }
+DEEP throws(double x) { if (x > 3.0) throw std::runtime_error("large"); return x; }
+DEEP locks(double x) { lock.lock(); lock.unlock(); return x; }
+DEEP small(double x) { volatile char large[100]; large[0] = large[99] = 1; return x + large[0]; }
+DEEP deep(double x) { volatile char large[3000]; large[0] = large[2999] = 1; return x + large[0]; }
+namespace real_time {
+template <std::size_t number> double step(double x) {
+  if constexpr (number == 0) return 2.0 * (guarded(x) + allocates(x) + throws(x) + locks(x));
+  if constexpr (number == 1) { auto* all = (volatile char*)alloca(std::size_t(x)); all[0] = 1; return x + all[0]; }
+  if constexpr (number == 2) return x > 0.0 ? x * step<2>(x - 1.0) + x : 0.0;
+  if constexpr (number == 3) return other(x) + 1.0;
+  if constexpr (number == 4) { volatile char own[500]; own[0] = 1; return small(x) + deep(x) + own[0]; }
+}
+template double step<0>(double);
+template double step<1>(double);
+template double step<2>(double);
+template double step<3>(double);
+template double step<4>(double);
+}
+"""
 
 
-@EVERY
-def test_the_stack_is_bounded(rows, reaches, kind):
-    reach = reaches[kind]
-    assert 0 < reach.bytes <= STACK
-    if "touched" in rows[kind]:
-        assert reach.bytes / 4 <= rows[kind]["touched"] <= reach.bytes + (LIBRARY if reach.outside else 0)
-
-
-@pytest.mark.parametrize("flag", ["-O1", "-Os"])
-def test_the_stack_is_bounded_however_it_is_optimised(folder, reaches, flag, tmp_path):
-    found = report(compile_unit(tmp_path, flag), list(CONTROLLERS))
-    assert set(found) == set(reaches)
-    assert all(0 < reach.bytes <= 2 * STACK and reach.outside <= ALLOWED for reach in found.values())
-
-
-def report_of(body, before, tmp_path):
-    """The reach of one step of this body."""
+def test_what_a_step_may_not_do_is_seen(folder, tmp_path):
+    """Also where it does so in a function that it calls; of two such functions the deeper one counts."""
+    if not reports_stack():
+        pytest.skip("the compiler writes no call graph")
     source = tmp_path / "own.cpp"
-    source.write_text(
-        "#include <alloca.h>\n#include <cstddef>\n#include <mutex>\n#include <stdexcept>\n#include <string>\n"
-        f"{before}\n"
-        "namespace real_time {\n"
-        f"template <std::size_t number> double step(double x) {{ {body} }}\n"
-        "template double step<0>(double);\n}\n"
-    )
-    return report(compile_unit(tmp_path, source=source), ["own"])["own"]
-
-
-@pytest.mark.parametrize(
-    ("body", "symbol"),
-    [
-        ("static const std::string name(50 + std::size_t(x), 'n'); return name.size() + x;", "__cxa_guard_acquire"),
-        ("double* volatile kept = new double(x); return *kept;", "_Znwm"),
-        ('if (x > 3.0) throw std::runtime_error("large"); return x;', "__cxa_throw"),
-        ("lock.lock(); lock.unlock(); return x;", "pthread_mutex_lock"),
-    ],
-)
-def test_a_step_that_locks_allocates_or_throws_is_seen(reaches, tmp_path, body, symbol):
-    """Also where it does so in a function that it calls."""
-    before = f"std::mutex lock;\n__attribute__((noinline)) double deep(double x) {{ {body} }}"
-    reach = report_of("return 2.0 * deep(x);", before, tmp_path)
-    assert symbol in reach.outside | {name.removeprefix("__") for name in reach.outside}
-    assert not reach.outside <= ALLOWED
-
-
-@pytest.mark.parametrize(
-    ("body", "said"),
-    [
-        (
-            "volatile char* all = static_cast<char*>(alloca(std::size_t(x))); all[0] = 1; return x + all[0];",
-            "frame is dyn",
-        ),
-        ("return x > 0.0 ? x * step<number>(x - 1.0) + x : 0.0;", "calls itself"),
-        ("return other(x) + 1.0;", "only the run knows"),
-    ],
-)
-def test_a_stack_without_a_bound_is_refused(reaches, tmp_path, body, said):
-    with pytest.raises(UnboundedStack, match=said):
-        report_of(body, "double (*volatile other)(double);", tmp_path)
-
-
-@pytest.mark.parametrize("sizes", [(100, 3000), (2000, 50)])
-def test_the_deepest_path_counts(reaches, tmp_path, sizes):
-    """Of two functions that are called in turn: the larger, and its caller's own frame."""
-    before = "".join(
-        f"__attribute__((noinline)) double call_{i}(double x) {{ volatile char large[{size}]; large[0] = 1; "
-        f"large[{size - 1}] = 2; return x + large[0]; }}\n"
-        for i, size in enumerate(sizes)
-    )
-    body = "volatile char own[500]; own[0] = 1; return call_0(x) + call_1(x) + own[0];"
-    assert 500 + max(sizes) <= report_of(body, before, tmp_path).bytes < 700 + max(sizes)
+    source.write_text(OWN_STEPS)
+    stacks = stack_of_each(compile_unit(tmp_path, source=source))
+    outside = {name.removeprefix("__") for name in stacks[0]()[1]}
+    assert {"cxa_guard_acquire", "_Znwm", "cxa_throw", "pthread_mutex_lock"} <= outside
+    for number, reason in ((1, "frame is dyn"), (2, "calls itself"), (3, "only the run knows")):
+        with pytest.raises(UnboundedStack, match=reason):
+            stacks[number]()
+    assert 3500 <= stacks[4]()[0] < 3700

@@ -22,71 +22,39 @@ def basis(terms, control_points, order=1):
     return SplineHarmonics(pitch=0.05, harmonics=list(range(1, terms + 1)), order=order, control_points=control_points)
 
 
-def run(program, *arguments):
-    """A program of its own, that may end by a signal without ending the tests."""
-    return subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, timeout=60)
-
-
 # Control points times columns ------------------------------------------------------------------------------------
 
 
-def wrapping():
-    """Sizes whose product with the columns overflows 32 bits, some to something that looks small."""
-    rng = np.random.default_rng(15)
-    sizes = [(2, 2**30), (2, 2**30 + 1), (1, 2**31 - 1), (16, 2**27), (32, 2**26 + 1), (3, 715827883)]
-    terms = rng.integers(1, 33, 20)
-    return sizes + [(int(n), int(rng.integers(5_000_001 // n + 1, INT_MAX))) for n in terms]
-
-
-@pytest.mark.parametrize(("terms", "points"), wrapping())
-def test_too_many_coefficients_are_refused_by_name(terms, points):
+@pytest.mark.parametrize("terms", [1, 2, 3, 16, 32])
+def test_too_many_coefficients_are_refused_and_the_largest_model_works(terms):
+    """Also sizes whose product with the columns overflows 32 bits, some to something that looks small."""
     most = 10**7 // (2 * terms)
     shown = f"{most:g}" if float(f"{most:g}") == most else str(most)
     rule = rf"must be at most 1e\+07 / twice the terms = {re.escape(shown)}"
-    with pytest.raises(ValueError, match=rf"^control_points: {rule}"):
-        basis(terms, points)
-    with pytest.raises(ValueError, match=r"^control_points: must be at most 1e\+07"):
-        SplineHarmonics(periods=[0.01 * i for i in range(1, terms + 1)], pitch=0.05, order=1, control_points=points)
-    with pytest.raises(ValueError, match=rf"^cogging_control_points: {rule}"):
-        AdaptiveRobustParameters(
-            cogging_harmonics=list(range(1, terms + 1)), cogging_order=1, cogging_control_points=points
-        )
+    harmonics = list(range(1, terms + 1))
+    drawn = np.random.default_rng(terms).integers(most + 1, INT_MAX, 4).tolist()
+    for points in (2**26 + 1, 2**27, 715827883, 2**30, 2**30 + 1, INT_MAX, *drawn):
+        with pytest.raises(ValueError, match=rf"^control_points: {rule}"):
+            basis(terms, points)
+        with pytest.raises(ValueError, match=r"^control_points: must be at most 1e\+07"):
+            SplineHarmonics(periods=[0.01 * i for i in harmonics], pitch=0.05, order=1, control_points=points)
+        with pytest.raises(ValueError, match=rf"^cogging_control_points: {rule}"):
+            AdaptiveRobustParameters(cogging_harmonics=harmonics, cogging_order=1, cogging_control_points=points)
 
-
-@pytest.mark.parametrize("terms", [1, 32])
-def test_the_largest_allowed_model_works(terms):
-    most = 10**7 // (2 * terms)
     large = basis(terms, most, order=3)
     assert large.coefficients == 2 * terms * most
     first, values = large.active_regressor((most - 3) * 0.05 + 0.02)
-    assert first == 2 * terms * (most - 3)
-    assert first + len(values) == large.coefficients
-    controller = cogging.Dcarc(
-        AdaptiveRobustParameters(
-            cogging_harmonics=list(range(1, terms + 1)), cogging_control_points=most, cogging_adaptation=10.0
-        )
-    )
+    assert (first, first + len(values)) == (2 * terms * (most - 3), large.coefficients)
+    learning = {"cogging_harmonics": harmonics, "cogging_control_points": most, "cogging_adaptation": 10.0}
+    controller = cogging.Dcarc(AdaptiveRobustParameters(**learning))
     controller.command(reference=most * 0.05, reading=most * 0.05 + 1e-3)
     controller.update(0.0)
-    learned = controller.estimates
-    assert np.flatnonzero(learned[4:]).min() >= first
-    assert len(learned) == 4 + large.coefficients
-
-
-def test_a_model_file_with_too_many_control_points_is_refused(tmp_path):
-    path = tmp_path / "model.toml"
-    path.write_text(
-        "[axis]\nmass = 0.12\ntravel = [0.0, 0.5]\n[controller]\ntype = 'dcarc'\ncogging_harmonics = [1, 2]\n"
-        "cogging_order = 1\ncogging_control_points = 1073741824\n"
-    )
-    with pytest.raises(ValueError, match="cogging_control_points: must be at most") as told:
-        cogging.Model.read(path)
-    assert "\n" not in str(told.value)
-    assert str(path) in str(told.value)
+    assert np.flatnonzero(controller.estimates[4:]).min() >= first
+    assert len(controller.estimates) == 4 + large.coefficients
 
 
 @pytest.mark.parametrize("value", [2**31, -(2**31) - 1, 99999999999, 2**63 - 1, -(2**63)])
-def test_a_count_of_more_than_32_bits_is_told_by_name(value):
+def test_a_count_of_more_than_32_bits_is_refused_by_name(value):
     whole = [(struct, name) for struct in STRUCTS for name in struct.FIELDS if type(getattr(struct(), name)) is int]
     assert len(whole) > 3
     for struct, name in whole:
@@ -114,10 +82,9 @@ def test_a_matrix_that_cannot_be_allocated_is_one_error():
             make(positions)
 
 
-def test_an_update_before_the_first_command_touches_nothing():
-    rng = np.random.default_rng(0)
-    for kind, _ in itertools.product((cogging.Arc, cogging.Dcarc), range(20)):
-        noise = rng.normal(size=4000)  # what lies about in memory
+@pytest.mark.parametrize("kind", [cogging.Arc, cogging.Dcarc])
+def test_an_update_before_the_first_command_touches_nothing(kind):
+    for noise in np.random.default_rng(0).normal(size=(20, 4000)):  # what lies about in memory
         controller = kind(AdaptiveRobustParameters(cogging_harmonics=[1, 2], cogging_adaptation=1e3))
         before = controller.estimates
         controller.update(float(noise[0]))
@@ -191,7 +158,7 @@ print(_core.whiten(rows, [0.5], threads=2)[1, 1])
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits the address space by /proc")
 def test_threads_that_cannot_start_are_one_error():
-    done = run(NO_THREADS)
+    done = subprocess.run([sys.executable, "-c", NO_THREADS], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     told, goes_on = done.stdout.splitlines()
     found = re.fullmatch(r"threads: must be no more than the system can start, which ended at (\d+), got 1000", told)
@@ -206,39 +173,27 @@ def reader(**changes):
     return NumberReader(**{"separator": ",", "fields": 2, "wanted": [0, 1], "labels": ["a", "b"]} | changes)
 
 
-def test_a_reader_may_read_on_behind_take():
-    table = np.random.default_rng(4).normal(size=(50, 2))
-    text = "".join(f"{a!r},{b!r}\n" for a, b in table.tolist()).encode()
-    one = reader()
-    found = []
-    for cut in range(0, len(text), 97):
-        one.feed(text[cut : cut + 97])
-        found.append(np.stack(one.take(), axis=1))
-        assert one.rows == 0
-    one.finish()
-    found.append(np.stack(one.take(), axis=1))
-    np.testing.assert_array_equal(np.concatenate(found), table)
-
-
-def test_a_reader_with_decimal_commas_in_blocks_of_any_length():
-    table = np.random.default_rng(5).normal(size=(40, 2))
-    for separator, form in ((";", "{};{}\n"), (",", '"{}","{}"\n'), ("\t", "{}\t{}\n"), (" ", "{}  {}\r\n")):
-        lines = [form.format(*(repr(value).replace(".", ",") for value in row)) for row in table.tolist()]
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_a_reader_reads_blocks_of_any_length_and_gives_rows_in_between(decimal):
+    table = np.random.default_rng(5).normal(size=(50, 2))
+    forms = [(";", "{};{}\n"), (",", '"{}","{}"\n'), ("\t", "{}\t{}\n"), (" ", "{}  {}\r\n")]
+    for (separator, form), length in itertools.product(forms, (13, 97)):
+        lines = [form.format(*(repr(value).replace(".", decimal) for value in row)) for row in table.tolist()]
         text = "".join(lines).encode()
-        one = reader(separator=separator, decimal=",")
-        for cut in range(0, len(text), 13):
-            one.feed(text[cut : cut + 13])
+        one, found = reader(separator=separator, decimal=decimal), []
+        for cut in range(0, len(text), length):
+            one.feed(text[cut : cut + length])
+            found.append(np.stack(one.take(), axis=1))
+            assert one.rows == 0
         one.finish()
-        np.testing.assert_array_equal(np.stack(one.take(), axis=1), table)
+        found.append(np.stack(one.take(), axis=1))
+        np.testing.assert_array_equal(np.concatenate(found), table)
 
 
 @pytest.mark.parametrize("cell", ["1.5", "1,5,2", "1.000,5", ",", "1,5x", "1e5,2"])
 def test_what_is_no_number_with_a_decimal_comma(cell):
     with pytest.raises(ValueError, match=f"line 1: b: must be a finite number, got '{cell}'"):
         reader(separator=";", decimal=",").feed(f"1;{cell}\n".encode())
-
-
-def test_a_decimal_mark_is_a_point_or_a_comma():
     with pytest.raises(ValueError, match="decimal: must be a point or a comma"):
         reader(decimal=";")
 
@@ -254,7 +209,7 @@ def test_a_refused_line_ends_the_reading():
     assert [column.tolist() for column in one.take()] == [[1.0], [2.0]]
 
 
-def test_threads_that_meet_in_a_reader_are_told():
+def test_threads_that_meet_in_a_reader_are_refused():
     """Whatever they do, whole rows come out or one is refused; nothing is read from memory that was given back."""
     block = b"".join(b"%d,%d\n" % (i, 2 * i) for i in range(20_000))
     one = reader()
@@ -291,26 +246,14 @@ def test_more_expected_rows_than_there_can_be_are_refused(rows):
         reader(expected_rows=10**12)
 
 
-@pytest.mark.parametrize(
-    ("first", "end", "told"),
-    [
-        (3, 2, "end: must be from first"),
-        (0, 6, "end: must be from first"),
-        (6, 6, "end: must be from first"),
-        (2**62, 2**63 - 1, "end: must be from first"),
-        (-1, 2, "first: must be at least 0"),
-        (-5, -1, "first: must be at least 0"),
-        (0, -1, "end: must be from first"),
-    ],
-)
-def test_rows_that_are_not_there_are_refused(first, end, told):
-    with pytest.raises(ValueError, match=told):
-        _core.format_rows([np.arange(5.0), np.arange(5.0)], first, end)
-    with pytest.raises(ValueError, match="columns: must be at least one"):
-        _core.format_rows([], first, end)
-
-
-def test_rows_of_columns_of_two_lengths_end_with_the_shorter():
+def test_rows_that_are_not_there_are_refused():
+    columns = [np.arange(5.0), np.arange(5.0)]
+    for first, end in ((3, 2), (0, 6), (6, 6), (2**62, 2**63 - 1), (0, -1), (-1, 2), (-5, -1)):
+        rule = "first: must be at least 0" if first < 0 else "end: must be from first"
+        with pytest.raises(ValueError, match=rule):
+            _core.format_rows(columns, first, end)
+        with pytest.raises(ValueError, match="columns: must be at least one"):
+            _core.format_rows([], first, end)
     with pytest.raises(ValueError, match="end: must be from first"):
         _core.format_rows([np.arange(5.0), np.arange(4.0)], 0, 5)
     assert _core.format_rows([np.arange(5.0), np.arange(4.0)], 3, 4) == b"3,3\n"
@@ -327,13 +270,13 @@ def test_a_subnormal_value_is_told_as_it_is():
         assert float(str(told.value).rsplit(" ", 1)[1]) == -abs(value)
 
 
-@pytest.mark.parametrize("column", range(3))
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_a_prediction_along_what_is_no_number_is_refused(column, value):
-    columns = [np.linspace(0.0, 1.0, 50), np.zeros(50), np.zeros(50)]
-    columns[column][49] = value
-    with pytest.raises(ValueError, match=f"{('time', 'position', 'command')[column]}: must be"):
-        _core.Predictor(*columns)
+def test_a_prediction_along_what_is_no_number_is_refused(value):
+    for place, name in enumerate(("time", "position", "command")):
+        columns = [np.linspace(0.0, 1.0, 50), np.zeros(50), np.zeros(50)]
+        columns[place][49] = value
+        with pytest.raises(ValueError, match=f"{name}: must be"):
+            _core.Predictor(*columns)
 
 
 def machine(effects=(), width=0.0):
@@ -362,7 +305,7 @@ def test_a_command_that_is_no_number_never_rests(width, lag):
             assert columns["true_position"][-1] < 2.5 - 1e-3
 
 
-@pytest.mark.parametrize("lag", [5e-324, 1e-308, 1e-300, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12])
+@pytest.mark.parametrize("lag", [5e-324, 1e-300, 1e-17, 1e-15, 1e-12])
 @pytest.mark.parametrize("width", [0.0, 1e-3])
 def test_a_lag_shorter_than_time_can_tell_is_none(lag, width):
     pid = cogging.Pid(cogging.PidParameters(kp=900.0, kd=10.0, sample_rate=1000.0))

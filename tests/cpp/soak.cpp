@@ -1,14 +1,17 @@
-// Every controller for millions of samples with readings that are stuck, jump, are no numbers or are lost, and commands
-// that are cut off, at random: `soak [STEPS [SEED]]`. Commands stay numbers, samples that are no
-// measurement are counted and the command held within the limit, and the axis comes back to what it was; how soon, is
-// printed.
+// Every controller as a drive would run it, built without exceptions and run-time types, for millions of samples with
+// readings that are stuck, jump, are no numbers or are lost, and commands that are cut off, at random:
+// `soak [STEPS [SEED]]`. A sample allocates nothing, commands stay numbers, samples that are no measurement are counted
+// and the command held within the limit, and the axis comes back to its error before the fault; how soon, is printed.
+// `soak refuse` makes a controller with a parameter that breaks its rule.
 
 #include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -19,6 +22,37 @@
 #include "cogging/control/output_feedback_adaptive_robust.hpp"
 #include "cogging/control/pid.hpp"
 #include "cogging/control/speed.hpp"
+
+#if defined(__cpp_exceptions) && !defined(_MSC_VER)
+#error "this program is to be built with -fno-exceptions"
+#endif
+
+namespace {
+
+long allocations = 0;
+
+}  // namespace
+
+COGGING_NOINLINE void* operator new(std::size_t size) {
+  ++allocations;
+  void* memory = std::malloc(size);
+  if (memory == nullptr) std::abort();
+  return memory;
+}
+COGGING_NOINLINE void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+COGGING_NOINLINE void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+#ifndef _MSC_VER
+// Without exceptions the program itself decides what to do with parameters that break a rule.
+void cogging::refused(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::exit(3);
+}
+#endif
 
 namespace {
 
@@ -134,7 +168,9 @@ Episode drawn(Random& random, long step, double rate) {
 
 template <class C>
 void soak(const std::string& name, const typename C::Parameters& parameters, long steps, std::uint64_t seed) {
+  static_assert(Controller<C, double>);
   C controller(parameters);
+  long allocated = 0;
   const double rate = parameters.sample_rate, period = 1.0 / rate;
   Random random(seed);
   Axis axis;
@@ -164,12 +200,14 @@ void soak(const std::string& name, const typename C::Parameters& parameters, lon
     if (fault != stuck) last_reading = measured;
     if (fault != dropped) {
       const bool refused = fault == no_number || fault == infinite;
+      const long before = allocations;
       const double command = ask(controller, reference(t), reference(t + ahead), reading);
+      applied = fault == saturated ? std::clamp(command, -0.1, 0.1) : std::clamp(command, -limit, limit);
+      controller.update(applied);
+      allocated += allocations - before;
       judge.command(command, last_command, refused);
       expected += refused ? 1.0 : 0.0;
       last_command = command;
-      applied = fault == saturated ? std::clamp(command, -0.1, 0.1) : std::clamp(command, -limit, limit);
-      controller.update(applied);
     }
     axis.step(applied, period);
     // A velocity loop alone answers for the velocity.
@@ -177,6 +215,7 @@ void soak(const std::string& name, const typename C::Parameters& parameters, lon
     const bool of_velocity = std::same_as<C, Speed<>>;
     judge.error(of_velocity ? axis.velocity - next.velocity : axis.position - next.position, step, episode, rate);
   }
+  check::holds(allocated == 0, name + " allocates in a sample");
   judge.tell(name, controller.samples_refused(), expected);
 }
 
@@ -225,6 +264,12 @@ void soak_all(long steps, std::uint64_t seed) {
 }  // namespace
 
 int main(int count, char** arguments) {
+  if (count > 1 && std::strcmp(arguments[1], "refuse") == 0) {
+    PidParameters<> wrong;
+    wrong.kp = NAN;
+    std::printf("taken: kp = %g\n", Pid<>(wrong).parameters().kp);
+    return 0;
+  }
   const long steps = count > 1 ? std::atol(arguments[1]) : 1'000'000;
   const std::uint64_t seed = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 1;
   soak_all(steps, seed);

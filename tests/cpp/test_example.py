@@ -1,6 +1,5 @@
 """The real-time loop of examples/cpp, built as a project of its own from an installed prefix, without Python."""
 
-import importlib.util
 import re
 import subprocess
 import sys
@@ -12,6 +11,7 @@ import pytest
 
 import cogging
 from cogging.model.model import CONTROLLERS
+from tests.fixtures.cpp_constants import generator
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "cpp"
 MOTION = {"type": "point_to_point", "start": 0.05, "distance": 0.4, "velocity": 0.5, "acceleration": 10.0}
@@ -74,14 +74,6 @@ def test_constants_of_every_controller_compile(cmake, compiler, prefix, tmp_path
         source += f"const of_{name}::constants::Controller {name}(of_{name}::constants::controller());\n"
     (tmp_path / "all.cpp").write_text(source)
     cmake.run(compiler, "-std=c++20", "-fsyntax-only", f"-I{prefix / 'include'}", tmp_path / "all.cpp")
-
-
-def generator():
-    """generate.py as a module."""
-    specification = importlib.util.spec_from_file_location("generate", EXAMPLE / "generate.py")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
 
 
 @pytest.mark.parametrize(

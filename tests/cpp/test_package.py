@@ -98,3 +98,12 @@ def test_the_layout_of_the_wheel(cmake, compiler, tmp_path):
     found = tmp_path / "elsewhere" / "cogging" / "share" / "cmake" / "cogging"
     options = [f"-Dcogging_DIR={found}", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
     judge(cmake, cmake.build(CONSUMER, "from_wheel", *options), compiler)
+
+
+@pytest.mark.parametrize(
+    "header", ["basis/regressor", "control/sample_guard", "estimation/predictor", "lanes", "plant/body_with_states"]
+)
+def test_a_header_stands_alone(cmake, compiler, header, tmp_path):
+    (tmp_path / "alone.cpp").write_text(f'#include "cogging/{header}.hpp"\n')
+    flags = ["-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'cpp'}"]
+    cmake.run(compiler, *flags, "-fsyntax-only", tmp_path / "alone.cpp")
