@@ -22,10 +22,10 @@ import numpy as np
 import cogging.papers.lu2008
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml, write_text
-from cogging.papers.fitting import round_to_digits
-from cogging.papers.lu2008.setup import AXES, LATE, PRESENT
-from cogging.papers.lu2008.tables import SPLITS
-from cogging_command import run_command
+from cogging.papers.lu2008.gantry import AXES, LATE, PRESENT
+from cogging.papers.lu2008.tracking import SPLITS
+from studies.command import run_study
+from studies.fitting import round_to_digits
 from studies.lu2008.families import EVERY, Family, Responses, Surrogate, polished
 
 #: Of the cells with the fewest free amplitudes that bring 11 of the 12 numbers within 15 %, the one of least misfit.
@@ -67,4 +67,4 @@ def main(target: str) -> None:
 
 if __name__ == "__main__":
     own = str(Path(cogging.papers.lu2008.__file__).with_name("maps.toml"))
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))
+    sys.exit(run_study(__doc__, main, own, "file to write"))

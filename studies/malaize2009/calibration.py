@@ -17,9 +17,9 @@ import cogging.papers.malaize2009
 from cogging.arrays import FloatArray
 from cogging.design.observer import design_observer
 from cogging.outputs import to_toml, write_text
-from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, accuracy, pid, plant, problem, run
-from cogging_command import run_command
+from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, accuracy, pid, plant, problem, run
+from studies.command import run_study
+from studies.fitting import fit_logarithms, round_to_digits
 
 
 def calibrate(motor: Motor) -> Calibrated:
@@ -64,4 +64,4 @@ def main(target: str) -> None:
 
 if __name__ == "__main__":
     own = str(Path(cogging.papers.malaize2009.__file__).with_name("gains.toml"))
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))
+    sys.exit(run_study(__doc__, main, own, "file to write"))

@@ -27,21 +27,10 @@ from cogging._core import (
 )
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.xu2001.exploration import columns, gap
-from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, simulated
-from cogging.papers.xu2001.robust_terms import (
-    FACTORS,
-    HARDWARE,
-    PERIOD,
-    increment,
-    lasts,
-    rigid,
-    subsets,
-    which_run,
-)
-from cogging.papers.xu2001.setup import (
+from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     MASSES,
+    PERIOD,
     RESOLUTION,
     VISCOUS,
     Unknowns,
@@ -52,7 +41,10 @@ from cogging.papers.xu2001.setup import (
     reference,
     shipped_unknowns,
 )
-from cogging_command import run_command
+from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, simulated
+from cogging.papers.xu2001.robust_terms import FACTORS, HARDWARE, increment, lasts, rigid, subsets, which_run
+from cogging.papers.xu2001.sinusoidal_motion import columns, gap
+from studies.command import run_study
 
 #: Hz: below and above what the printed robust terms need. The last takes minutes.
 LONG_RATES = (1e8, 2e8, 3e8, 3.2e8, 3.35e8)
@@ -176,7 +168,7 @@ def _robust_terms(show: Callable[[str], None]) -> None:
             show(f"{'':4}{' + '.join(terms) or 'none':<36}{found['du_rms']:9.3g} V a sample")
 
 
-def main(show: Callable[[str], None] = print) -> None:
+def main(_: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study."""
     unknowns = shipped_unknowns()
     show("ARC columns against the paper's, with all as printed (exploratory)")
@@ -192,4 +184,4 @@ def main(show: Callable[[str], None] = print) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main))
+    sys.exit(run_study(__doc__, main))

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from cogging.model.model import CONTROLLERS
 from cogging.papers import comparison
-from cogging.papers.lu2008 import setup as lu2008
+from cogging.papers.lu2008 import gantry as lu2008
 from cogging_command import run_command
 from tests.benchmarks.lu2008_loop import compiler
 from tests.benchmarks.real_time_report import FLAGS, HERE, ROOT, compile_unit, report

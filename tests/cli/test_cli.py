@@ -6,7 +6,7 @@ import pytest
 import cogging
 import cogging.cli
 from cogging.cli.main import main
-from cogging.papers.lu2008 import setup as lu2008
+from cogging.papers.lu2008 import gantry as lu2008
 from tests.fixtures.files import MODEL, REFERENCE
 
 

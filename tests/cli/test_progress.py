@@ -37,7 +37,7 @@ def run():
     sys.stderr.isatty() and print("ready", end="", file=sys.stderr, flush=True)
     import cogging.cli.terminal
     from cogging.cli.main import main
-    import cogging.papers.malaize2009.reproduce as paper
+    import cogging.papers.malaize2009 as paper
     from cogging.papers.result import Reproduction
 
     paper.reproduce = lambda progress: [*map(progress, paper.STEPS)] and Reproduction("malaize2009", [], {})

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from cogging.cli.main import main
-from cogging.papers.lu2008 import reproduce as lu2008_reproduce
-from cogging.papers.lu2008 import setup as lu2008
-from cogging.papers.lu2008 import tables as lu2008_tables
+from cogging.papers.lu2008 import STEPS
+from cogging.papers.lu2008 import gantry as lu2008
+from cogging.papers.lu2008 import tracking as lu2008_tables
 from studies.lu2008 import calibration as lu2008_calibration
 from studies.lu2008 import families as lu2008_families
 from studies.lu2008 import study as lu2008_study
@@ -203,7 +203,7 @@ def test_the_map_is_what_its_docstring_says():
 
 def test_progress_tells_each_step():
     result, told = with_progress("lu2008")
-    assert told == lu2008_reproduce.STEPS
+    assert told == STEPS
     assert "calibrated" in result.text()
 
 

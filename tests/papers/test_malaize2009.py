@@ -9,10 +9,11 @@ import pytest
 import cogging
 from cogging.files import parse_toml
 from cogging.papers import comparison
-from cogging.papers.lu2008 import setup as lu2008_setup
-from cogging.papers.malaize2009 import figures as malaize2009_figures
-from cogging.papers.malaize2009 import setup as malaize2009_setup
-from cogging.papers.malaize2009.setup import CONTROLLERS, MOTORS
+from cogging.papers.lu2008 import gantry as lu2008_setup
+from cogging.papers.malaize2009 import linear_motors as malaize2009_setup
+from cogging.papers.malaize2009 import robustness
+from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS
+from studies import comparison_gains
 from studies.malaize2009 import calibration as malaize2009_calibration
 from tests.fixtures.reproduced import reproduced
 
@@ -212,7 +213,7 @@ def test_the_calibration_regenerates_the_shipped_values():
 
 def test_away_from_its_notches_the_observer_amplifies():
     motor = MOTORS["ironcore"]
-    at_notch, near, slow = malaize2009_figures.ripple_ratio(motor, [0.016, 0.0073, 0.05])
+    at_notch, near, slow = robustness.ripple_ratio(motor, [0.016, 0.0073, 0.05])
     print(f"\nobserver / PID: {at_notch:.3f} at 16 mm, {near:.2f} at 7.3 mm, {slow:.2f} at 50 mm")
     assert [at_notch, near, slow] == pytest.approx([0.0027, 1.295, 1.364], rel=0.03)
 
@@ -249,7 +250,7 @@ def test_the_comparison_is_the_committed_one():
 @pytest.mark.parametrize("name", ["pid", "arc C3", "output_feedback_arc", "observer_based"])
 def test_scaled_controllers_have_the_delay_margin_that_is_said(name):
     for axis in lu2008_setup.AXES.values():
-        margin = comparison.delay_margin(comparison.at_equal_margin(axis)[name], axis)
+        margin = comparison_gains.delay_margin(comparison.at_equal_margin(axis)[name], axis)
         assert margin == pytest.approx(comparison.DELAY_MARGIN, rel=0.08), axis.name
 
 

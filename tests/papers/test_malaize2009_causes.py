@@ -3,23 +3,34 @@
 import numpy as np
 import pytest
 
-from cogging.papers.malaize2009 import spectra
-from cogging.papers.malaize2009.causes import CAUSES, conditions_file, other, shipped_table_1
-from cogging.papers.malaize2009.causes_tables import lines_at_speed
-from cogging.papers.malaize2009.conditions import (
+from cogging.papers.malaize2009.accuracy import lines_at_speed
+from cogging.papers.malaize2009.causes import (
+    CAUSES,
     DRAWS,
+    LINE_COUNT,
     LINE_PERIODS,
-    LINES,
     Conditions,
     batch_accuracies,
+    conditions_file,
     drawn_accuracies,
     machine,
-    recalibrated,
+    other,
+    shipped_table_1,
     unmodelled_lines,
 )
-from cogging.papers.malaize2009.imperfections import cogging_rms
-from cogging.papers.malaize2009.setup import MOTORS, accuracy, observer, pid, plant, run, shipped, true_error
-from studies.malaize2009 import causes_calibration
+from cogging.papers.malaize2009.linear_motors import (
+    MOTORS,
+    accuracy,
+    cogging_rms,
+    observer,
+    pid,
+    plant,
+    run,
+    shipped,
+    true_error,
+)
+from studies.malaize2009 import causes_calibration, causes_study
+from studies.malaize2009.causes_calibration import recalibrated
 
 
 @pytest.mark.parametrize("cause", CAUSES, ids=lambda cause: cause.name)
@@ -84,7 +95,7 @@ def test_the_lines_have_the_rms_that_was_asked_for(draw):
         force -= line.sine * np.sin(2 * np.pi * x / line.period) + line.cosine * np.cos(2 * np.pi * x / line.period)
     assert np.sqrt(np.mean(force**2)) == pytest.approx(rms, rel=0.02)
     listed = machine(motor, 0.2, Conditions(lines=0.03), draw).effects
-    assert len(listed) == 1 + LINES
+    assert len(listed) == 1 + LINE_COUNT
     assert len({line.period for line in unmodelled_lines(draw + 1, rms)} & {each.period for each in listed[1:]}) == 0
 
 
@@ -100,7 +111,7 @@ def test_lines_at_speed_finds_a_line_of_known_size():
 
 @pytest.mark.parametrize("motor", MOTORS.values(), ids=MOTORS)
 def test_the_spectrum_proposes_the_printed_periods_first_in_every_draw_of_the_lines(motor):
-    assert spectra.draws_that_propose(motor) == DRAWS
+    assert causes_study.draws_that_propose(motor) == DRAWS
     assert other(other(motor)) is motor
     assert shipped_table_1(motor)[0] == Conditions(lines=conditions_file()["table_1"]["lines"]["size"], any_phases=True)
     assert shipped_table_1(motor, CAUSES[-1])[0] == Conditions(width=conditions_file()["table_1"]["width"]["size"])

@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 from cogging.papers.malaize2009 import theorem_3
-from cogging.papers.malaize2009.imperfections import (
-    by_stroke,
-    imperfections,
-    largest_errors,
-    machines_not_as_believed,
-    smooth_friction,
-)
-from cogging.papers.malaize2009.robustness import sweeps
-from cogging.papers.malaize2009.setup import (
+from cogging.papers.malaize2009.linear_motors import (
     DAMPING,
     MOTORS,
     OMEGA,
@@ -26,6 +18,14 @@ from cogging.papers.malaize2009.setup import (
     reference,
     run,
     shipped,
+)
+from cogging.papers.malaize2009.robustness import (
+    by_stroke,
+    imperfections,
+    largest_errors,
+    machines_not_as_believed,
+    smooth_friction,
+    sweeps,
 )
 
 

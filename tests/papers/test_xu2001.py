@@ -5,8 +5,8 @@ import pytest
 
 import cogging
 from cogging.files import parse_toml
-from cogging.papers.xu2001 import conditions, conditions_fit, exploration, tables
-from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.papers.xu2001 import epoxy_motor, sinusoidal_motion
+from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 from studies.xu2001 import calibration
 from tests.fixtures.reproduced import reproduced
 
@@ -82,7 +82,7 @@ def test_calibrated_is_exactly_what_took_part(result):
     joint = table_of(result, "table1")
     for table, controllers in ((joint.before, {"PID"}), (joint, {"PID", "ARC"})):
         calibrated = {(row.controller, row.index) for row in table.rows if row.status == "calibrated"}
-        assert calibrated == {(name, index) for name in controllers for index in conditions_fit.FITTED}
+        assert calibrated == {(name, index) for name in controllers for index in epoxy_motor.FITTED}
         derived = {(row.controller, row.index) for row in table.rows if row.status == "derived"}
         assert derived == {("PID", "du_rms"), ("ARC", "du_rms")}
     assert {row.status for row in joint.rows} == {"calibrated", "derived"}
@@ -116,10 +116,10 @@ def test_theta_with_and_without_payload_is_that_of_52():
 
 def test_the_free_parameters_are_those_of_the_fits(result):
     joint = table_of(result, "table1")
-    free = conditions_fit.Problem(calibration.ALL, start=calibration.JOINT_START).names()
+    free = calibration.Problem(calibration.ALL, start=calibration.JOINT_START).names()
     assert list(joint.free) == [*free, "earlier_runs"]
-    assert list(joint.before.free) == conditions_fit.Problem(calibration.PID, "smooth_stribeck").names()
-    assert conditions.joint_conditions().earlier_runs == calibration.EARLIER_RUNS
+    assert list(joint.before.free) == calibration.Problem(calibration.PID, "smooth_stribeck").names()
+    assert epoxy_motor.joint_conditions().earlier_runs == calibration.EARLIER_RUNS
 
 
 def test_every_fitted_number_is_as_near_the_papers_as_committed(result):
@@ -142,7 +142,7 @@ def test_every_fitted_number_is_as_near_the_papers_as_committed(result):
 
 
 def test_the_arc_is_better_than_the_pid_in_every_error_index_as_printed(result):
-    shares = tables.better_shares(table_of(result, "table1"))
+    shares = sinusoidal_motion.better_shares(table_of(result, "table1"))
     printed = {
         (name, index): np.divide(*(xu2001_setup.TABLE_1[c][name][place] for c in ("ARC", "PID")))
         for name in xu2001_setup.SETS
@@ -154,7 +154,7 @@ def test_the_arc_is_better_than_the_pid_in_every_error_index_as_printed(result):
         assert share < 1.0, place
         assert share == pytest.approx(printed[place], abs=0.17 if place == ("2", "e_M") else 0.14), place
     assert max(shares.values()) == pytest.approx(0.886, abs=0.02)
-    before = tables.better_shares(table_of(result, "table1").before)
+    before = sinusoidal_motion.better_shares(table_of(result, "table1").before)
     assert sum(share < 1.0 for share in before.values()) == 2
 
 
@@ -166,18 +166,18 @@ def test_seeds_outside_the_fit_come_as_near(result):
         assert rows[words, "within_15", "mean"] == pytest.approx(near, abs=0.3)
         assert rows[words, "rms_log_error", "mean"] == pytest.approx(left, abs=0.001)
         assert (rows[words, "within_15", "least"], rows[words, "within_15", "largest"]) == (24, 26)
-    by_hand = [tables.table_1({name: joint_by_seed(name)[:, 0] for name in xu2001_setup.CONTROLLERS})]
+    by_hand = [sinusoidal_motion.table_1({name: joint_by_seed(name)[:, 0] for name in xu2001_setup.CONTROLLERS})]
     assert (
         rows["others", "within_15", "least"] <= by_hand[0].counts().within[1] <= rows["others", "within_15", "largest"]
     )
 
 
 def joint_by_seed(controller):
-    return conditions.joint_conditions().by_seed(controller, seeds=tables.OTHER_SEEDS[:1])
+    return epoxy_motor.joint_conditions().by_seed(controller, seeds=sinusoidal_motion.OTHER_SEEDS[:1])
 
 
 def test_the_indexes_over_seeds_are_those_of_each_run():
-    joint = conditions.joint_conditions()
+    joint = epoxy_motor.joint_conditions()
     for name in xu2001_setup.CONTROLLERS:
         found = joint.by_seed(name, seeds=(2001, 2002))
         for place, log in enumerate(joint.logs(name, seed=2001).values()):
@@ -186,7 +186,7 @@ def test_the_indexes_over_seeds_are_those_of_each_run():
 
 
 def test_the_note_says_what_the_table_shows(result):
-    joint = conditions.joint_conditions()
+    joint = epoxy_motor.joint_conditions()
     note = result.notes[0]
     said = " ".join(note.split())
     assert f"adaptation rates {joint.adaptation_factor:.3g} times" in said
@@ -212,30 +212,30 @@ def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
 
 
 def assert_has_the_error_that_it_states(part, fitted, seeds=xu2001_setup.SEEDS):
-    gap = conditions_fit.log_ratios(conditions.conditions_of(part), fitted, seeds)
-    assert conditions_fit.rms(gap) == pytest.approx(part["rms_log_error"], rel=0.02), part
+    gap = calibration.log_ratios(epoxy_motor.conditions_of(part), fitted, seeds)
+    assert calibration.rms(gap) == pytest.approx(part["rms_log_error"], rel=0.02), part
     assert np.abs(np.expm1(gap)).max() == pytest.approx(part["largest_relative_error"], rel=0.05), part
     assert part["rms_log_error"] == min(part["rms_log_error_of_starts"])
 
 
 def test_the_shipped_fits_have_the_errors_that_they_state():
-    file = conditions.shipped_file()
-    laws = set(conditions.LAWS)
-    assert set(file) == {*laws - {conditions.JOINT_LAW}, "joint", "earlier_runs", "readings", "held_out"}
+    file = epoxy_motor.shipped_file()
+    laws = set(epoxy_motor.LAWS)
+    assert set(file) == {*laws - {epoxy_motor.JOINT_LAW}, "joint", "earlier_runs", "readings", "held_out"}
     assert set(file["joint"]) == laws
     assert set(file["readings"]) == set(calibration.READINGS)
-    for law in laws - {conditions.JOINT_LAW}:
+    for law in laws - {epoxy_motor.JOINT_LAW}:
         assert_has_the_error_that_it_states(file[law], calibration.PID, (xu2001_setup.SEED,))
-    for law in (conditions.JOINT_LAW, "smooth_stribeck"):
+    for law in (epoxy_motor.JOINT_LAW, "smooth_stribeck"):
         assert_has_the_error_that_it_states(file["joint"][law], calibration.ALL)
     for split, fitted in calibration.HELD_OUT.items():
         assert_has_the_error_that_it_states(file["held_out"][split], fitted)
 
 
 def test_no_nested_model_is_nearer_than_the_larger():
-    file = conditions.shipped_file()
+    file = epoxy_motor.shipped_file()
     for parts in (file, file["joint"]):
-        for law in conditions.LAWS:
+        for law in epoxy_motor.LAWS:
             for nested in set(calibration.nested_in(law)) & set(parts):
                 assert parts[law]["rms_log_error"] <= parts[nested]["rms_log_error"], (law, nested)
     assert "smooth_coulomb" in calibration.nested_in("smooth_stribeck")
@@ -244,7 +244,7 @@ def test_no_nested_model_is_nearer_than_the_larger():
 
 @pytest.mark.study
 def test_the_other_conditions_leave_what_their_table_states():
-    file = conditions.shipped_file()
+    file = epoxy_motor.shipped_file()
     for part in (*file["earlier_runs"].values(), *file["readings"].values(), *file["joint"].values()):
         assert_has_the_error_that_it_states(part, calibration.ALL)
 
@@ -274,22 +274,22 @@ def test_the_held_out_numbers_are_nearer_than_the_trivial_guess(result):
     assert set_2.before.counts().within == (3, 5, 6)
     assert arc.counts().predicted_within == (3, 5, 10)
     assert arc.before.counts().within == (1, 3, 7)
-    factors = [part["adaptation_factor"] for part in conditions.shipped_file()["held_out"].values()]
+    factors = [part["adaptation_factor"] for part in epoxy_motor.shipped_file()["held_out"].values()]
     assert factors == pytest.approx([2.78, 3.35], abs=0.01), "a part of the numbers gives much the same factor"
 
 
 def test_the_trivial_guess_is_the_papers_own_ratio_or_set_1():
     # PID set 2 times ARC set 1 over PID set 1, and set 1.
-    assert tables.trivial("arc_sets_2_3", "ARC", "2")["e_M"] == pytest.approx(156e-6 * 14.4 / 51.2)
-    assert tables.trivial("set_2", "PID", "2")["e_F"] == 15.1e-6
+    assert sinusoidal_motion.trivial("arc_sets_2_3", "ARC", "2")["e_M"] == pytest.approx(156e-6 * 14.4 / 51.2)
+    assert sinusoidal_motion.trivial("set_2", "PID", "2")["e_F"] == 15.1e-6
 
 
 def test_other_conditions_leave_more(result):
     left = {row.labels["conditions"]: row.simulated for row in table_of(result, "conditions").rows}
-    shipped = left[f"plant {conditions.JOINT_LAW}"]
+    shipped = left[f"plant {epoxy_motor.JOINT_LAW}"]
     assert shipped == left[f"earlier runs: {calibration.EARLIER_RUNS}"]
     assert shipped == pytest.approx(0.0914, abs=0.0005)
-    larger = {f"plant {law}" for law in conditions.LAWS if conditions.JOINT_LAW in calibration.nested_in(law)}
+    larger = {f"plant {law}" for law in epoxy_motor.LAWS if epoxy_motor.JOINT_LAW in calibration.nested_in(law)}
     assert all((size <= shipped) == (name in larger) for name, size in left.items() if size != shipped)
     runs = [left[f"earlier runs: {number}"] for number in range(4)]
     assert runs == pytest.approx([0.161, 0.110, 0.0914, 0.105], abs=0.001)
@@ -308,7 +308,7 @@ def test_the_exploration_leads_to_the_joint_conditions(result):
 
 @pytest.mark.study
 def test_the_calibration_script_regenerates_what_is_shipped():
-    found, shipped = parse_toml(calibration.plant_toml()), dict(conditions.shipped_file())
+    found, shipped = parse_toml(calibration.plant_toml()), dict(epoxy_motor.shipped_file())
     # The plant of the PID columns is older than the rest: today's search ends elsewhere in the same rough valley. It is
     # kept, because the comparison, the tuning and the table before stand on it.
     of_today, kept = found.pop("smooth_stribeck"), shipped.pop("smooth_stribeck")
@@ -318,11 +318,11 @@ def test_the_calibration_script_regenerates_what_is_shipped():
 
 def test_faster_adaptation_closes_most_of_the_gap():
     unknowns = xu2001_setup.shipped_unknowns()
-    as_printed = exploration.gap(
-        exploration.columns(cogging.OutputFeedbackArc(xu2001_setup.arc_parameters()), unknowns)
+    as_printed = sinusoidal_motion.gap(
+        sinusoidal_motion.columns(cogging.OutputFeedbackArc(xu2001_setup.arc_parameters()), unknowns)
     )
-    changed = xu2001_setup.arc_parameters(**exploration.changes()["adaptation x 3.5"])
-    faster = exploration.gap(exploration.columns(cogging.OutputFeedbackArc(changed), unknowns))
+    changed = xu2001_setup.arc_parameters(**sinusoidal_motion.changes()["adaptation x 3.5"])
+    faster = sinusoidal_motion.gap(sinusoidal_motion.columns(cogging.OutputFeedbackArc(changed), unknowns))
     print(f"\nrms log gap of the ARC columns: {as_printed:.3f} as printed, {faster:.3f} with 3.5 times the adaptation")
     assert 0.3 < faster / as_printed < 0.6
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.papers.xu2001 import fast_motion, figures, pid_poles, robust_terms, theorem_1
-from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.papers.xu2001 import backstepping, fast_motion, pid_poles, robust_terms, sinusoidal_motion
+from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 from studies.xu2001 import study as xu2001_study
 
 
@@ -22,7 +22,7 @@ def unknowns():
 @pytest.mark.parametrize("switches", [{}, dict(robust_terms.ALL_TERMS, robust_factor=1e-6)], ids=["none", "all"])
 def test_the_steps_along_a_log_are_those_of_the_controller(switches, unknowns):
     p = xu2001_setup.arc_parameters(**switches)
-    log, found = theorem_1.run(p, xu2001_setup.plant(unknowns, "1"), 0.2, seed=1)
+    log, found = backstepping.run(p, xu2001_setup.plant(unknowns, "1"), 0.2, seed=1)
     controller = cogging.OutputFeedbackArc(p)
     for k in range(log.time.size):
         controller.command(
@@ -158,7 +158,7 @@ def test_the_examples_of_the_robust_functions_meet_their_conditions():
 
 
 def test_the_condition_of_theorem_1_is_what_a_4_needs():
-    assert theorem_1.condition_margin(xu2001_setup.arc_parameters()) == pytest.approx((5.0, 50.0))
+    assert backstepping.condition_margin(xu2001_setup.arc_parameters()) == pytest.approx((5.0, 50.0))
     random, rows = np.random.default_rng(4), 20_000
     slope, phi = random.normal(size=(rows, 3)), random.normal(size=(2, rows, 3))
     z, gamma, w = random.normal(size=(2, rows)), 10.0 ** random.uniform(-1, 1, (rows, 3)), np.array([1.0, 0.1])
@@ -179,19 +179,19 @@ def test_the_condition_of_theorem_1_is_what_a_4_needs():
 
 def test_the_executable_gains_do_not_meet_the_conditions(unknowns):
     for name, expected in (("1", (0.9934, 0.0368, 0.0095, 1.69, 0.383)), ("2", (0.9934, 0.0359, 0.313, 156, 79.2))):
-        found = theorem_1.conditions(unknowns, name)
+        found = backstepping.conditions(unknowns, name)
         print(f"\nset {name}: {found}")
         assert list(found.values()) == pytest.approx(expected, rel=0.03)
 
 
 def test_remark_3_gains_bring_the_bound_down():
     finals = []
-    for factor, final in zip(theorem_1.FACTORS, (2.9e-8, 9.0e-9, 2.62e-9), strict=True):
-        p = theorem_1.deterministic_law(factor)
-        of = theorem_1.bound(p, theorem_1.estimation_bound(p, theorem_1.TONE))
+    for factor, final in zip(backstepping.FACTORS, (2.9e-8, 9.0e-9, 2.62e-9), strict=True):
+        p = backstepping.deterministic_law(factor)
+        of = backstepping.bound(p, backstepping.estimation_bound(p, backstepping.TONE))
         assert of.rate == pytest.approx(120 * factor)
         assert of.final == pytest.approx(9.170e-5 / factor**2, rel=1e-3)
-        finals.append(theorem_1.kept(p, theorem_1.THETA, theorem_1.TONE, theorem_1.OFF).final)
+        finals.append(backstepping.kept(p, backstepping.THETA, backstepping.TONE, backstepping.OFF).final)
         assert finals[-1] == pytest.approx(final, rel=0.03)
         assert finals[-1] < of.final
     assert finals[0] > finals[1] > finals[2]
@@ -203,8 +203,8 @@ def test_v_2_stays_under_its_bound_without_adaptation_on_drawn_machines():
     for _ in range(12):
         theta, first = random.uniform([15, 4, -3], [30, 8, 3]), random.uniform([15, 4, -3], [30, 8, 3])
         size, start = random.uniform(0.5, 4.0), random.uniform(2e-3, 8e-3) * random.choice([-1, 1])
-        p = theorem_1.deterministic_law(random.uniform(0.5, 2.0), theta=list(first))
-        found = theorem_1.kept(p, theta, size, start)
+        p = backstepping.deterministic_law(random.uniform(0.5, 2.0), theta=list(first))
+        found = backstepping.kept(p, theta, size, start)
         assert found.share < 1.0, (theta, first, size, start)
         rises.append(found.rise)
     assert 1e-3 < max(rises) < 1.0, "V_2 rises faster than its decay somewhere, never by what (A.5) allows"
@@ -216,7 +216,7 @@ def test_the_derivatives_of_z_1_and_v_2_along_runs():
     for _ in range(5):
         theta = random.uniform([10, 3, -10], [45, 15, 10])
         p = xu2001_setup.arc_parameters(sample_rate=400_000.0, coulomb=0.0)
-        log, found = theorem_1.run(p, theorem_1.design_model(theta), 0.02, random.uniform(1e-4, 1e-3))
+        log, found = backstepping.run(p, backstepping.design_model(theta), 0.02, random.uniform(1e-4, 1e-3))
         off, w, z = log.estimates - theta, (p.weight_1, p.weight_2), (found.z_1, found.z_2)
         by_parameters = [np.sum(off * phi, axis=1) for phi in (found.phi_1, found.phi_2)]
         slope = theta[0] * (z[1] - p.gain_1 * z[0] / p.theta_min[0]) - by_parameters[0]
@@ -236,7 +236,7 @@ def test_v_theta_falls_on_drawn_machines():
     for _ in range(8):
         theta = random.uniform([10, 3, -10], [45, 15, 10])
         p = xu2001_setup.arc_parameters(sample_rate=100_000.0, coulomb=0.0)
-        values = theorem_1.adaptive_lyapunov(p, theta, 0.15)[1:]
+        values = backstepping.adaptive_lyapunov(p, theta, 0.15)[1:]
         fall, rise = values[0] - values[-1], np.maximum(np.diff(values), 0.0).sum()
         assert rise < 0.02 * fall, theta
         falls.append(fall / values[0])
@@ -244,7 +244,7 @@ def test_v_theta_falls_on_drawn_machines():
 
 
 def test_the_error_without_disturbance_with_and_without_adaptation():
-    adapted, fixed = theorem_1.vanishing_errors(), theorem_1.vanishing_errors(adaptation=False)
+    adapted, fixed = backstepping.vanishing_errors(), backstepping.vanishing_errors(adaptation=False)
     assert [1e6 * error for error in adapted.values()] == pytest.approx([0.606, 0.560, 0.753], rel=0.05)
     assert [1e6 * error for error in fixed.values()] == pytest.approx([58.9] * 3, rel=0.01)
 
@@ -318,17 +318,21 @@ def test_the_figures_show_pid_and_arc_on_one_scale(unknowns):
     }
     logs = {name: xu2001_setup.run(unknowns, controller) for name, controller in controllers.items()}
     for name, largest in (("1", 57.1), ("2", 60.0), ("3", 100.8)):
-        panels = figures.figure_errors(logs, name).axes
+        panels = sinusoidal_motion.figure_errors(logs, name).axes
         limits = {axes.get_ylim() for axes in panels}
         assert len(limits) == 1, "one scale"
         end = max(limits.pop())
         assert end == pytest.approx(60.0) if name == "2" else largest < end < 1.2 * largest
-    pid, rest_of_pid, arc, rest_of_arc = figures.figure_fast(fast_motion.run_fast(unknowns, controllers)).axes
+    pid, rest_of_pid, arc, rest_of_arc = fast_motion.figure_fast(fast_motion.run_fast(unknowns, controllers)).axes
     assert pid.get_ylim() == arc.get_ylim()
     for rest in (rest_of_pid, rest_of_arc):
         assert rest.get_ylim() == (-5.0, 5.0)
         assert sorted(line.get_ydata()[0] for line in rest.lines[1:]) == [-1.0, 1.0]
-    assert [axes.get_ylabel().split("\n")[1] for axes in figures.figure_reference().axes] == ["(m)", "(m/s)", "(m/s²)"]
+    assert [axes.get_ylabel().split("\n")[1] for axes in fast_motion.figure_reference().axes] == [
+        "(m)",
+        "(m/s)",
+        "(m/s²)",
+    ]
 
 
 def test_the_printed_robust_terms_cannot_run():

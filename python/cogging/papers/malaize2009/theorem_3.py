@@ -16,7 +16,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.design.observer import ObserverProblem, design_observer
-from cogging.papers.malaize2009.setup import MOTORS, problem
+from cogging.papers.malaize2009.linear_motors import MOTORS, problem
 from cogging.papers.result import Row, Table
 
 RATES = (1.0, 10.0, 100.0)  # 1/s: of the units of time in which the printed problem is given to the solver

@@ -20,7 +20,7 @@ from cogging.design.linear_plant import held, linear_plant
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
 from cogging.papers.result import Row, Table
-from cogging.papers.xu2001.setup import (
+from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     FRICTION_LEVEL,
     FRICTION_WIDTH,

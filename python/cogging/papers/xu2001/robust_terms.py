@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.result import Row, Table
 from cogging.papers.xu2001.backstepping import backstepping, steps
-from cogging.papers.xu2001.setup import (
+from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     INDEXES,
     MASSES,
@@ -30,7 +30,32 @@ from cogging.papers.xu2001.setup import (
     plant,
     reference,
 )
+from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.scales import scale_of
+from cogging.plot.series import LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@drawn
+def figure_increment() -> Figure:
+    """The rms command increment against a common factor on the printed robust terms."""
+    figure = new_figure((7.2, 4.2))
+    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
+    axes = figure.subplots()
+    for place, (rate, resolution) in enumerate(HARDWARE):
+        values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
+        length = scale_of("m", resolution)
+        label = f"{rate / 1000:g} kHz, {length(resolution):g} {length.unit}"
+        axes.loglog(FACTORS[1:], values, marker=marker(place), label=label, **look(place))
+    printed = TABLE_1["ARC"]["1"][4]
+    axes.axhline(printed, color=LIMIT, linestyle=(0, (6, 3)), linewidth=1.0, label=f"paper: {printed:g} V")
+    axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)", xlim=(5e-8, 2.0))
+    legend(axes)
+    return figure
+
 
 ROBUST_TERMS = (
     "use_alpha_1s2",
@@ -42,13 +67,14 @@ ROBUST_TERMS = (
     "use_u_s3",
 )
 ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
+
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
 HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
 FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+
 #: Samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200.
 SETTLED = 500
 RATES = (1e5, 1e6, 1e7, 1e8)  # Hz
-PERIOD = np.pi / 2.0  # s, of the sine of case 1
 FINE = 100_000.0  # Hz: at which the gains along a run are taken
 SHORT = 0.02  # s: all of RATES have diverged by then
 START = 0.1  # s, the part of it that is looked at: the largest K_2 of a whole period stands at 0.055 s

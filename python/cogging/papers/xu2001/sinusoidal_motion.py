@@ -1,27 +1,50 @@
-"""Table 1 of Xu and Yao 2001 beside ours, what was held out of fits, and what would explain the difference."""
+"""Table 1 of Xu and Yao 2001 beside ours, what was held out of fits, and what would explain the difference.
+
+Which change of the ARC's numbers brings its columns near those that Xu and Yao 2001 print. Exploratory.
+"""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
+from cogging.logs.log import Log
+from cogging.model.controller import ListedController
+from cogging.papers.compared import Trace, compared
 from cogging.papers.result import Row, Table
-from cogging.papers.xu2001.conditions import (
+from cogging.papers.xu2001.epoxy_motor import (
+    CONTROLLERS,
+    DISTURBANCE,
+    DURATION,
+    FITTED,
     HELD_OUT,
+    INDEXES,
     JOINT_FREE,
     JOINT_LAW,
+    PERIOD,
     PID,
+    SEEDS,
+    SETS,
+    TABLE_1,
+    UNITS,
     Conditions,
+    Unknowns,
+    arc_parameters,
     conditions_of,
+    indexes,
     joint_conditions,
+    run,
     shipped_file,
 )
-from cogging.papers.xu2001.conditions_fit import FITTED
-from cogging.papers.xu2001.setup import CONTROLLERS, INDEXES, SEEDS, SETS, TABLE_1, UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TITLE = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(SEEDS)} seeds of the encoder noise"
 PLACES = [(controller, name) for controller in CONTROLLERS for name in SETS]
@@ -181,3 +204,110 @@ def conditions_table() -> Table:
         for name, part in parts.items()
     ]
     return Table("conditions", "Rms log-ratio of all 30 fitted numbers to the paper's, by what else is assumed", rows)
+
+
+JUDGED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
+
+
+def columns(controller: ListedController, unknowns: Unknowns, seed: int = 2001, earlier_runs: int = 0) -> FloatArray:
+    """The judged indexes of a controller in the three sets, (3, 5).
+
+    Raises:
+        DivergedError: a run diverged.
+    """
+    return columns_of(run(unknowns, controller, seed=seed, earlier_runs=earlier_runs))
+
+
+def columns_of(logs: Mapping[str, Log]) -> FloatArray:
+    """The same of logs by set."""
+    return np.array([[indexes(logs[name])[index] for index in JUDGED] for name in SETS])
+
+
+def printed(controller: str) -> FloatArray:
+    """The same of Table 1, (3, 5)."""
+    return np.array([[TABLE_1[controller][name][INDEXES.index(index)] for index in JUDGED] for name in SETS])
+
+
+def gap(found: FloatArray, controller: str = "ARC") -> float:
+    """The rms log-ratio to the printed column."""
+    return float(np.sqrt(np.mean(np.log(found / printed(controller)) ** 2)))
+
+
+def changes() -> dict[str, dict[str, Any]]:
+    """The changes of the ARC's numbers that are tried, each alone and some together."""
+    base = arc_parameters()
+
+    def adaptation(factor: float) -> dict[str, Any]:
+        return {"adaptation": [factor * rate for rate in base.adaptation]}
+
+    def gains(factor: float) -> dict[str, Any]:
+        return {"gain_1": factor * base.gain_1, "gain_2": factor * base.gain_2}
+
+    observer = {"observer_gain_1": 2 * base.observer_gain_1, "observer_gain_2": 4 * base.observer_gain_2}
+    together = {
+        "adaptation x 3.5": adaptation(3.5),
+        "gains x 1.2": gains(1.2),
+        "theta_1(0) = 37": {"theta": [37.0, 10.0, 0.0]},
+        "theta_1(0) = 20": {"theta": [20.0, 10.0, 0.0]},
+    }
+    return {
+        "as printed, g only": {},
+        "adaptation x 2": adaptation(2.0),
+        **together,
+        "adaptation x 5": adaptation(5.0),
+        "gains x 0.8": gains(0.8),
+        "observer poles at -400": observer,
+        "with the C_phi1 term": {"use_c_phi_1": True},
+        "Euler steps of the filters": {"filter_steps": "euler"},
+        "no friction compensation": {"coulomb": 0.0},
+        "adaptation x 3.5, gains x 1.2": {**adaptation(3.5), **gains(1.2)},
+        "adaptation x 3.5, theta_1(0) = 20": {**adaptation(3.5), "theta": [20.0, 10.0, 0.0]},
+        "all three": {**adaptation(3.5), **gains(1.2), "theta": [20.0, 10.0, 0.0]},
+    }
+
+
+def explore(unknowns: Unknowns) -> dict[str, float]:
+    """The gap of the ARC columns for each of the changes; infinite where a run diverges."""
+    found = {}
+    for name, change in changes().items():
+        try:
+            found[name] = gap(columns(OutputFeedbackArc(arc_parameters(**change)), unknowns))
+        except DivergedError:
+            found[name] = float("inf")
+    return found
+
+
+def explore_conditions(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> dict[str, float]:
+    """The same on the way to the joint conditions, whose ARC logs are given: earlier runs, the factor, the plant."""
+    runs, factor = joint.earlier_runs, joint.adaptation_factor
+    kept = f"{runs} earlier runs"
+    both = f"{kept}, adaptation x {factor:.3g}"
+    return {
+        kept: gap(columns_of(Conditions(unknowns, earlier_runs=runs).logs("ARC"))),
+        both: gap(columns_of(replace(joint, unknowns=unknowns).logs("ARC"))),
+        f"{both}, all fitted": gap(columns_of(arc_logs)),
+    }
+
+
+#: Number and words of the figure of each set, and the part (s) of the run that its second column shows.
+OF_SET = {
+    "1": (2, "without load", (DURATION - PERIOD, DURATION)),
+    "2": (3, "with load (cut off, as in the paper)", (DURATION - PERIOD, DURATION)),
+    "3": (4, "with disturbance", (DISTURBANCE[1] - 0.2, DISTURBANCE[1] + 0.8)),
+}
+
+#: m: where Fig. 3 is cut off. The paper says that it is, and not where; assumed: the scale of Fig. 2.
+CUT_OFF = 60e-6
+
+
+def figure_errors(logs: Mapping[str, Mapping[str, Log]], set_name: str) -> Figure:
+    """Figs. 2, 3, 4: the tracking errors of PID and ARC on one scale, and a part of them."""
+    number, words, part = OF_SET[set_name]
+    cut = set_name == "2"
+    traces = []
+    for name in CONTROLLERS:
+        log, printed = logs[name][set_name], TABLE_1[name][set_name][0]
+        found = indexes(log)["e_M"]
+        words_of = f"{name}: largest {1e6 * found:.3g} µm, the paper's {1e6 * printed:.3g} µm" if cut else name
+        traces.append(Trace(words_of, log.time, log.error, printed=None if cut else printed))
+    return compared(f"Fig. {number}: sinusoidal motion {words}", traces, zoom=part, limit=CUT_OFF if cut else None)

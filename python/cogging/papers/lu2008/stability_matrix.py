@@ -23,7 +23,7 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.lu2008.setup import (
+from cogging.papers.lu2008.gantry import (
     CONTROL_POINTS,
     COULOMB_WIDTH,
     ORDER,

@@ -33,7 +33,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.fitting import shipped_toml
+from cogging.papers.calibrated import shipped_toml
 
 # Not reported, assumed.
 SAMPLE_RATE = 10_000.0  # Hz
@@ -245,3 +245,8 @@ def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:
 def accuracies(machine: Plant, controllers: Mapping[str, ListedController], motor: Motor) -> dict[str, float]:
     """The accuracy (m) of each controller on a machine."""
     return {name: accuracy(run(machine, controller, motor), motor) for name, controller in controllers.items()}
+
+
+def cogging_rms(motor: Motor, amplitude: float) -> float:
+    """rms (m/s^2) of the cogging that the observer knows; amplitude: of the first period, m/s^2."""
+    return amplitude * float(np.sqrt(0.5 * np.sum(np.square(motor.shape))))

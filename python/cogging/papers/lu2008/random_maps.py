@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cogging._core import CoggingModel, Plant
 from cogging.arrays import FloatArray
 from cogging.effects import CoggingHarmonic
-from cogging.papers.lu2008.setup import (
+from cogging.papers.lu2008.gantry import (
     AXES,
     CONTROL_POINTS,
     HARMONICS,
@@ -19,9 +20,53 @@ from cogging.papers.lu2008.setup import (
     last_errors,
     plant,
 )
+from cogging.papers.lu2008.robust_bound import (
+    LEGEND_COLUMNS,
+)
 from cogging.papers.result import Row, Table
+from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.series import look, marker
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@drawn
+def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
+    """How much better C2 is than C1, and C3 than C2, on each random map, beside the paper's own machine.
+
+    Args:
+        errors: of each axis by name, as errors_on_maps gives them.
+    """
+    figure = new_figure((8.0, 3.8))
+    panels = figure.subplots(1, 2, sharey=True)
+    printed = {"e_inf": "error_max", "e_2": "error_rms"}
+    largest = 1.0
+    for axes, index in zip(panels, printed, strict=True):
+        names: list[str] = []
+        for name, by_index in errors.items():
+            c1, c2, c3 = by_index[index].T
+            p1, p2, p3 = getattr(AXES[name], printed[index])
+            for said, ratio, paper in ((f"{name}: C2 / C1", c2 / c1, p2 / p1), (f"{name}: C3 / C2", c3 / c2, p3 / p2)):
+                place = len(names) + 0.25 * (np.linspace(-1.0, 1.0, len(ratio)) if len(ratio) > 1 else np.zeros(1))
+                first = not names
+                axes.plot(place, ratio, marker(0), **{**look(0), "linestyle": "none"}, label="map" if first else None)
+                mark = {**look(4), "linestyle": "none", "markersize": 9}
+                axes.plot(len(names), paper, marker(3), **mark, label="paper's tables" if first else None)
+                names.append(said)
+                largest = max(largest, float(ratio.max()), paper)
+        axes.axhline(1.0, color="black", linewidth=1.0)
+        axes.set_xticks(range(len(names)), names, rotation=20)
+        axes.set_title("maximum" if index == "e_inf" else "rms", loc="left")
+        axes.set_ylim(0.0, 1.08 * largest)
+    panels[0].set_ylabel("ratio of errors, below 1: better")
+    legend(panels[-1], LEGEND_COLUMNS)
+    figure.suptitle("C3 before C2 before C1 on random cogging maps with lines beside the harmonics")
+    return figure
+
 
 MAPS = 8  # an axis and kind in `reproduce`; the study draws more
+
 #: Kinds of maps: in the spline space of C3, which can then be exact, and with a line beside each harmonic.
 KINDS = ("splines", "lines beside")
 BESIDE = 0.2  # of a harmonic's number: how far from it its line lies at most; C3's splines can follow it

@@ -2,6 +2,9 @@
 
 Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the cogging
 maps are fitted to the tables within the printed bound (studies.lu2008.calibration).
+
+
+Assumed shapes of the cogging maps of Lu et al. 2008, of which the paper shows pictures alone (Figs. 5 and 6).
 """
 
 from __future__ import annotations
@@ -27,8 +30,7 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.fitting import shipped_toml
-from cogging.papers.lu2008.shapes import Amplitudes, MapShape, control_points
+from cogging.papers.calibrated import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
@@ -44,8 +46,8 @@ COULOMB_WIDTH = 1.0 / 900.0  # m/s: S_f = (2/pi) atan(900 v), as in Xu and Yao 2
 DWELL = 0.1  # s
 START = 0.055  # m: centres the 0.4 m move in the travel
 ERROR_DIFFERENCE = True  # e' of p (15) is the difference of e; with that of the reading minus x_d', which is half a
-# sample younger, p is wrong by a T / 2 on ramps, and the largest errors on X lie there: not whole counts, as printed
 
+# sample younger, p is wrong by a T / 2 on ramps, and the largest errors on X lie there: not whole counts, as printed
 CONTROLLERS = ("C1", "C2", "C3")
 
 #: Fits that come with the package: that of the tables, and the same family with the other reading of e'.
@@ -302,3 +304,52 @@ def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
     """e_inf and e_2 (m): maximum and rms of reading minus reference over the last there and back."""
     result = performance(log.time, log.error, log.command, start=motion.end - motion.period)
     return result.error_max, result.error_rms
+
+
+#: Periodic, modulated and uncompensated part of a map, V.
+Amplitudes = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class MapShape:
+    """What makes an assumed map beside its three amplitudes; none of it is reported.
+
+    F(x) = sum_h f_h(x) sin(2 pi h (x / P + shift)), V. A compensated harmonic has
+    f_h = (periodic + modulated a(s)) / h^decay, one that is not f_h = uncompensated (1 + a(s) / 2) / h^decay, with
+    a(s) = cos(pi half_waves s + begin), where s runs from 0 at the first magnet to 1 at the last.
+
+    Attributes:
+        decay: exponent by which harmonics fall with their number.
+        half_waves: of the modulation, from the first magnet to the last.
+        begin: rad, where the modulation begins.
+        shift: share of a pitch from a zero of all sines to the first magnet. At 0 all of a harmonic lies in its sine,
+            whose coefficient the paper bounds; at 1/8 that of the fundamental is shared with its cosine.
+    """
+
+    decay: float
+    half_waves: float
+    begin: float
+    shift: float
+
+
+def control_points(
+    shape: MapShape, amplitudes: Amplitudes, harmonics: Sequence[int], compensated: Sequence[int], count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Control points (V) of the sines and of the cosines of a map, each (harmonics, count).
+
+    Args:
+        shape: of the map.
+        amplitudes: periodic, modulated and uncompensated part, V.
+        harmonics: of the map.
+        compensated: those of them that C3 compensates.
+        count: of control points; those outside the travel continue the modulation.
+    """
+    periodic, modulated, uncompensated = amplitudes
+    number = np.array(harmonics, dtype=float)
+    # s = 0 and 1 at the control points 1 and count - 1.
+    along = np.cos(np.pi * shape.half_waves * (np.arange(count) - 1) / (count - 2) + shape.begin)
+    known = np.isin(harmonics, compensated)[:, None]
+    strength = np.where(known, periodic + modulated * along, uncompensated * (1 + along / 2))
+    strength = strength / number[:, None] ** shape.decay
+    phase = 2 * np.pi * number[:, None] * shape.shift
+    return strength * np.cos(phase), strength * np.sin(phase)

@@ -1,19 +1,27 @@
-"""Tables 1 and 2 of Lu, Chen, Yao, Wang 2008 beside ours, what was held out of fits, and where the maxima stand."""
+"""Tables 1 and 2 of Lu, Chen, Yao, Wang 2008 beside ours, what was held out of fits, and where the maxima stand.
+
+What is left of the cogging in the error at constant speed: how Lu, Chen, Yao, Wang 2008 read Figs. 8 and 10.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cogging._core import Arc, Dcarc, Plant
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.lu2008.setup import (
+from cogging.papers.compared import Trace, compared
+from cogging.papers.lu2008.gantry import (
     AXES,
     CONTROLLERS,
+    HARMONICS,
     LATE,
+    PITCH,
     RESOLUTION,
+    SAMPLE_RATE,
     GantryAxis,
     cogging_map,
     controller_parameters,
@@ -26,9 +34,14 @@ from cogging.papers.lu2008.setup import (
 from cogging.papers.result import Row, Table
 from cogging.simulation.batch import closed_loop_batch
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 INDEXES = ("e_inf", "e_2")
+
 #: What is fitted, in volts: see Family in studies.lu2008.families, which chose them.
 FREE = ("fundamental of both", "modulated X", "uncompensated X", "uncompensated Y")
+
 #: Which numbers a held-out fit saw, by axis, controller and index; the others are predicted.
 SPLITS: dict[str, tuple[str, Callable[[str, str, str], bool]]] = {
     "from_rms": ("fitted to the six rms, the maxima predicted", lambda axis, name, index: index == "e_2"),
@@ -147,3 +160,65 @@ def _rows(
             status = "calibrated" if seen(axis.name, name, index) else "predicted"
             rows.append(Row(name, index, "m", float(printed[i, j]), float(errors[i, j]), status, labels or {}))
     return rows
+
+
+AT_SPEED = 1.0 - 1e-9  # of the largest velocity
+
+
+def at_constant_speed(axis: GantryAxis, log: Log) -> FloatArray:
+    """The error (m) at constant speed in the last move forth, by whole pitches: (pitches, rows of one)."""
+    motion = reference(axis)
+    assert log.reference_velocity is not None
+    rows = np.flatnonzero(
+        (log.time >= motion.end - motion.period) & (log.reference_velocity > AT_SPEED * axis.velocity)
+    )
+    of_pitch = round(PITCH / axis.velocity * SAMPLE_RATE)
+    pitches = len(rows) // of_pitch
+    return log.error[rows[: pitches * of_pitch]].reshape(pitches, of_pitch)
+
+
+def rms_at(error: FloatArray, harmonics: tuple[int, ...]) -> float:
+    """The rms (m) of the parts of an error at harmonics of the pitch, pitch by pitch.
+
+    Args:
+        error: m, (pitches, rows of one).
+        harmonics: of the pitch.
+    """
+    lines = np.abs(np.fft.rfft(error, axis=1)[:, list(harmonics)]) / error.shape[1]
+    return float(np.sqrt(2.0 * np.sum(lines**2) / len(error)))
+
+
+def smoothness_table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
+    """The rms error of C1, C2, C3 at constant speed: all of it, at the harmonics that C3 compensates, at the others."""
+    others = tuple(harmonic for harmonic in HARMONICS if harmonic not in axis.compensated)
+    rows = []
+    for name, log in logs.items():
+        error = at_constant_speed(axis, log)
+        for part, found in (
+            ("all", float(np.sqrt(np.mean(error**2)))),
+            (_listed(axis.compensated), rms_at(error, axis.compensated)),
+            (_listed(others), rms_at(error, others)),
+        ):
+            rows.append(Row(name, "e_2", "m", None, found, "exploratory", {"harmonics": part}))
+    return Table(f"constant_speed_{axis.name}", f"The error at constant speed, {axis.name} axis", rows)
+
+
+def _listed(harmonics: tuple[int, ...]) -> str:
+    return " ".join(map(str, harmonics))
+
+
+def figure_errors(axis: GantryAxis, logs: Mapping[str, Log], number: int, last_period: bool = False) -> Figure:
+    """Figs. 7 and 9: the tracking errors of C1 to C3 over the whole run, and the last move forth; 8, 10: last period.
+
+    The maxima of Tables 1 and 2 are marked.
+    """
+    motion = reference(axis)
+    begin = motion.end - motion.period
+    traces = []
+    for (name, log), printed in zip(logs.items(), axis.error_max, strict=True):
+        shown = log.time >= (begin if last_period else 0.0)
+        traces.append(Trace(name, log.time[shown], log.error[shown], printed))
+    said = "one period" if last_period else "whole run and the last move forth"
+    zoom = None if last_period else (begin, begin + 0.5 * motion.period)
+    title = f"Fig. {number}: tracking errors, {axis.name} axis, {said}"
+    return compared(title, traces, quantity="error", zoom=zoom)
