@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import importlib.resources
 import sys
 from collections.abc import Callable
 
+from cogging.outputs import write_text
 from cogging_command import run_command
 
 
@@ -29,3 +31,20 @@ def run_study(document: str | None, run: Callable[[str], None], default: str = "
         )
     given = parser.parse_args()
     return run_command(lambda: run(getattr(given, "target", default)))
+
+
+def run_calibration(document: str | None, text: Callable[[], str], package: str, name: str) -> int:
+    """Run a calibration and write its text, into the shipped file where no TARGET is given.
+
+    Args:
+        document: the module's docstring.
+        text: returns the content of the file.
+        package: that ships the file.
+        name: of the file.
+    """
+
+    def write(target: str) -> None:
+        write_text(target, text())
+        print(f"{target} written")
+
+    return run_study(document, write, str(importlib.resources.files(package).joinpath(name)), "file to write")

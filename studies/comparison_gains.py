@@ -8,17 +8,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from pathlib import Path
 
 import numpy as np
 
-import cogging.papers.comparison
 from cogging._core import DivergedError
 from cogging.design.loop_margins import Loops, Machine, push_of
 from cogging.design.observer import design_observer
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
-from cogging.outputs import write_text
 from cogging.papers.comparison import (
     DELAY_MARGIN,
     POLE_RADII,
@@ -30,7 +27,7 @@ from cogging.papers.comparison import (
 )
 from cogging.papers.lu2008 import gantry as lu2008
 from cogging.simulation.varied import Setup
-from studies.command import run_study
+from studies.command import run_calibration
 from studies.fitting import round_to_digits
 
 
@@ -73,12 +70,5 @@ def _digits(gain: Iterable[float]) -> list[float]:
     return [round_to_digits(float(value), 6) for value in gain]
 
 
-def main(target: str) -> None:
-    """Calibrate and write the file."""
-    write_text(target, gains_toml())
-    print(f"{target} written")
-
-
 if __name__ == "__main__":
-    own = str(Path(cogging.papers.comparison.__file__).with_name("comparison_gains.toml"))
-    sys.exit(run_study(__doc__, main, own, "file to write"))
+    sys.exit(run_calibration(__doc__, gains_toml, "cogging.papers", "comparison_gains.toml"))

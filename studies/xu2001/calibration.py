@@ -14,16 +14,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-import cogging.papers.xu2001
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray
-from cogging.outputs import to_toml, write_text
+from cogging.outputs import to_toml
 from cogging.papers.xu2001.epoxy_motor import (
     ALL,
     CONTROLLERS,
@@ -38,9 +36,8 @@ from cogging.papers.xu2001.epoxy_motor import (
     TABLE_1,
     Conditions,
     Unknowns,
-    to_dict,
 )
-from studies.command import run_study
+from studies.command import run_calibration
 from studies.fitting import fit_logarithms, round_to_digits
 
 _FITTED = [INDEXES.index(index) for index in FITTED]
@@ -146,7 +143,7 @@ class Fit:
             found["earlier_runs"] = self.conditions.earlier_runs
         if self.conditions.changes:
             found["changes"] = dict(self.conditions.changes)
-        return {**found, "unknowns": to_dict(self.conditions.unknowns)}
+        return {**found, "unknowns": asdict(self.conditions.unknowns)}
 
 
 def log_ratios(conditions: Conditions, fitted: Mapping[str, Sequence[str]], seeds: Sequence[int] = SEEDS) -> FloatArray:
@@ -197,7 +194,7 @@ def rms(gap: FloatArray) -> float:
 
 def start_of(conditions: Conditions) -> dict[str, float]:
     """Conditions as a start, with the adaptation's factor free."""
-    return to_dict(conditions.unknowns) | {"adaptation_factor": conditions.adaptation_factor}
+    return asdict(conditions.unknowns) | {"adaptation_factor": conditions.adaptation_factor}
 
 
 def nested_in(law: str) -> list[str]:
@@ -274,12 +271,5 @@ def text_of(document: Mapping[str, Any]) -> str:
     return head + to_toml(document)
 
 
-def main(target: str) -> None:
-    """Calibrate and write the file."""
-    write_text(target, plant_toml())
-    print(f"{target} written")
-
-
 if __name__ == "__main__":
-    own = str(Path(cogging.papers.xu2001.__file__).with_name("plant.toml"))
-    sys.exit(run_study(__doc__, main, own, "file to write"))
+    sys.exit(run_calibration(__doc__, plant_toml, "cogging.papers.xu2001", "plant.toml"))

@@ -35,7 +35,7 @@ from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.calibrated import shipped_toml
 from cogging.papers.lu2008 import gantry as lu2008
-from cogging.papers.result import Reproduction, Row, Table
+from cogging.papers.result import Reproduction, Row, Table, explored
 from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker
@@ -127,18 +127,9 @@ def scaled(
 
 def _pid(axis: lu2008.GantryAxis, factor: float) -> Pid:
     kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
-    return Pid(
-        PidParameters(
-            sample_rate=lu2008.SAMPLE_RATE,
-            kp=kp,
-            ki=ki,
-            kd=kd,
-            mass=axis.mass,
-            viscous=axis.viscous,
-            coulomb=axis.coulomb,
-            coulomb_width=lu2008.COULOMB_WIDTH,
-        )
-    )
+    friction: dict[str, Any] = {"coulomb": axis.coulomb, "coulomb_width": lu2008.COULOMB_WIDTH}
+    feedforward = {"mass": axis.mass, "viscous": axis.viscous, **friction}
+    return Pid(PidParameters(sample_rate=lu2008.SAMPLE_RATE, kp=kp, ki=ki, kd=kd, **feedforward))
 
 
 def _output_feedback_arc(axis: lu2008.GantryAxis, factor: float) -> OutputFeedbackArc:
@@ -279,7 +270,7 @@ def winners(found: Mapping[tuple[str, str], Mapping[str, float]]) -> Table:
         worst = {name: max(found[each, name][index] / best[each] for each in shown) for name in SCALED}
         first, second = sorted(worst, key=lambda name: worst[name])[:2]
         labels = {"for": use, "next": second, "machine": place or "all"}
-        rows.append(Row(first, f"{index}, lead", "1", None, worst[second] / worst[first], "exploratory", labels))
+        rows.append(explored(first, f"{index}, lead", "1", worst[second] / worst[first], labels))
     title = "The winner by use, at equal delay margin, and by how much the next is behind"
     return Table("winners", title, rows)
 
@@ -300,7 +291,7 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
     own = {}
     for name, controller in controllers().items():
         own[name], _ = measure(controller)
-        rows += [Row(name, index, unit, None, own[name][index], "exploratory") for index, unit in UNITS.items()]
+        rows += [explored(name, index, unit, own[name][index]) for index, unit in UNITS.items()]
         progress(name)
     title = "The three papers' controllers on one axis (X of Lu et al. 2008), by their own rules; exploratory"
     tables: list[Table] = [Comparison("comparison", title, rows)]
@@ -315,7 +306,7 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
         progress(f"{name}, equal margin")
     shown = {index: unit for index, unit in UNITS.items() if index not in ("step", "rms_light")}
     rows = [
-        Row(name, index, unit, None, found[place, name][index], "exploratory", {"machine": place})
+        explored(name, index, unit, found[place, name][index], {"machine": place})
         for place in places
         for name in SCALED
         for index, unit in shown.items()

@@ -4,7 +4,6 @@ The cogging maps are fitted to all twelve numbers within the printed bound; what
 stands in tables of its own. Further tables show what the paper says and does not tabulate: where the maxima stand,
 DCARC beside ARC, the error at constant speed, the spectrum of the scans, matrix (29), the claim on other maps,
 Theorem 1.
-Sources are cited as in setup.py.
 """
 
 from __future__ import annotations
@@ -32,54 +31,46 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cogging._core import Plant
-    from cogging.logs.log import Log
-    from cogging.mapping.map_fit import MapFit
 
-FIGURES = {"X": (5, 7), "Y": (6, 9)}  # of the scan, and of the errors over the whole run
+NOTE = (
+    "The cogging maps are not published: four amplitudes are fitted to all twelve numbers within the printed bound "
+    "of A_r.\nThe shape is a choice among the 432 that studies.lu2008.families prints. e' late: e' of p as the "
+    "reading's difference minus\nthe velocity of x_d. Assumed, not reported: e', dwell, jerk, smoothing of the "
+    "friction, harmonics of C2."
+)
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Tables 1 and 2, Figs. 2, 3, 5 to 10, and the claims. `progress` is called with each of STEPS as it is done."""
+    """Return Tables 1 and 2, Figs. 2, 3, 5 to 10, and the claims; `progress` is called with each of STEPS."""
     tables: list[Table] = []
     further: list[Table] = []
-    figures: dict[str, Figure] = {}
-    fits: dict[str, MapFit] = {}
-    machines: dict[str, Plant] = {}
-    runs: dict[str, dict[str, Log]] = {}
-    for order, number in ((1, 2), (3, 3)):
-        figures[f"lu2008_fig{number}"] = figure_spline(order, number)
+    figures: dict[str, Figure] = {
+        f"lu2008_fig{number}": figure_spline(order, number) for order, number in ((1, 2), (3, 3))
+    }
     progress("figures 2, 3")
-    for axis in AXES.values():
-        map_number, error_number = FIGURES[axis.name]
+    machines, fits, runs = {}, {}, {}
+    for (name, axis), of_scan, of_errors in zip(AXES.items(), (5, 6), (7, 9), strict=True):
         cogging = cogging_map(axis, shipped_amplitudes(axis))
-        scan = CoggingScan.of(cogging)
-        machine = machines[axis.name] = plant(axis, cogging)
-        fits[axis.name] = scan.fit()
-        figures[f"lu2008_fig{map_number}"] = figure_map(axis, scan, scan.fit(list(HARMONICS)), map_number)
-        progress(f"figure {map_number}")
-        logs = runs[axis.name] = run(axis, machine)
+        scan, machines[name] = CoggingScan.of(cogging), plant(axis, cogging)
+        fits[name] = scan.fit()
+        figures[f"lu2008_fig{of_scan}"] = figure_map(axis, scan, scan.fit(list(HARMONICS)), of_scan)
+        progress(f"figure {of_scan}")
+        logs = runs[name] = run(axis, machines[name])
         tables.append(table(axis, logs))
-        progress(f"{tables[-1].id}")
-        figures[f"lu2008_fig{error_number}"] = figure_errors(axis, logs, error_number)
-        figures[f"lu2008_fig{error_number + 1}"] = figure_errors(axis, logs, error_number + 1, last_period=True)
-        progress(f"figures {error_number}, {error_number + 1}")
+        progress(axis.table)
+        for number, last_period in ((of_errors, False), (of_errors + 1, True)):
+            figures[f"lu2008_fig{number}"] = figure_errors(axis, logs, number, last_period)
+        progress(f"figures {of_errors}, {of_errors + 1}")
         further += [
             smoothness_table(axis, logs),
-            harmonics_table(axis.name, cogging, fits[axis.name]),
-            condition_table(axis, machine, logs["C3"]),
+            harmonics_table(name, cogging, fits[name]),
+            condition_table(axis, machines[name], logs["C3"]),
         ]
-    tables += [maxima_table(runs), *map(held_out_table, SPLITS)]
-    further.insert(0, laws_table(machines))
+    tables += [maxima_table(runs), *map(held_out_table, SPLITS), laws_table(machines), *further]
     figures["lu2008_fft"] = figure_fft(fits)
     progress("spectrum, matrix (29)")
-    further += _claims(machines, figures, progress)
-    note = (
-        "The cogging maps are not published: four amplitudes are fitted to all twelve numbers within the printed bound "
-        "of A_r.\nThe shape is a choice among the 432 that studies.lu2008.families prints. e' late: e' of p as the "
-        "reading's difference minus\nthe velocity of x_d. Assumed, not reported: e', dwell, jerk, smoothing of the "
-        "friction, harmonics of C2."
-    )
-    return Reproduction("lu2008", [*tables, *further], figures, [note])
+    tables += _claims(machines, figures, progress)
+    return Reproduction("lu2008", tables, figures, [NOTE])
 
 
 def _claims(machines: dict[str, Plant], figures: dict[str, Figure], progress: Callable[[str], None]) -> list[Table]:

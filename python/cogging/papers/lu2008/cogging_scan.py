@@ -1,10 +1,8 @@
-"""Figs. 2, 3, 5 to 10 of Lu, Chen, Yao, Wang 2008.
-
-Scans of the cogging of Lu, Chen, Yao, Wang 2008 (Figs. 5, 6), and the harmonics that their spectrum shows.
+"""Scans of the cogging of Lu, Chen, Yao, Wang 2008 (Figs. 5, 6), the harmonics in their spectrum, Figs. 2 and 3.
 
 The paper measures the blocking force every millimetre, applies an FFT and keeps the harmonics 1, 2, 3, 6, 12 of the
-pitch without saying by which rule. Here the rule is that of `cogging map` (cogging.mapping): a harmonic is kept when
-noise alone would lift any line of the spectrum as high once in a hundred scans.
+pitch without stating a rule. Here the rule is that of `cogging map` (cogging.mapping): a harmonic is kept when noise
+alone would lift any line of the spectrum as high once in a hundred scans.
 """
 
 from __future__ import annotations
@@ -21,7 +19,7 @@ from cogging.mapping.cogging_spectrum import HarmonicSpectrum
 from cogging.mapping.fit_map import fit_map
 from cogging.mapping.map_fit import MapFit
 from cogging.papers.lu2008.gantry import HARMONICS, ORDER, PITCH, TRAVEL, GantryAxis
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.characteristics import spectrum
 from cogging.plot.scales import scale_of
@@ -31,6 +29,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZE = (8.0, 3.4)  # inches
+SCAN_STEP = 0.001  # m (section "System Identification")
+SCAN_NOISE = 0.003  # V rms, not reported, assumed: of the force sensor
+HIGHEST = 19  # harmonic: the last of which points 1 mm apart lie more than 2.5 in a period
+FALSE_ALARM = 0.01  # not reported, assumed: of a scan of noise alone
+BESIDE = 0.3  # harmonics: how far the lines of one that is modulated along the travel are looked for
 
 
 @drawn
@@ -69,12 +72,6 @@ def figure_map(axis: GantryAxis, scan: CoggingScan, fit: MapFit, number: int) ->
     axes.margins(x=0.01)
     legend(axes)
     return figure
-
-
-SCAN_STEP = 0.001  # m (section "System Identification")
-SCAN_NOISE = 0.003  # V rms, not reported, assumed: of the force sensor
-HIGHEST = 19  # harmonic: the last of which points 1 mm apart lie more than 2.5 in a period
-FALSE_ALARM = 0.01  # not reported, assumed: of a scan of noise alone
 
 
 @dataclass(frozen=True)
@@ -148,18 +145,16 @@ def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
         fit: of the scan, by the rule.
     """
     kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
-    told = sorted({*HARMONICS, *kept})
-    rest = [harmonic for harmonic in range(1, HIGHEST + 1) if harmonic not in told]
-    rows = [_row(harmonic, amplitude, "kept" if harmonic in kept else "hidden") for harmonic in told]
+    listed = sorted({*HARMONICS, *kept})
+    rest = [harmonic for harmonic in range(1, HIGHEST + 1) if harmonic not in listed]
+    rows = [_row(harmonic, amplitude, "kept" if harmonic in kept else "hidden") for harmonic in listed]
     if rest:
         rows.append(_row(max(rest, key=lambda harmonic: amplitude[harmonic - 1]), amplitude, "largest of the rest"))
     threshold = float(np.median(at_harmonic(fit, fit.line_threshold)))
-    rows.append(Row("rule", "threshold", "V", None, threshold, "exploratory"))
+    rows.append(explored("rule", "threshold", "V", threshold))
     hidden = noise_hiding(cogging)
     weakest = min(hidden, key=lambda harmonic: hidden[harmonic])
-    rows.append(
-        Row("rule", "noise", "V", None, hidden[weakest], "exploratory", {"harmonic": f"{weakest}, at which it is lost"})
-    )
+    rows.append(explored("rule", "noise", "V", hidden[weakest], {"harmonic": f"{weakest}, at which it is lost"}))
     over = amplitude >= at_harmonic(fit, fit.line_threshold)
     printed = float(len(HARMONICS))
     for index, found in (
@@ -172,10 +167,7 @@ def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
 
 def _row(harmonic: int, amplitude: FloatArray, said: str) -> Row:
     label = {"harmonic": str(harmonic), "rule": said}
-    return Row("scan", "amplitude", "V", None, float(amplitude[harmonic - 1]), "exploratory", label)
-
-
-BESIDE = 0.3  # harmonics: how far the lines of one that is modulated along the travel are looked for
+    return explored("scan", "amplitude", "V", amplitude[harmonic - 1], label)
 
 
 @drawn

@@ -1,6 +1,4 @@
-"""Figures of what Lu, Chen, Yao, Wang 2008 say and do not draw: the FFT, the claim on other maps, Theorem 1.
-
-Theorem 1 A of Lu, Chen, Yao, Wang 2008 with u_s2 switched on: what it bounds, on machines drawn at random.
+"""Theorem 1 of Lu, Chen, Yao, Wang 2008 on machines drawn at random: A, the bound with u_s2 on; B, the vanishing error.
 
 ARC: M p' = u_s - phi^T theta~ + d~ (18), so with (19) and (20) the function (22), V = M p^2 / 2, has
 V' <= -k_s1 p^2 + epsilon <= -lambda V + epsilon with lambda = 2 k_s1 / theta_1max, and (23) follows.
@@ -22,14 +20,10 @@ The estimates appear in neither bound: they only have to stay within theirs, whi
 The paper proves this in continuous time. Here the controllers run at 20 kHz on an ideal encoder, with e' as the
 reading's difference minus the velocity of x_d; epsilon and delta_d are not reported, ours are assumed.
 
-
-Theorem 1 A of Lu, Chen, Yao, Wang 2008 as a table: with its conditions met, and with one of them dropped.
-
-Theorem 1 B of Lu, Chen, Yao, Wang 2008: without uncertain nonlinearity the error goes to zero.
-
-With d~ = 0 and u_s2 left out, V + theta~^T Gamma^-1 theta~ / 2 has the derivative -z^T Q z at most (theorem.py), so
-that p and e go to zero whatever is excited; nothing is said of the estimates, nor how long it takes. In sampled time an
-error of the order of the sample time remains, since the command is held and the velocity is a backward difference.
+Theorem 1 B: with d~ = 0 and u_s2 left out, V + theta~^T Gamma^-1 theta~ / 2 has the derivative -z^T Q z at most, so
+that p and e go to zero whatever is excited. The theorem says nothing about the estimates or the time this takes. In
+sampled time an error of the order of the sample time remains, since the command is held and the velocity is a backward
+difference.
 """
 
 from __future__ import annotations
@@ -61,14 +55,18 @@ from cogging.logs.log import Log
 from cogging.papers.lu2008.gantry import (
     AXES,
     COULOMB_WIDTH,
+    ESTIMATED,
     START,
     TRAVEL,
     GantryAxis,
+    cogging_basis,
     controller_parameters,
+    known,
+    last_move,
     reference,
 )
-from cogging.papers.lu2008.stability_matrix import controller_basis, steepest, sufficient_gains, width_borne
-from cogging.papers.result import Row, Table
+from cogging.papers.lu2008.stability_matrix import least_width, steepest, sufficient_gains
+from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
@@ -81,7 +79,20 @@ if TYPE_CHECKING:
 
 SHOWN = 24  # the machine of Theorem 1 A that is drawn: one that breaks both bounds without u_s2
 SHOWN_FOR = 0.12  # s of it
-LEGEND_COLUMNS = 2
+EPSILON = 0.002  # V m/s, of (20) and (30), not reported
+DISTURBANCE = 0.3  # V, delta_d of (12), not reported
+SAMPLE_RATE = 20000.0  # Hz, ours, in place of continuous time
+DURATION = 0.5  # s, of a run
+SETTLED = 10.0  # time constants 1 / lambda after which exp(-lambda t) counts for nothing
+Law = type[Arc] | type[Dcarc]
+MACHINES = 4  # an axis and controller in `reproduce`
+EPSILONS = (1.0, 0.1, 0.01)  # V m/s, with which the printed gains run beside the tables' machine
+SMOOTHER = 1.01  # times the least width of S_f with which the printed gains satisfy (29)
+BEYOND = 30.0  # times delta_d: a d~ beyond the bound that the controller assumes
+FASTER = 30.0  # times the printed adaptation rates, which take hundreds of periods; the theorem leaves Gamma open
+PERIODS = {"X": 8, "Y": 4}  # moves there and back in `reproduce`
+RATES = (5000.0, 10000.0, 20000.0)  # Hz
+KEPT = 1000.0  # rows of the error a second
 
 
 @drawn
@@ -105,7 +116,7 @@ def figure_theorem(decays: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         axes.set_title(f"B, {name} axis", loc="left", pad=36.0)
         axes.xaxis.get_major_locator().set_params(integer=True)
         _label_decades(axes)
-        legend(axes, LEGEND_COLUMNS)
+        legend(axes, 2)
     figure.suptitle("Theorem 1: V and its bound (X axis, one drawn machine), and the error without d~")
     return figure
 
@@ -131,20 +142,11 @@ def _draw_bound(axes: Axes, axis: GantryAxis, law: Law, gains: dict[str, float],
 
 
 def _label_decades(axes: Axes) -> None:
-    from matplotlib.ticker import FuncFormatter, LogLocator
+    from matplotlib.ticker import LogLocator
 
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
-
-
-EPSILON = 0.002  # V m/s, of (20) and (30), not reported
-DISTURBANCE = 0.3  # V, delta_d of (12), not reported
-SAMPLE_RATE = 20000.0  # Hz, ours, in place of continuous time
-DURATION = 0.5  # s, of a run
-SETTLED = 10.0  # time constants 1 / lambda after which exp(-lambda t) counts for nothing
-Law = type[Arc] | type[Dcarc]
-ESTIMATED = ("mass", "viscous", "coulomb", "disturbance")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter("")
 
 
 @dataclass(frozen=True)
@@ -183,11 +185,9 @@ class Trial:
 
     def lyapunov(self, log: Log) -> FloatArray:
         """V of the true state, W s: of (22), for Dcarc with the term in e^2."""
-        assert log.true_position is not None
-        assert log.true_velocity is not None
-        e = log.true_position - _known(log.reference)
+        e = known(log.true_position) - known(log.reference)
         k, mass = self.parameters.error_gain, self.plant.axis.mass
-        p = log.true_velocity - _known(log.reference_velocity) + k * e
+        p = known(log.true_velocity) - known(log.reference_velocity) + k * e
         return 0.5 * mass * (p**2 + ((k * e) ** 2 if self.law is Dcarc else 0.0))
 
     def bound(self, log: Log, first: float) -> FloatArray:
@@ -207,9 +207,8 @@ class Trial:
 
     def settled_error(self, log: Log) -> float:
         """The largest true |e| in the second half of the run, m."""
-        assert log.true_position is not None
         late = log.time > 0.5 * DURATION
-        return float(np.abs(log.true_position - _known(log.reference))[late].max())
+        return float(np.abs(known(log.true_position) - known(log.reference))[late].max())
 
     def error_bound(self) -> float:
         """What (23) leaves of |e| in the end, m.
@@ -225,10 +224,10 @@ class Trial:
         """
         q = self.parameters
         velocity = np.diff(log.position, prepend=log.position[0]) * q.sample_rate
-        error = log.position - _known(log.reference)
-        error_rate = velocity - _known(log.reference_velocity)
+        error = log.position - known(log.reference)
+        error_rate = velocity - known(log.reference_velocity)
         p = error_rate + q.error_gain * error
-        x, v, a = _known(log.reference), _known(log.reference_velocity), _known(log.reference_acceleration)
+        x, v, a = known(log.reference), known(log.reference_velocity), known(log.reference_acceleration)
         if self.law is Arc:
             x, v, a = log.position, velocity, a - q.error_gain * error_rate
         friction = smooth_sign(v, q.coulomb_width)
@@ -238,11 +237,6 @@ class Trial:
         u_s2 = log.command + q.feedback_gain * p + np.sum(phi * log.estimates, axis=1)
         rest = np.abs(p) * q.disturbance_bound - p * np.sum(phi * (log.estimates - self.theta), axis=1)
         return float(np.max(p * u_s2 + rest)) / EPSILON, float(np.max(p * u_s2)) / EPSILON
-
-
-def _known(column: FloatArray | None) -> FloatArray:
-    assert column is not None
-    return column
 
 
 def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: Any) -> Trial:
@@ -260,7 +254,7 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     estimates: dict[str, Any] = {
         name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)
     }
-    basis, largest = controller_basis(axis), axis.cogging_bound
+    basis, largest = cogging_basis(axis.compensated), axis.cogging_bound
     sine, cosine = rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))
     cogging = CoggingModel(basis, sine, cosine)
     share, phase, side = rng.uniform(), rng.uniform(0.0, 2.0 * np.pi), rng.choice([-1.0, 1.0])
@@ -274,13 +268,8 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     ]
     mass, viscous, coulomb, _ = truth
     body = AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL))
-    changes: dict[str, Any] = {
-        "sample_rate": SAMPLE_RATE,
-        "epsilon": EPSILON,
-        "disturbance_bound": DISTURBANCE,
-        "coulomb_width": width,
-        "error_difference": False,
-    }
+    changes: dict[str, Any] = {"sample_rate": SAMPLE_RATE, "coulomb_width": width, "error_difference": False}
+    changes |= {"epsilon": EPSILON, "disturbance_bound": DISTURBANCE}
     parameters = controller_parameters(axis, "C3", **changes, **estimates, **gains)
     start = START + float(rng.uniform(-1.0, 1.0) * rng.choice([0.0, 1e-4, 1e-3]))
     theta = np.array([*truth, *cogging.coefficients])
@@ -298,21 +287,11 @@ def rate_of(axis: GantryAxis, law: Law, parameters: AdaptiveRobustParameters) ->
     return desired_compensation_condition(parameters, friction_slope=friction, cogging_slope=cogging)[1]
 
 
-MACHINES = 4  # an axis and controller in `reproduce`
-EPSILONS = (1.0, 0.1, 0.01)  # V m/s, with which the printed gains run beside the tables' machine
-SMOOTHER = 1.01  # times the least width of S_f with which the printed gains satisfy (29)
-BEYOND = 30.0  # times delta_d: a d~ beyond the bound that the controller assumes
-
-
 def with_disturbance_times(trial: Trial, factor: float) -> Trial:
     """The same trial, with a constant d~ of `factor` times delta_d and no other."""
     offset = trial.plant.effects[0].force
-    plant = Plant(
-        trial.plant.axis,
-        cogging=trial.plant.cogging,
-        effects=[ConstantForce(force=offset + factor * DISTURBANCE)],
-    )
-    return replace(trial, plant=plant)
+    push = ConstantForce(force=offset + factor * DISTURBANCE)
+    return replace(trial, plant=Plant(trial.plant.axis, cogging=trial.plant.cogging, effects=[push]))
 
 
 def growth_at_rest(axis: GantryAxis, **gains: Any) -> float:
@@ -348,7 +327,7 @@ def groups(axis: GantryAxis) -> tuple[tuple[Law, str, dict[str, float]], ...]:
     ARC asks nothing of its gains. DCARC meets (29) with the printed gains where S_f is smooth enough, and with our S_f
     where the gains are large enough.
     """
-    smooth = {"width": SMOOTHER * width_borne(axis)}
+    smooth = {"width": SMOOTHER * least_width(axis)}
     return (
         (Arc, "printed", {}),
         (Dcarc, "printed, smooth S_f", smooth),
@@ -401,18 +380,13 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
 
 
 def _with_robust_term(axis: GantryAxis, machine: Plant) -> list[Row]:
-    motion = reference(axis)
     parameters = [
         controller_parameters(axis, "C3", epsilon=epsilon, disturbance_bound=DISTURBANCE) for epsilon in EPSILONS
     ]
-    batch = closed_loop_batch(
-        [machine] * len(parameters), list(map(Dcarc, parameters)), motion, start=motion.end - motion.period
-    )
-    for failure in batch.failures:
-        raise DivergedError(failure.reason)
+    errors = last_move(list(map(Dcarc, parameters)), [machine] * len(parameters), reference(axis)).indexes["error_rms"]
     return [
         Row("C3", "e_2", "m", axis.error_rms[2], float(found), "exploratory", {"case": f"5 kHz, epsilon {epsilon:g}"})
-        for epsilon, found in zip(EPSILONS, batch.indexes["error_rms"], strict=True)
+        for epsilon, found in zip(EPSILONS, errors, strict=True)
     ]
 
 
@@ -428,13 +402,7 @@ def _against_the_bound(trials: Sequence[Trial], logs: Sequence[Log], case: str) 
 
 
 def _row(law: Law, gains: str, index: str, unit: str, value: float, case: str) -> Row:
-    return Row(law.__name__.upper(), index, unit, None, value, "exploratory", {"gains": gains, "case": case})
-
-
-FASTER = 30.0  # times the printed adaptation rates, which take hundreds of periods; the theorem leaves Gamma open
-PERIODS = {"X": 8, "Y": 4}  # moves there and back in `reproduce`
-RATES = (5000.0, 10000.0, 20000.0)  # Hz
-KEPT = 1000.0  # rows of the error a second
+    return explored(law.__name__.upper(), index, unit, value, {"gains": gains, "case": case})
 
 
 def errors_by_period(
@@ -467,11 +435,12 @@ def errors_by_period(
     changes: dict[str, Any] = {name: faster * getattr(printed, name) for name in names}
     changes |= {name: getattr(trial.parameters, name) for name in ESTIMATED}
     parameters = printed.replace(sample_rate=sample_rate, **changes, **gains)
-    plant = Plant(
-        trial.plant.axis, cogging=trial.plant.cogging, effects=[ConstantForce(force=trial.plant.effects[0].force)]
-    )
     batch = closed_loop_batch(
-        [plant], [Dcarc(parameters)], motion, columns=("true_position", "reference"), every=round(sample_rate / KEPT)
+        [with_disturbance_times(trial, 0.0).plant],
+        [Dcarc(parameters)],
+        motion,
+        columns=("true_position", "reference"),
+        every=round(sample_rate / KEPT),
     )
     for failure in batch.failures:
         raise DivergedError(failure.reason)
@@ -501,6 +470,6 @@ def convergence_table(found: Mapping[str, Mapping[str, FloatArray]]) -> Table:
         for case, errors in by_case.items():
             for period in (1, len(errors)):
                 labels = {"axis": axis, "case": case, "period": str(period)}
-                rows.append(Row("DCARC", "e_2", "m", None, float(errors[period - 1]), "exploratory", labels))
+                rows.append(explored("DCARC", "e_2", "m", errors[period - 1], labels))
     faster = f"gains sufficient for (29) and adaptation {FASTER:.0f} times faster, or both as printed"
     return Table("theorem1b", f"Theorem 1 B: the rms error where only parameters are uncertain; {faster}", rows)

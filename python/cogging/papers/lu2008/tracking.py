@@ -1,7 +1,4 @@
-"""Tables 1 and 2 of Lu, Chen, Yao, Wang 2008 beside ours, what was held out of fits, and where the maxima stand.
-
-What is left of the cogging in the error at constant speed: how Lu, Chen, Yao, Wang 2008 read Figs. 8 and 10.
-"""
+"""Tables 1 and 2 of Lu, Chen, Yao, Wang 2008, what was held out of fits, the maxima, the error at constant speed."""
 
 from __future__ import annotations
 
@@ -26,13 +23,14 @@ from cogging.papers.lu2008.gantry import (
     cogging_map,
     controller_parameters,
     indexes,
+    known,
     last_errors,
+    last_move,
     plant,
     reference,
     shipped_amplitudes,
 )
-from cogging.papers.result import Row, Table
-from cogging.simulation.batch import closed_loop_batch
+from cogging.papers.result import Row, Table, explored
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,6 +53,8 @@ SPLITS: dict[str, tuple[str, Callable[[str, str, str], bool]]] = {
     ),
     "without_c3": ("fitted to C1 and C2, C3 predicted", lambda axis, name, index: name != "C3"),
 }
+
+AT_SPEED = 1.0 - 1e-9  # of the largest velocity
 
 
 def table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
@@ -116,10 +116,8 @@ def maxima_table(logs: Mapping[str, Mapping[str, Log]]) -> Table:
 def largest_by_part(axis: GantryAxis, log: Log) -> dict[str, float]:
     """The largest error (m) of the last move there and back at constant speed, at rest and on ramps."""
     motion = reference(axis)
-    assert log.reference_velocity is not None
-    assert log.reference_acceleration is not None
-    late, steady = log.time >= motion.end - motion.period, log.reference_acceleration == 0.0
-    speed = np.abs(log.reference_velocity) > 0.5 * axis.velocity
+    late, steady = log.time >= motion.end - motion.period, known(log.reference_acceleration) == 0.0
+    speed = np.abs(known(log.reference_velocity)) > 0.5 * axis.velocity
     parts = {"constant speed": steady & speed, "rest": steady & ~speed, "ramp": ~steady}
     return {name: float(np.abs(log.error[late & rows]).max()) for name, rows in parts.items()}
 
@@ -128,16 +126,15 @@ def laws_table(machines: Mapping[str, Plant]) -> Table:
     """DCARC over ARC on the same machine: the paper says that it is better in all indexes, of which it prints none."""
     rows = []
     for axis in AXES.values():
-        found = []
-        motion = reference(axis)
-        for law in (Dcarc, Arc):
-            controllers = [law(controller_parameters(axis, name)) for name in CONTROLLERS]
-            machine = [machines[axis.name]] * len(controllers)
-            found.append(closed_loop_batch(machine, controllers, motion, start=motion.end - motion.period).indexes)
+        on = [machines[axis.name]] * len(CONTROLLERS)
+        found = [
+            last_move([law(controller_parameters(axis, name)) for name in CONTROLLERS], on, reference(axis)).indexes
+            for law in (Dcarc, Arc)
+        ]
         for index, key in (("e_inf", "error_max"), ("e_2", "error_rms"), ("du_rms", "command_change_rms")):
             for i, name in enumerate(CONTROLLERS):
                 ratio = float(found[0][key][i] / found[1][key][i])
-                rows.append(Row(name, index, "1", None, ratio, "exploratory", {"axis": axis.name}))
+                rows.append(explored(name, index, "1", ratio, {"axis": axis.name}))
     return Table("laws", "DCARC over ARC: errors, and the rms change of the command from sample to sample", rows)
 
 
@@ -162,16 +159,11 @@ def _rows(
     return rows
 
 
-AT_SPEED = 1.0 - 1e-9  # of the largest velocity
-
-
 def at_constant_speed(axis: GantryAxis, log: Log) -> FloatArray:
     """The error (m) at constant speed in the last move forth, by whole pitches: (pitches, rows of one)."""
     motion = reference(axis)
-    assert log.reference_velocity is not None
-    rows = np.flatnonzero(
-        (log.time >= motion.end - motion.period) & (log.reference_velocity > AT_SPEED * axis.velocity)
-    )
+    fast = known(log.reference_velocity) > AT_SPEED * axis.velocity
+    rows = np.flatnonzero((log.time >= motion.end - motion.period) & fast)
     of_pitch = round(PITCH / axis.velocity * SAMPLE_RATE)
     pitches = len(rows) // of_pitch
     return log.error[rows[: pitches * of_pitch]].reshape(pitches, of_pitch)
@@ -196,15 +188,11 @@ def smoothness_table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
         error = at_constant_speed(axis, log)
         for part, found in (
             ("all", float(np.sqrt(np.mean(error**2)))),
-            (_listed(axis.compensated), rms_at(error, axis.compensated)),
-            (_listed(others), rms_at(error, others)),
+            (" ".join(map(str, axis.compensated)), rms_at(error, axis.compensated)),
+            (" ".join(map(str, others)), rms_at(error, others)),
         ):
-            rows.append(Row(name, "e_2", "m", None, found, "exploratory", {"harmonics": part}))
+            rows.append(explored(name, "e_2", "m", found, {"harmonics": part}))
     return Table(f"constant_speed_{axis.name}", f"The error at constant speed, {axis.name} axis", rows)
-
-
-def _listed(harmonics: tuple[int, ...]) -> str:
-    return " ".join(map(str, harmonics))
 
 
 def figure_errors(axis: GantryAxis, logs: Mapping[str, Log], number: int, last_period: bool = False) -> Figure:

@@ -1,19 +1,10 @@
-"""Table I of Malaize and Levine 2009 beside ours.
-
-The map of causes of Malaize and Levine 2009 as tables: sizes, what more they do, and held-out motors.
-
-The map of causes of Malaize and Levine 2009 as figures.
-
-Fig. 3 of Malaize and Levine 2009 with unmodelled lines, and whether it still shows which periods to cancel.
-
-Figs. 2 to 4, and what is not as believed does to the errors (Malaize and Levine 2009).
-"""
+"""Accuracies of Malaize and Levine 2009: Table I, Figs. 2 to 4, and what the controllers may not have known."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +12,7 @@ from cogging._core import closed_loop
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
-from cogging.papers.compared import Trace, compared
+from cogging.papers.compared import Trace, compared, set_ticks
 from cogging.papers.malaize2009.causes import (
     CAUSES,
     DRAWN_STROKES,
@@ -30,7 +21,6 @@ from cogging.papers.malaize2009.causes import (
     Cause,
     Conditions,
     Explanation,
-    controllers_under,
     drawn_accuracies,
     machine,
     other,
@@ -41,11 +31,12 @@ from cogging.papers.malaize2009.linear_motors import (
     MOTORS,
     Calibrated,
     Motor,
+    controllers,
     reference,
     shipped,
     true_error,
 )
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, LIMIT, look, marker
 
@@ -57,6 +48,9 @@ AMPLITUDES_AND_RADII = tuple(f"{what} of {motor}" for motor in MOTORS for what i
 
 #: Accuracies (m) by motor and controller, (draws,) each.
 Accuracies = Mapping[str, Mapping[str, FloatArray]]
+CRUISE = 0.99  # of the top speed and above: constant speed
+THINNED = 20  # samples of which one is used where lines are fitted
+RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 
 
 def logs_under(
@@ -66,7 +60,7 @@ def logs_under(
     plant, motion = machine(motor, gains.amplitude, conditions, draw), reference(motor)
     return {
         name: Log.of(closed_loop(plant, each, motion, duration=0.5 * strokes * motion.period))
-        for name, each in controllers_under(motor, gains, conditions).items()
+        for name, each in controllers(motor, gains, 1.0 + conditions.thrust).items()
     }
 
 
@@ -134,14 +128,10 @@ def _rows(found: Accuracies, observer: str, labels: Mapping[tuple[str, str], Map
     return rows
 
 
-CRUISE = 0.99  # of the top speed and above: constant speed
-THINNED = 20  # samples of which one is used where lines are fitted
-
-
 def what_explains(found: Sequence[Explanation]) -> Table:
     """The size of each cause that alone gives the observer the printed accuracy; not in the paper."""
     rows = [
-        Row("observer", "size", each.cause.unit, None, each.size, "exploratory", _labels(each, each.cause.verdict))
+        explored("observer", "size", each.cause.unit, each.size, each.labels | {"verdict": each.cause.verdict})
         for each in found
     ]
     return Table("what_explains", "What alone would give the observer the accuracy of Table I, by its size", rows)
@@ -169,9 +159,8 @@ def what_else(found: Sequence[Explanation]) -> Table:
     """
     rows = []
     for each in found:
-        labels = {"motor": each.motor.name, "cause": each.cause.name}
         for (name, index), value in consequences(each).items():
-            rows.append(Row(name, index, "m" if index == "at_rest" else "1", None, value, "exploratory", labels))
+            rows.append(explored(name, index, "m" if index == "at_rest" else "1", value, each.labels))
     return Table("what_else", "What each cause does beside, at that size", rows)
 
 
@@ -241,20 +230,9 @@ def spread_over_draws(found: Sequence[Explanation], table_1: Accuracies) -> Tabl
 
 def _spread(controller: str, motor: Motor, what: str, accuracies: FloatArray) -> list[Row]:
     labels = {"motor": motor.name, "under": what}
-    statistics = {
-        "mean": accuracies.mean(),
-        "sd": accuracies.std(ddof=1),
-        "least": accuracies.min(),
-        "largest": accuracies.max(),
-    }
-    return [Row(controller, name, "m", None, float(value), "exploratory", labels) for name, value in statistics.items()]
-
-
-def _labels(each: Explanation, verdict: str) -> dict[str, str]:
-    return {"motor": each.motor.name, "cause": each.cause.name, "verdict": verdict}
-
-
-RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
+    values = (accuracies.mean(), accuracies.std(ddof=1), accuracies.min(), accuracies.max())
+    statistics = dict(zip(("mean", "sd", "least", "largest"), values, strict=True))
+    return [explored(controller, name, "m", value, labels) for name, value in statistics.items()]
 
 
 @drawn
@@ -274,8 +252,7 @@ def figure_held_out(found: Sequence[Explanation]) -> Figure:
     axes.axvline(1.0, color=GREY, linewidth=0.8)
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
-    axes.set_xticks(RATIOS, [f"{ratio:g}" for ratio in RATIOS])
-    axes.set_xticks([], minor=True)
+    set_ticks(axes.xaxis, RATIOS)
     axes.set(xlim=(RATIOS[0], RATIOS[-1]), xlabel="observer's accuracy over the printed one (grey: within 15 %)")
     legend(axes)
     return figure
@@ -289,17 +266,12 @@ def spectra_of(logs: Mapping[str, Mapping[str, Log]]) -> dict[str, dict[str, Tra
     }
 
 
-def _pair(title: str) -> tuple[Figure, Any]:
-    figure = new_figure((8.0, 5.5))
-    figure.suptitle(title)
-    return figure, zip(figure.subplots(2, 1), MOTORS.values(), strict=True)
-
-
 @drawn
 def figure_velocity() -> Figure:
     """Fig. 2: the reference velocities."""
-    figure, panels = _pair("Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
-    for axes, motor in panels:
+    figure = new_figure((8.0, 5.5))
+    figure.suptitle("Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
+    for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
         motion = reference(motor)
         time = np.linspace(0.0, motion.period, 2001)
         axes.plot(time, 1e3 * motion.sample(time)[1], **look(0))
@@ -321,8 +293,8 @@ def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Fi
         marks = {"marker": "v", "linestyle": "", "color": LIMIT, "transform": axes.get_xaxis_transform()}
         axes.plot(1e3 * np.array(motor.periods), np.full(len(motor.periods), 0.97), **marks)
         axes.set(ylabel=f"{motor.name}: amplitude (µm)", xlim=(4, 60), ylim=(1e-4, 10))
-        _ticks(axes.xaxis, [4, 5, 6, 8, 10, 12, 16, 21, 24, 30, 42, 60])
-        _ticks(axes.yaxis, [1e-4, 1e-3, 1e-2, 0.1, 1, 10])
+        set_ticks(axes.xaxis, [4, 5, 6, 8, 10, 12, 16, 21, 24, 30, 42, 60])
+        set_ticks(axes.yaxis, [1e-4, 1e-3, 1e-2, 0.1, 1, 10])
         legend(axes)
     panels[-1].set_xlabel("spatial period (mm); triangles: those that the observer cancels")
     return figure
@@ -336,8 +308,3 @@ def figure_errors(logs: Mapping[str, Mapping[str, Log]], motor: Motor) -> Figure
     ]
     period = reference(motor).period
     return compared(f"Fig. 4, {motor.name}: tracking error", traces, zoom=(period, 1.5 * period))
-
-
-def _ticks(axis: Any, places: Sequence[float]) -> None:
-    axis.set_ticks(places, [f"{place:g}" for place in places])
-    axis.set_ticks([], minor=True)

@@ -1,23 +1,18 @@
-"""Conditions that Malaize and Levine 2009 do not report: machines that are not quite what their controllers believe.
-
-Of the ironcore's spectrum section V says that it holds much more than three periods: lines that the observer lacks.
-Neither these nor the phases of the cogging are reported, so both are drawn with fixed seeds, and an accuracy is the
-mean over draws. The periods were read off a Fourier transform, and used as whole millimetres: the true ones may be
-others.
-
-
-Causes that would each explain the observers' accuracy in Table I of Malaize and Levine 2009, and their effects.
+"""Conditions that Malaize and Levine 2009 do not report, each of which would explain the observers' accuracy.
 
 As believed, the observers are 7 and 5 times better than printed. Each of CAUSES is one thing that the controllers do
-not know. Its size on a motor is the one at which the observer's accuracy is the printed one, with the amplitude of the
-cogging calibrated anew so that the PID keeps its own (causes_calibration.py, which writes conditions.toml). A cause
-that explains both motors by one value says more than one that needs a value for each: `held_out` gives the value of
-each motor to the other.
+not know of their machine. Its size on a motor is the one at which the observer's accuracy is the printed one, with the
+amplitude of the cogging calibrated anew so that the PID keeps its own (studies.malaize2009.causes_calibration, which
+writes conditions.toml). A cause that explains both motors by one value says more than one that needs a value for each:
+`accuracy.held_out` gives the value of each motor to the other.
+
+Section V says that the ironcore's spectrum holds much more than three periods: lines that the observer lacks. Neither
+these nor the phases of the cogging are reported, so both are drawn with fixed seeds, and an accuracy is the mean over
+draws. The periods were read off a Fourier transform, and used as whole millimetres: the true ones may differ.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,26 +21,24 @@ import numpy as np
 from cogging import effects
 from cogging._core import CoggingModel, EncoderParameters, Plant, SplineHarmonics
 from cogging.arrays import FloatArray
-from cogging.model.controller import ListedController
 from cogging.papers.calibrated import shipped_toml
 from cogging.papers.malaize2009.linear_motors import (
     DELAY,
     MOTORS,
     Calibrated,
     Motor,
+    batch_errors,
     cogging_rms,
-    observer,
-    pid,
+    controllers,
     plant,
-    reference,
     shipped,
 )
-from cogging.simulation.batch import closed_loop_batch
 
 LINE_COUNT, LINE_PERIODS = 8, (4e-3, 60e-3)  # how many unmodelled lines, and between which periods (m), assumed
 DRAWS = 10
 DRAWN_STROKES = 4  # of every draw; behind them the errors repeat
 SEED = 2009
+STEP_DRAWS = 5
 
 
 @dataclass(frozen=True)
@@ -61,7 +54,7 @@ class Conditions:
         step: m, of the encoder, up to a tenth more or less by the draw, since it counts where on its grid the strokes
             end; the motor's own when None.
         width: m/s, S(v) = (2/pi) atan(v / width) in the place of sgn(v); 0: sgn.
-        any_phases: the phases of the cogging are drawn, in the place of those that setup.plant assumes.
+        any_phases: the phases of the cogging are drawn, in the place of those that linear_motors.plant assumes.
     """
 
     lines: float = 0.0
@@ -86,19 +79,15 @@ def unmodelled_lines(draw: int, rms: float) -> list[effects.CoggingHarmonic]:
     ]
 
 
-def drawn_phases(motor: Motor, draw: int) -> FloatArray:
-    """Phases (rad) of the cogging's periods, evenly over the turn, (periods,)."""
-    random = np.random.default_rng([SEED, list(MOTORS).index(motor.name), draw])
-    return random.uniform(0.0, 2.0 * np.pi, len(motor.periods))
-
-
 def machine(motor: Motor, amplitude: float, conditions: Conditions, draw: int = 0) -> Plant:
     """The machine under some conditions, of a draw; amplitude: of the first period, m/s^2."""
     true = [period / (1.0 + conditions.period_error) for period in motor.periods]
     believed = plant(replace(motor, periods=tuple(true)), amplitude)
     cogging = believed.cogging
     if conditions.any_phases:
-        phases, sizes = drawn_phases(motor, draw), -amplitude * np.array(motor.shape)
+        random = np.random.default_rng([SEED, list(MOTORS).index(motor.name), draw])
+        phases = random.uniform(0.0, 2.0 * np.pi, len(motor.periods))
+        sizes = -amplitude * np.array(motor.shape)
         sine, cosine = sizes * np.cos(phases), sizes * np.sin(phases)
         cogging = CoggingModel(SplineHarmonics(periods=true), sine[:, None], cosine[:, None])
     listed: list[Any] = [effects.CommandDelay(delay=DELAY + conditions.delay)]
@@ -115,36 +104,6 @@ def machine(motor: Motor, amplitude: float, conditions: Conditions, draw: int = 
     )
 
 
-def controllers_under(motor: Motor, gains: Calibrated, conditions: Conditions) -> dict[str, ListedController]:
-    """PID and observer of Table I, which know nothing of the conditions."""
-    thrust = 1.0 + conditions.thrust
-    return {"PID": pid(thrust), "observer": observer(motor, gains, thrust=thrust)}
-
-
-def batch_accuracies(
-    machines: Sequence[Plant], controller: ListedController, motor: Motor, strokes: int = 0
-) -> FloatArray:
-    """setup.accuracy (m) of each machine under one controller, (n,); infinite where the run diverged.
-
-    Args:
-        machines: of machine().
-        controller: copied for each.
-        motor: whose strokes are run.
-        strokes: how many, from the start; 0: all.
-    """
-    period = reference(motor).period
-    found = closed_loop_batch(
-        machines,
-        [controller] * len(machines),
-        reference(motor),
-        duration=0.5 * strokes * period,
-        seeds=range(len(machines)),
-        start=0.5 * period,
-        reductions=["true_error_max"],
-    )
-    return np.nan_to_num(found.indexes["true_error_max"], nan=np.inf)
-
-
 def strokes_of(draws: int) -> int:
     """How many strokes are run in each of so many draws; 0: all."""
     return DRAWN_STROKES if draws > 1 else 0
@@ -155,10 +114,8 @@ def drawn_accuracies(
 ) -> FloatArray:
     """Accuracy (m) of "PID" or "observer" in each draw, (draws,); gains.amplitude is that of the cogging."""
     machines = [machine(motor, gains.amplitude, conditions, draw) for draw in range(draws)]
-    return batch_accuracies(machines, controllers_under(motor, gains, conditions)[controller], motor, strokes_of(draws))
-
-
-STEP_DRAWS = 5
+    law = controllers(motor, gains, 1.0 + conditions.thrust)[controller]
+    return batch_errors(machines, [law] * draws, motor, strokes=strokes_of(draws))
 
 
 @dataclass(frozen=True)
@@ -257,7 +214,7 @@ CAUSES = (
 
 
 def conditions_file() -> dict[str, Any]:
-    """What causes_calibration.py wrote: sizes and amplitudes."""
+    """What studies.malaize2009.causes_calibration wrote: sizes and amplitudes."""
     return shipped_toml("cogging.papers.malaize2009", "conditions.toml")
 
 
@@ -289,6 +246,11 @@ class Explanation:
     amplitude: float
     accuracy: FloatArray
     elsewhere: FloatArray
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Motor and cause, as the tables' rows bear them."""
+        return {"motor": self.motor.name, "cause": self.cause.name}
 
 
 def other(motor: Motor) -> Motor:

@@ -1,13 +1,9 @@
-"""What Table I of Malaize and Levine 2009 hides: accuracies where something is not as believed.
-
-How the accuracies of Malaize and Levine 2009 change with what the controllers do not know; not in the paper.
-"""
+"""What Table I of Malaize and Levine 2009 hides: accuracies where something is not as believed; not in the paper."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,13 +12,14 @@ from cogging._core import Plant
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.malaize2009.accuracy import _pair, _ticks
+from cogging.papers.compared import set_ticks
 from cogging.papers.malaize2009.linear_motors import (
     CONTROLLERS,
     MOTORS,
     REPEATS,
     Calibrated,
     Motor,
+    batch_errors,
     cogging_rms,
     controllers,
     observer,
@@ -33,13 +30,16 @@ from cogging.papers.malaize2009.linear_motors import (
     shipped,
     true_error,
 )
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, look, marker
-from cogging.simulation.batch import closed_loop_batch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
+FRICTION_WIDTHS = (0.0, 1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
+STRIBECK_EXCESS = 0.5  # of the dry friction, assumed
 
 
 def ripple_ratio(motor: Motor, periods: Any, share: float = 0.04) -> Any:
@@ -48,13 +48,7 @@ def ripple_ratio(motor: Motor, periods: Any, share: float = 0.04) -> Any:
     size = share * gains.amplitude
     machines = [plant(motor, 0.0, ripples=[(float(period), size)], resolution=0.0, friction=0.0) for period in periods]
     rms = [
-        closed_loop_batch(
-            machines,
-            [controller] * len(machines),
-            reference(motor),
-            start=0.5 * reference(motor).period,
-            reductions=["true_error_rms"],
-        ).indexes["true_error_rms"]
+        batch_errors(machines, [controller] * len(machines), motor, reduction="true_error_rms")
         for controller in controllers(motor, gains).values()
     ]
     return rms[1] / rms[0]
@@ -63,15 +57,16 @@ def ripple_ratio(motor: Motor, periods: Any, share: float = 0.04) -> Any:
 @drawn
 def figure_ripple() -> Figure:
     """The ratio observer / PID of the error that one unmodelled ripple makes, against its period."""
-    figure, panels = _pair("Unmodelled ripple: the observer's rms error over the PID's")
-    for axes, motor in panels:
+    figure = new_figure((8.0, 5.5))
+    figure.suptitle("Unmodelled ripple: the observer's rms error over the PID's")
+    for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
         periods = np.geomspace(3e-3, 0.06, 60)
         axes.semilogx(1e3 * periods, ripple_ratio(motor, periods), **look(0))
         axes.axhline(1.0, **look(2) | {"linestyle": ":"})
         for period in motor.periods:
             axes.axvline(1e3 * period, color=GREY, linewidth=0.8)
         axes.set(ylabel=f"{motor.name}: ratio", xlabel="period of the ripple (mm); upright: the observer's own", ylim=0)
-        _ticks(axes.xaxis, [3, 4, 5, 7, 10, 15, 20, 30, 40, 60])
+        set_ticks(axes.xaxis, [3, 4, 5, 7, 10, 15, 20, 30, 40, 60])
     return figure
 
 
@@ -88,16 +83,11 @@ def figure_robustness() -> Figure:
                 axes.loglog(sweep.sizes, 1e6 * sweep.error[name], label=name, marker=marker(place), **look(place))
                 axes.axhline(1e6 * printed, **look(place) | {"linestyle": ":"}, linewidth=0.9)
             axes.set(xlabel=sweep.name, ylabel="accuracy (µm)")
-            _ticks(axes.xaxis, sweep.sizes.tolist())
-            axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+            set_ticks(axes.xaxis, sweep.sizes.tolist())
+            axes.yaxis.set_major_formatter("{x:g}")
         column[0].set_title(motor.name)
         legend(column[0])
     return figure
-
-
-RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
-FRICTION_WIDTHS = (0.0, 1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
-STRIBECK_EXCESS = 0.5  # of the dry friction, assumed
 
 
 def with_friction(machine: Plant, width: float, excess: float = 0.0, velocity: float = 0.01) -> Plant:
@@ -127,18 +117,8 @@ def by_stroke(log: Log, motor: Motor) -> FloatArray:
 def largest_errors(
     motor: Motor, machines: Sequence[Plant], controllers: Sequence[Mapping[str, ListedController]]
 ) -> dict[str, FloatArray]:
-    """setup.accuracy (m) of each machine under its own PID and observer, (n,) each; infinite where a run diverged."""
-    found = {}
-    for name in CONTROLLERS:
-        run = closed_loop_batch(
-            machines,
-            [pair[name] for pair in controllers],
-            reference(motor),
-            start=0.5 * reference(motor).period,
-            reductions=["true_error_max"],
-        )
-        found[name] = np.nan_to_num(run.indexes["true_error_max"], nan=np.inf)
-    return found
+    """Return the accuracy (m) of each machine under its own PID and observer, (n,) each."""
+    return {name: batch_errors(machines, [pair[name] for pair in controllers], motor) for name in CONTROLLERS}
 
 
 def imperfections(motor: Motor, gains: Calibrated) -> dict[str, dict[str, float]]:
@@ -147,8 +127,7 @@ def imperfections(motor: Motor, gains: Calibrated) -> dict[str, dict[str, float]
     cases = {name: (machine, controllers(motor, gains)) for name, machine in machines.items()}
     exact = machines["as believed"]
     for share in (0.005, 0.02):
-        pair = {"PID": pid(1.0 + share), "observer": observer(motor, gains, thrust=1.0 + share)}
-        cases[f"thrust + {100 * share:g} %"] = (exact, pair)
+        cases[f"thrust + {100 * share:g} %"] = (exact, controllers(motor, gains, 1.0 + share))
     cases["periods 2 % too long"] = (exact, {"PID": pid(), "observer": observer(motor, gains, stretch=1.02)})
     errors = largest_errors(motor, *zip(*cases.values(), strict=True))
     return {name: {each: float(errors[each][i]) for each in CONTROLLERS} for i, name in enumerate(cases)}
@@ -183,7 +162,7 @@ def table_2() -> Table:
                 label = {"motor": motor.name, "case": case}
                 if name == "observer" and worse:
                     label["note"] = "worse than the PID"
-                rows.append(Row(name, "accuracy", "m", None, found[name], "exploratory", label))
+                rows.append(explored(name, "accuracy", "m", found[name], label))
     return Table("imperfections", "What Table I hides: accuracy where something is not as believed", rows)
 
 
@@ -197,20 +176,13 @@ def smooth_friction() -> Table:
             strokes = by_stroke(run(machine, observer(motor, gains), motor), motor)
             label = {"motor": motor.name, "width": f"{1e3 * width:g} mm/s"}
             for index, error in zip(("1st", "2nd", "3rd", "last"), strokes[[0, 1, 2, -1]], strict=True):
-                rows.append(Row("observer", f"{index} stroke", "m", None, float(error), "exploratory", label))
+                rows.append(explored("observer", f"{index} stroke", "m", error, label))
     title = "Smooth dry friction, stroke by stroke: the largest |x - x*| of a stroke and the rest behind it"
     return Table("smooth_friction", title, rows)
 
 
-@dataclass(frozen=True)
-class Sweep:
-    """One thing that is not as believed, in growing sizes.
-
-    Attributes:
-        name: with its unit, for an axis.
-        sizes: in that unit, (n,).
-        error: accuracy (m) by controller, (n,) each; infinite where a run diverged.
-    """
+class Sweep(NamedTuple):
+    """One thing that is not as believed: its name with a unit, sizes in that unit, and the accuracies by controller."""
 
     name: str
     sizes: FloatArray
@@ -232,7 +204,7 @@ def sweeps(motor: Motor, gains: Calibrated) -> list[Sweep]:
         return with_friction(exact, 1e-3 * width)
 
     thrusts = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0])
-    pairs = [{"PID": pid(factor), "observer": observer(motor, gains, thrust=factor)} for factor in 1.0 + 0.01 * thrusts]
+    pairs = [controllers(motor, gains, float(factor)) for factor in 1.0 + 0.01 * thrusts]
     found = [Sweep("thrust above what is believed (%)", thrusts, largest_errors(motor, [exact] * len(pairs), pairs))]
     for name, sizes, machine in (
         (f"rms of a ripple of {1e3 * RIPPLE_PERIOD:g} mm (% of the cogging)", [0.5, 1, 2, 5, 10, 20, 50], rippled),

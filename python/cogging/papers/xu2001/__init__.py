@@ -14,6 +14,7 @@ from cogging.papers.xu2001.backstepping import theorem_1_table
 from cogging.papers.xu2001.epoxy_motor import (
     ALL,
     CONTROLLERS,
+    HELD_OUT,
     JOINT_FREE,
     PID_FREE,
     Conditions,
@@ -31,7 +32,7 @@ from cogging.papers.xu2001.sinusoidal_motion import (
     explore,
     explore_conditions,
     figure_errors,
-    held_out_tables,
+    held_out_table,
     joint_note,
     seeds_table,
     table_1,
@@ -44,7 +45,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     joint = joint_conditions()
     before = table_1(Conditions(unknowns).table(), free=PID_FREE)
     table = table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)
-    tables = [table, *held_out_tables(), seeds_table(joint), conditions_table()]
+    tables = [table, *map(held_out_table, HELD_OUT), seeds_table(joint), conditions_table()]
     progress("table 1")
     logs = {name: joint.logs(name) for name in CONTROLLERS}
     figures = {f"xu2001_fig{number}": figure_errors(logs, name) for name, (number, _, _) in OF_SET.items()}

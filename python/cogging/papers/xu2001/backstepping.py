@@ -1,9 +1,7 @@
-"""What the theory of Xu and Yao 2001 speaks of, along a run: z_1, z_2, phi_1, phi_2 and the gains, eq. 12 to 48.
+"""Theorem 1 of Xu and Yao 2001 and its Remark 3 in numbers: conditions, bound (51), the error that vanishes.
 
-Written a second time, in numpy over all rows of a log: the core's controller does not show its gains as it runs.
-
-
-Theorem 1 of Xu and Yao 2001 and its Remark 3 in numbers: the conditions, the bound (51), the error that vanishes.
+z_1, z_2, phi_1, phi_2 and the gains (12) to (48) along a run are written a second time, in numpy over all rows of a
+log, because the core's controller does not expose its gains as it runs.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Row, Table, explored
 from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     MASSES,
@@ -36,6 +34,11 @@ from cogging.papers.xu2001.epoxy_motor import (
     reference,
 )
 from cogging.simulation.batch import closed_loop_batch
+
+WATCHED = (5.0, 50.0, 500.0)  # s: how long the error of B is watched
+FACTORS = (1.0, 1.4, 2.0)  # on the gains g_i, and under the epsilons, of Remark 3
+#: The machine (1/M, B/M, d_n/M), tone (m/s^2) and start (m) by which B and Remark 3 are shown; assumed.
+THETA, TONE, OFF = np.array([20.0, 5.0, 2.0]), 2.0, 5e-3
 
 
 @dataclass(frozen=True)
@@ -165,13 +168,6 @@ def robust_2(
     if p.use_u_s3:
         found += by_position**2 / (4.0 * p.epsilon_22)
     return p.robust_factor * found
-
-
-WATCHED = (5.0, 50.0, 500.0)  # s: how long the error of B is watched
-FACTORS = (1.0, 1.4, 2.0)  # on the gains g_i, and under the epsilons, of Remark 3
-
-#: The machine (1/M, B/M, d_n/M), tone (m/s^2) and start (m) by which B and Remark 3 are shown; assumed.
-THETA, TONE, OFF = np.array([20.0, 5.0, 2.0]), 2.0, 5e-3
 
 
 @dataclass(frozen=True)
@@ -340,7 +336,7 @@ def theorem_1_table(unknowns: Unknowns) -> Table:
     rows: list[Row] = []
 
     def row(name: str, index: str, unit: str, value: float, **labels: str) -> None:
-        rows.append(Row(name, index, unit, None, value, "exploratory", labels))
+        rows.append(explored(name, index, unit, value, labels))
 
     for step, margin in zip(("1", "2"), condition_margin(arc_parameters()), strict=True):
         row("printed gains", "c_phi_margin", "1", margin, k=step)

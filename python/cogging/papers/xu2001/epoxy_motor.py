@@ -1,16 +1,14 @@
 """The setup of Xu and Yao 2001: printed numbers, plant, controllers, references and indexes of Table 1.
 
-Sources are cited as (Table 1), (eq. n), (section). What the paper does not report of the plant is calibrated on
-the PID columns (calibration.py).
-
-
-What Xu and Yao 2001 do not report and Table 1 needs: the plant, the adaptation's scale, what the ARC knew before.
+Sources are cited as (Table 1), (eq. n), (section). What the paper does not report is calibrated
+(studies.xu2001.calibration): the plant on the PID columns; plant, the adaptation's scale and what the ARC knew before
+on all columns.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -73,6 +71,27 @@ TABLE_1: dict[str, dict[str, tuple[float, ...]]] = {
     },
 }
 
+#: Models of the plant: what each holds fixed; 0 takes an effect away. A model is nested in those that fix less.
+LAWS: dict[str, dict[str, float]] = {
+    "smooth_stribeck": {},
+    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
+    "smooth_coulomb_without_offset": {"static_excess": 0.0, "stribeck_velocity": 0.01, "offset": 0.0},
+    "exact_stribeck": {"coulomb_width": 0.0},
+    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
+}
+JOINT_LAW = "smooth_coulomb_without_offset"
+#: Which numbers of Table 1 a fit takes: sets by controller.
+PID: Mapping[str, Sequence[str]] = {"PID": SETS}
+ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
+#: Which numbers take part in a held-out fit; the others are predicted.
+HELD_OUT: dict[str, Mapping[str, Sequence[str]]] = {
+    "set_2": {"PID": ("1", "3"), "ARC": ("1", "3")},
+    "arc_sets_2_3": {"PID": SETS, "ARC": ("1",)},
+}
+PERIOD = np.pi / 2.0  # s, of the sine of case 1
+#: du_rms = c_u u_rms is printed to one digit and takes no part.
+FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
+
 
 @dataclass(frozen=True)
 class Unknowns:
@@ -105,13 +124,10 @@ def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
 
 def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     """The machine of a set: payload in set 2, the 0.5 V step in set 3."""
-    fields = {
-        "mass": MASSES[set_name],
-        "viscous": VISCOUS,
-        "coulomb": unknowns.coulomb,
-        "coulomb_width": unknowns.coulomb_width,
-        "travel": list(TRAVEL),
-    }
+    coulomb, width = unknowns.coulomb, unknowns.coulomb_width
+    axis = AxisParameters(
+        mass=MASSES[set_name], viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL)
+    )
     listed: list[Any] = [
         effects.ConstantForce(force=unknowns.offset),
         effects.CommandDelay(delay=unknowns.delay),
@@ -124,28 +140,25 @@ def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     if set_name == "3":
         force, start, stop = DISTURBANCE
         listed.append(effects.DisturbanceStep(force=force, start=start, stop=stop))
-    return Plant(
-        AxisParameters(**{**fields, **axis_changes}),
-        effects=listed,
-        encoder=EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise),
-    )
+    encoder = EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise)
+    return Plant(axis.replace(**axis_changes), effects=listed, encoder=encoder)
 
 
 def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
     """The PID (57): three equal poles for M_min = 0.02, feedforward M(0) = 0.05, B(0) = 0.24, measured velocity."""
     kp, ki, kd = pid_gains([pole] * 3, PID_MASS)
-    fields = {
-        "sample_rate": SAMPLE_RATE,
-        "kp": kp,
-        "ki": ki,
-        "kd": kd,
-        "mass": 0.05,
-        "viscous": 0.24,
-        "coulomb": FRICTION_LEVEL,
-        "coulomb_width": FRICTION_WIDTH,
-        "feedforward_velocity": "measured",
-    }
-    return PidParameters(**{**fields, **changes})
+    printed = PidParameters(
+        sample_rate=SAMPLE_RATE,
+        kp=kp,
+        ki=ki,
+        kd=kd,
+        mass=0.05,
+        viscous=0.24,
+        coulomb=FRICTION_LEVEL,
+        coulomb_width=FRICTION_WIDTH,
+        feedforward_velocity="measured",
+    )
+    return printed.replace(**changes)
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
@@ -266,34 +279,9 @@ def after_earlier_runs(machine: Plant, controller: ListedController, earlier_run
     return controller
 
 
-def to_dict(unknowns: Unknowns) -> dict[str, float]:
-    """The unknowns by name."""
-    return asdict(unknowns)
-
-
-#: Models of the plant: what each holds fixed; 0 takes an effect away. A model is nested in those that fix less.
-LAWS: dict[str, dict[str, float]] = {
-    "smooth_stribeck": {},
-    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
-    "smooth_coulomb_without_offset": {"static_excess": 0.0, "stribeck_velocity": 0.01, "offset": 0.0},
-    "exact_stribeck": {"coulomb_width": 0.0},
-    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
-}
-JOINT_LAW = "smooth_coulomb_without_offset"
-
 #: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 3.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
 JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
-
-#: Which numbers of Table 1 a fit takes: sets by controller.
-PID: Mapping[str, Sequence[str]] = {"PID": SETS}
-ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
-
-#: Which numbers take part in a held-out fit; the others are predicted.
-HELD_OUT: dict[str, Mapping[str, Sequence[str]]] = {
-    "set_2": {"PID": ("1", "3"), "ARC": ("1", "3")},
-    "arc_sets_2_3": {"PID": SETS, "ARC": ("1",)},
-}
 
 
 @dataclass(frozen=True)
@@ -355,9 +343,3 @@ def conditions_of(part: Mapping[str, Any]) -> Conditions:
 def joint_conditions(law: str = JOINT_LAW) -> Conditions:
     """The conditions that are fitted to all numbers of Table 1, by friction law: those of the reproduced table."""
     return conditions_of(shipped_file()["joint"][law])
-
-
-PERIOD = np.pi / 2.0  # s, of the sine of case 1
-
-#: du_rms = c_u u_rms is printed to one digit and takes no part.
-FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")

@@ -1,13 +1,10 @@
-"""Figs. 2 to 6 of Xu and Yao 2001, and what the robust terms do to the command.
-
-Case 2 of Xu and Yao 2001: the fast point-to-point motion, and the ARC's error within 1 um at rest (section 4.3).
-"""
+"""Case 2 of Xu and Yao 2001: the fast point-to-point motion, the ARC within 1 um at rest (section 4.3), Figs. 5, 6."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -36,6 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 BAND = 5e-6  # m: scale of the rests in Fig. 6
+WITHIN = 1e-6  # m: what the paper says of the ARC in the rests
+SETTLING = 0.3  # s of each rest that are left out of `e_settled`; assumed, the paper's rests are a picture
 
 
 @drawn
@@ -87,12 +86,7 @@ def _mark_band(axes: Axes, size: float, end: float) -> None:
     axes.set_title("dashed: the paper's ±1 µm of the ARC at rest", fontsize="small", loc="right", pad=3.0)
 
 
-WITHIN = 1e-6  # m: what the paper says of the ARC in the rests
-SETTLING = 0.3  # s of each rest that are left out of `e_settled`; assumed, the paper's rests are a picture
-
-
-@dataclass(frozen=True)
-class Errors:
+class Errors(NamedTuple):
     """Largest |encoder reading - reference| of a run of case 2, m.
 
     Attributes:
@@ -156,12 +150,8 @@ def fast_motion_table(
         for name, log in run_fast(machine, pair).items():
             found = errors(log)
             claimed = name == "ARC" and (place == "calibrated" or place in (others or {}))
-            for index, unit, value in (
-                ("e_moving", "m", found.moving),
-                ("e_at_rest", "m", found.at_rest),
-                ("e_settled", "m", found.settled),
-                ("settling", "s", found.settling),
-            ):
+            units = {"e_moving": "m", "e_at_rest": "m", "e_settled": "m", "settling": "s"}
+            for (index, unit), value in zip(units.items(), found, strict=True):
                 is_claim = claimed and index == "e_settled"
                 status, printed = ("predicted", WITHIN) if is_claim else ("exploratory", None)
                 rows.append(Row(name, index, unit, printed, value, status, {"plant": place}))

@@ -14,7 +14,7 @@ import numpy as np
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Row, Table, explored
 from cogging.papers.xu2001.backstepping import backstepping, steps
 from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
@@ -38,6 +38,27 @@ from cogging.simulation.batch import closed_loop_batch
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+ROBUST_TERMS = (
+    "use_alpha_1s2",
+    "use_alpha_1s3",
+    "use_c_phi_1",
+    "use_c_theta_2",
+    "use_c_phi_2",
+    "use_u_s2",
+    "use_u_s3",
+)
+ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
+#: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
+HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
+FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+#: Samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200.
+SETTLED = 500
+RATES = (1e5, 1e6, 1e7, 1e8)  # Hz
+FINE = 100_000.0  # Hz: at which the gains along a run are taken
+SHORT = 0.02  # s: all of RATES have diverged by then
+START = 0.1  # s, the part of it that is looked at: the largest K_2 of a whole period stands at 0.055 s
+STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
+
 
 @drawn
 def figure_increment() -> Figure:
@@ -55,30 +76,6 @@ def figure_increment() -> Figure:
     axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)", xlim=(5e-8, 2.0))
     legend(axes)
     return figure
-
-
-ROBUST_TERMS = (
-    "use_alpha_1s2",
-    "use_alpha_1s3",
-    "use_c_phi_1",
-    "use_c_theta_2",
-    "use_c_phi_2",
-    "use_u_s2",
-    "use_u_s3",
-)
-ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
-
-#: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
-HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
-FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-
-#: Samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200.
-SETTLED = 500
-RATES = (1e5, 1e6, 1e7, 1e8)  # Hz
-FINE = 100_000.0  # Hz: at which the gains along a run are taken
-SHORT = 0.02  # s: all of RATES have diverged by then
-START = 0.1  # s, the part of it that is looked at: the largest K_2 of a whole period stands at 0.055 s
-STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
 
 
 def rigid(resolution: float) -> Plant:
@@ -112,22 +109,19 @@ def one_count(resolution: float, held: int = SETTLED) -> float:
     return controller.command(reference=0.0, reading=resolution)
 
 
-def settled_gains() -> tuple[float, float]:
-    """K_1 and K_2 of the printed robust terms at rest, from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12)."""
+def by_hand(resolution: float) -> float:
+    """The command (V) of a settled count (m): -K_2 K_1 / theta_1min times it.
+
+    K_1 and K_2 of the printed robust terms at rest are from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12).
+    """
     p = arc_parameters(**ALL_TERMS)
     none, psi = np.zeros((1, 2)), np.array([[1.0, p.observer_gain_1]]) / p.observer_gain_2
     zero = np.zeros(1)
     found = steps(p, zero, zero, zero, none, none, psi, np.array([p.theta]), zero)
-    return float(found.gain_1[0]), float(found.gain_2[0])
+    return -float(found.gain_1[0]) * float(found.gain_2[0]) / p.theta_min[0] * resolution
 
 
-def by_hand(resolution: float) -> float:
-    """The command (V) of a settled count (m): -K_2 K_1 / theta_1min times it."""
-    gain_1, gain_2 = settled_gains()
-    return -gain_1 * gain_2 / arc_parameters().theta_min[0] * resolution
-
-
-class Lasting(NamedTuple):
+class Duration(NamedTuple):
     """How long the printed robust terms run: s, largest error (m; NaN where it diverged), and how it ended."""
 
     time: float
@@ -135,13 +129,13 @@ class Lasting(NamedTuple):
     end: str
 
 
-def lasts(sample_rate: float, duration: float) -> Lasting:
+def time_to_divergence(sample_rate: float, duration: float) -> Duration:
     """How long all printed robust terms run with an ideal encoder at a sampling rate (Hz), at most a duration (s)."""
     controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, **ALL_TERMS))
     batch = closed_loop_batch([rigid(0.0)], [controller], reference(), duration=duration)
     if batch.failures:
-        return Lasting(batch.failures[0].time, float("nan"), batch.failures[0].reason)
-    return Lasting(duration, float(batch.indexes["error_max"][0]), "ran to its end")
+        return Duration(batch.failures[0].time, float("nan"), batch.failures[0].reason)
+    return Duration(duration, float(batch.indexes["error_max"][0]), "ran to its end")
 
 
 def gain_along_the_run() -> tuple[FloatArray, FloatArray]:
@@ -156,14 +150,14 @@ def one_count_table() -> Table:
     rows: list[Row] = []
 
     def row(index: str, unit: str, value: float, **labels: str) -> None:
-        rows.append(Row("ARC, all terms", index, unit, None, value, "exploratory", labels))
+        rows.append(explored("ARC, all terms", index, unit, value, labels))
 
     row("one_count", "V", abs(one_count(RESOLUTION, held=1)), count="one sample after the start")
     row("one_count", "V", abs(one_count(RESOLUTION)), count=f"settled, {SETTLED} samples")
     row("one_count", "V", abs(by_hand(RESOLUTION)), count="settled, by hand")
     time, gain = gain_along_the_run()
     for rate in RATES:
-        row("diverges_at", "s", lasts(rate, SHORT).time, rate=f"{rate:.0e} Hz")
+        row("diverges_at", "s", time_to_divergence(rate, SHORT).time, rate=f"{rate:.0e} Hz")
         row("unstable_from", "s", float(time[np.argmax(gain > STABLE * rate)]), rate=f"{rate:.0e} Hz")
     row("rate_needed", "Hz", float(gain.max()) / STABLE)
     return Table("robust_terms", "The printed robust terms: one encoder count, and the sampling rate they need", rows)
@@ -201,5 +195,5 @@ def subsets_table(unknowns: Unknowns) -> Table:
             for index, value in values.items():
                 printed = TABLE_1["ARC"]["1"][INDEXES.index(index)] if on == "calibrated" and index in INDEXES else None
                 rows.append(Row("ARC", index, units.get(index, "m"), printed, value, "exploratory", labels))
-    rows.append(Row("ARC", "choices_that_run", "1", None, float(len(running)), "exploratory", {"of": "128"}))
+    rows.append(explored("ARC", "choices_that_run", "1", len(running), {"of": "128"}))
     return Table("robust_subsets", "The seven robust terms: none, each alone, and the others that run at 2.5 kHz", rows)
