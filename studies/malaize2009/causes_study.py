@@ -18,7 +18,7 @@ from cogging._core import closed_loop
 from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 from cogging.outputs import write_bytes
-from cogging.papers.malaize2009.accuracy import (
+from cogging.papers.malaize2009.accuracies import (
     RATIOS,
     accuracies_of_table_1,
     held_out,

@@ -5,7 +5,7 @@ import importlib.resources
 import numpy as np
 import pytest
 
-from cogging.papers.malaize2009.accuracy import lines_at_speed
+from cogging.papers.malaize2009.accuracies import lines_at_speed
 from cogging.papers.malaize2009.causes import (
     CAUSES,
     DRAWS,

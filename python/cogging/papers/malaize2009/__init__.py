@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cogging.papers.malaize2009.accuracy import (
+from cogging.papers.malaize2009.accuracies import (
     accuracies_as_believed,
     accuracies_of_table_1,
     figure_errors,

@@ -4,7 +4,7 @@ As believed, the observers are 7 and 5 times better than printed. Each of CAUSES
 not know of their machine. Its size on a motor is the one at which the observer's accuracy is the printed one, with the
 amplitude of the cogging calibrated anew so that the PID keeps its own (studies.malaize2009.causes_calibration, which
 writes conditions.toml). A cause that explains both motors by one value says more than one that needs a value for each:
-`accuracy.held_out` gives the value of each motor to the other.
+`accuracies.held_out` gives the value of each motor to the other.
 
 Section V says that the ironcore's spectrum holds much more than three periods: lines that the observer lacks. Neither
 these nor the phases of the cogging are reported, so both are drawn with fixed seeds, and an accuracy is the mean over
