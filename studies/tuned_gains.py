@@ -19,10 +19,10 @@ import numpy as np
 from cogging._core import Plant, Reference, performance
 from cogging.design.tuning import Tuning, tune
 from cogging.model.model import Model
-from cogging.papers.lu2008 import setup as lu2008
-from cogging.papers.xu2001 import setup as xu2001
+from cogging.papers.lu2008 import gantry as lu2008
+from cogging.papers.xu2001 import epoxy_motor as xu2001
 from cogging.simulation.run import closed_loop
-from cogging_command import run_command
+from studies.command import run_study
 
 RANGE = 10.0  # above and below the printed gain
 LIMITS = {"command_max": {"present": 1.0}, "delay_margin": {"present": 0.5}}
@@ -138,9 +138,8 @@ def on_own_runs(case: Case, model: Model) -> dict[str, tuple[float, float, float
     return found
 
 
-def main(show: Callable[[str], None] = print) -> None:
+def main(folder: str = ".", show: Callable[[str], None] = print) -> None:
     """Tune and compare."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
     for make in CASES.values():
         case = make()
         tuning = tuned(case, progress=True)
@@ -152,10 +151,10 @@ def main(show: Callable[[str], None] = print) -> None:
                 indexes = f"rms {1e6 * rms:7.3f} um   max {1e6 * largest:7.2f} um   |u| {command:.4f} V"
                 show(f"    {f'{name}, {kind}':<36}{indexes}")
     trade_off = tuned(lu2008_case("X"), trials=80, machines=4, against="delay_margin", progress=True)
-    trade_off.write_figure(folder / "lu2008_tuning.png")
+    trade_off.write_figure(Path(folder) / "lu2008_tuning.png")
     for rms, margin in zip(trade_off.front["error_rms"], trade_off.front["delay_margin"], strict=True):
         show(f"    delay margin {1e3 * margin:6.3f} ms   rms {1e6 * rms:7.3f} um")
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main))
+    sys.exit(run_study(__doc__, main, ".", "folder of the figure"))

@@ -7,7 +7,7 @@ import pytest
 
 import cogging
 from cogging import _core
-from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 
 NAN, INF = math.nan, math.inf
 STRUCTS = {kind.__name__: kind for kind in vars(_core).values() if hasattr(kind, "FIELDS")}

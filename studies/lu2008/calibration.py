@@ -14,18 +14,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import cogging.papers.lu2008
 from cogging.arrays import FloatArray
-from cogging.outputs import to_toml, write_text
-from cogging.papers.fitting import round_to_digits
-from cogging.papers.lu2008.setup import AXES, LATE, PRESENT
-from cogging.papers.lu2008.tables import SPLITS
-from cogging_command import run_command
+from cogging.outputs import to_toml
+from cogging.papers.lu2008.gantry import AXES, LATE, PRESENT
+from cogging.papers.lu2008.tracking import SPLITS
+from studies.command import run_calibration
+from studies.fitting import round_to_digits
 from studies.lu2008.families import EVERY, Family, Responses, Surrogate, polished
 
 #: Of the cells with the fewest free amplitudes that bring 11 of the 12 numbers within 15 %, the one of least misfit.
@@ -59,12 +57,5 @@ def maps_toml() -> str:
     return head + to_toml(document)
 
 
-def main(target: str) -> None:
-    """Calibrate and write the file."""
-    write_text(target, maps_toml())
-    print(f"{target} written")
-
-
 if __name__ == "__main__":
-    own = str(Path(cogging.papers.lu2008.__file__).with_name("maps.toml"))
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))
+    sys.exit(run_calibration(__doc__, maps_toml, "cogging.papers.lu2008", "maps.toml"))

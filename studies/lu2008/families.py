@@ -22,25 +22,26 @@ from scipy.optimize import minimize
 
 from cogging._core import CoggingModel, Dcarc, Plant
 from cogging.arrays import FloatArray
-from cogging.papers.fitting import round_to_digits
-from cogging.papers.lu2008.setup import (
+from cogging.papers.lu2008.gantry import (
     AXES,
     CONTROL_POINTS,
     CONTROLLERS,
     HARMONICS,
     SAMPLE_RATE,
     GantryAxis,
+    MapShape,
     cogging_basis,
     cogging_map,
+    control_points,
     controller_parameters,
     plant,
     reference,
     share_of_bound,
 )
-from cogging.papers.lu2008.shapes import MapShape, control_points
-from cogging.papers.lu2008.tables import INDEXES
+from cogging.papers.lu2008.tracking import INDEXES
 from cogging.simulation.batch import closed_loop_batch
-from cogging_command import run_command
+from studies.command import run_study
+from studies.fitting import round_to_digits
 
 SHIFT = 1 / 8  # of a pitch: leaves the fundamental most room within the bound, by sqrt(2) more than 0
 #: Amplitudes of X and Y, each (periodic, modulated, uncompensated), V, from those that are free, by name of the sharing.
@@ -328,7 +329,7 @@ def grid(show: Callable[[str], None]) -> list[Cell]:
     return found
 
 
-def main(show: Callable[[str], None] = print) -> None:
+def main(_: str = "", show: Callable[[str], None] = print) -> None:
     """Print every cell, and of each reading of e' and sharing how many bring 11 of 12 within 15 %, and the best."""
     found = grid(show)
     for reading, sharing in itertools.product((True, False), SHARINGS):
@@ -342,4 +343,4 @@ def main(show: Callable[[str], None] = print) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main))
+    sys.exit(run_study(__doc__, main))

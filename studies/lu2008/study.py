@@ -20,9 +20,7 @@ from cogging._core import (
     friction_slope_max,
 )
 from cogging.arrays import FloatArray
-from cogging.papers.lu2008.claims import KINDS, claim_table, errors_on_maps
-from cogging.papers.lu2008.condition import matrix_condition
-from cogging.papers.lu2008.setup import (
+from cogging.papers.lu2008.gantry import (
     AXES,
     CONTROLLERS,
     COULOMB_WIDTH,
@@ -36,7 +34,9 @@ from cogging.papers.lu2008.setup import (
     run,
     shipped_amplitudes,
 )
-from cogging_command import run_command
+from cogging.papers.lu2008.random_maps import KINDS, claim_table, errors_on_maps
+from cogging.papers.lu2008.stability_matrix import matrix_condition
+from studies.command import run_study
 
 MANY_MAPS = 40  # an axis and kind
 
@@ -92,7 +92,7 @@ def step_halving(axis: GantryAxis) -> tuple[float, float]:
     return float((change[:, 1] / found[0][:, 1]).max()), float(change[:, 0].max() / RESOLUTION)
 
 
-def main(show: Callable[[str], None] = print) -> None:
+def main(_: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study."""
     for axis in AXES.values():
         show(f"{axis.name} axis: ratio simulated / paper on the shipped map")
@@ -111,4 +111,4 @@ def main(show: Callable[[str], None] = print) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main))
+    sys.exit(run_study(__doc__, main))

@@ -8,18 +8,16 @@ gains, comes with the package as gains.toml.
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import cogging.papers.malaize2009
 from cogging.arrays import FloatArray
 from cogging.design.observer import design_observer
-from cogging.outputs import to_toml, write_text
-from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, accuracy, pid, plant, problem, run
-from cogging_command import run_command
+from cogging.outputs import to_toml
+from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, accuracy, pid, plant, problem, run
+from studies.command import run_calibration
+from studies.fitting import fit_logarithms, round_to_digits
 
 
 def calibrate(motor: Motor) -> Calibrated:
@@ -56,12 +54,5 @@ def gains_toml() -> str:
     return head + to_toml(document)
 
 
-def main(target: str) -> None:
-    """Calibrate and write the file."""
-    write_text(target, gains_toml())
-    print(f"{target} written")
-
-
 if __name__ == "__main__":
-    own = str(Path(cogging.papers.malaize2009.__file__).with_name("gains.toml"))
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else own)))
+    sys.exit(run_calibration(__doc__, gains_toml, "cogging.papers.malaize2009", "gains.toml"))

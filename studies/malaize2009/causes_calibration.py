@@ -9,24 +9,56 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-import cogging.papers.malaize2009
 from cogging.arrays import FloatArray
-from cogging.outputs import to_toml, write_text
-from cogging.papers.fitting import fit_logarithms, round_to_digits
-from cogging.papers.malaize2009.causes import CAUSES, FRICTION, LINES, Cause, other
-from cogging.papers.malaize2009.conditions import drawn_accuracies, recalibrated
-from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, shipped
-from cogging_command import run_command
+from cogging.outputs import to_toml
+from cogging.papers.malaize2009.causes import (
+    CAUSES,
+    FRICTION,
+    LINES,
+    Cause,
+    Conditions,
+    drawn_accuracies,
+    machine,
+    other,
+    strokes_of,
+)
+from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, batch_errors, controllers, shipped
+from studies.command import run_calibration
+from studies.fitting import fit_logarithms, round_to_digits
 
-OWN = Path(cogging.papers.malaize2009.__file__).with_name("conditions.toml")
 STEPS = 7  # sizes of a curve
 DIGITS = 3
+CLOSE, NEAR = 0.003, 0.03  # of the printed accuracy: how near the PID's is brought to it, and may stay where it jumps
 TABLE_1_STARTS = {LINES: 0.032, FRICTION: 1.4e-4}  # where the search for the one size begins
+
+
+def recalibrated(motor: Motor, gains: Calibrated, conditions: Conditions, draws: int = 1) -> Calibrated:
+    """The gains with the amplitude (4 digits) by which the PID's mean accuracy is that of Table I.
+
+    Raises:
+        ValueError: there is none, as where the PID errs by more than printed without any cogging.
+    """
+    amplitude, printed = gains.amplitude, motor.accuracy[0]
+    controller = controllers(motor, gains, 1.0 + conditions.thrust)["PID"]
+    tried: dict[float, float] = {}
+    for _ in range(8):
+        machines = [machine(motor, amplitude, conditions, draw) for draw in range(draws)]
+        ratio = float(batch_errors(machines, [controller] * draws, motor, strokes=strokes_of(draws)).mean()) / printed
+        tried[amplitude] = abs(ratio - 1.0)
+        if tried[amplitude] < CLOSE:
+            break
+        amplitude = round_to_digits(amplitude / ratio)
+        if amplitude in tried:
+            amplitude = round_to_digits(amplitude / np.sqrt(ratio))
+    best = min(tried, key=lambda each: tried[each])
+    if tried[best] > NEAR:
+        raise ValueError(f"{motor.name}: no amplitude gives the PID the printed accuracy under {conditions}")
+    return replace(gains, amplitude=best)
 
 
 def curve(cause: Cause, motor: Motor, steps: int = STEPS) -> list[tuple[float, float]]:
@@ -108,16 +140,15 @@ def calibrated_table_1(cause: Cause) -> dict[str, float]:
     return {"size": recalibrate(size)} | {name: each.amplitude for name, each in gains.items()}
 
 
-def main(target: str, show: Callable[[str], None] = print) -> None:
-    """Calibrate and write the file."""
+def conditions_toml(show: Callable[[str], None] = print) -> str:
+    """Return the text of conditions.toml."""
     table_1 = {cause.field: calibrated_table_1(cause) for cause in TABLE_1_STARTS}
+    show(f"Table I: {table_1}")
     document: dict[str, Any] = {"table_1": table_1}
-    show(f"Table I: {document['table_1']}")
     document |= {cause.field: calibrated_cause(cause, show) for cause in CAUSES}
     head = "# Sizes (SI) and amplitudes (m/s^2), by python -m studies.malaize2009.causes_calibration.\n"
-    write_text(target, head + to_toml(document))
-    show(f"{target} written")
+    return head + to_toml(document)
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else str(OWN))))
+    sys.exit(run_calibration(__doc__, conditions_toml, "cogging.papers.malaize2009", "conditions.toml"))

@@ -8,22 +8,94 @@ the curves are computed, some minutes, and drawn there.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from cogging._core import closed_loop
+from cogging.logs.log import Log
+from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 from cogging.outputs import write_bytes
-from cogging.papers.malaize2009.causes import CAUSES, explained
-from cogging.papers.malaize2009.causes_figures import figure_causes
-from cogging.papers.malaize2009.causes_tables import held_out, spread_over_draws, what_else, what_explains
-from cogging.papers.malaize2009.setup import MOTORS
-from cogging.papers.malaize2009.spectra import all_propose
-from cogging.papers.malaize2009.tables import accuracies_of_table_1
+from cogging.papers.malaize2009.accuracies import (
+    RATIOS,
+    accuracies_of_table_1,
+    held_out,
+    spread_over_draws,
+    what_else,
+    what_explains,
+)
+from cogging.papers.malaize2009.causes import CAUSES, DRAWS, LINE_PERIODS, explained, machine, shipped_table_1
+from cogging.papers.malaize2009.linear_motors import MOTORS, Motor, pid, reference
 from cogging.papers.result import png
-from cogging_command import run_command
+from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.series import GREY, look, marker
+from studies.command import run_study
 from studies.malaize2009.causes_calibration import curve
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:
+SHOWN = {"1": (100.0, "%"), "s": (1e6, "µs"), "m": (1e6, "µm"), "m/s": (1e3, "mm/s")}  # factor and label by unit
+SAME = 0.02  # relative: how near a proposed period is to a printed one
+
+
+@drawn
+def figure_causes(curves: Mapping[tuple[str, str], Sequence[tuple[float, float]]]) -> Figure:
+    """The observer's accuracy over the printed one against the size of each cause, the PID's calibrated at each size.
+
+    Args:
+        curves: size and ratio by name of cause and motor, those of causes_calibration.curve.
+    """
+    figure = new_figure((8.0, 10.0))
+    figure.suptitle("What alone would explain the observer's accuracy; the PID's is calibrated at every size")
+    panels = figure.subplots(4, 2, sharey=True).ravel()
+    for axes, cause in zip(panels, CAUSES, strict=False):
+        factor, unit = SHOWN[cause.unit]
+        for place, motor in enumerate(MOTORS.values()):
+            sizes, ratios = np.transpose(curves[cause.name, motor.name])
+            axes.loglog(factor * sizes, ratios, label=motor.name, marker=marker(place), markersize=4, **look(place))
+        axes.axhline(1.0, color=GREY, linewidth=0.8)
+        axes.set_xlabel(f"{cause.name} ({unit})")
+        low, high = axes.get_xlim()
+        ticks = [digit * 10.0**power for power in range(-4, 4) for digit in (1, 2, 5)]
+        inside = [tick for tick in ticks if low <= tick <= high]
+        axes.set_xticks(inside, [f"{tick:g}" for tick in inside])
+        axes.set_xticks([], minor=True)
+        axes.set_yticks(RATIOS, [f"{ratio:g}" for ratio in RATIOS])
+        axes.set_yticks([], minor=True)
+    for axes in panels[::2]:
+        axes.set_ylabel("over the printed one")
+    legend(panels[0])
+    panels[-1].remove()
+    return figure
+
+
+def proposes_first(found: TrackingSpectrum, motor: Motor) -> bool:
+    """Whether the strongest periods that a spectrum proposes are the printed ones, in any order."""
+    first = sorted(found.periods[: len(motor.periods)])
+    return len(first) == len(motor.periods) and bool(np.allclose(first, sorted(motor.periods), rtol=SAME, atol=0.0))
+
+
+def draws_that_propose(motor: Motor, draws: int = DRAWS) -> int:
+    """In how many draws of lines and phases the PID's error, there and back, proposes the printed periods first."""
+    conditions, gains = shipped_table_1(motor)
+    count = 0
+    for draw in range(draws):
+        plant = machine(motor, gains.amplitude, conditions, draw)
+        log = Log.of(closed_loop(plant, pid(), reference(motor), duration=reference(motor).period))
+        count += proposes_first(tracking_spectrum(log, shortest_period=LINE_PERIODS[0]), motor)
+    return count
+
+
+def all_propose() -> str:
+    """A sentence of the counts."""
+    counts = ", ".join(f"{motor.name} {draws_that_propose(motor)} of {DRAWS}" for motor in MOTORS.values())
+    return f"Draws of the lines in which the spectrum proposes the printed periods first: {counts}."
+
+
+def main(folder: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study; draw the curves into a folder where one is given."""
     found = explained()
     for table in (
@@ -36,7 +108,7 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
     for cause in CAUSES:
         show(f"{cause.name}: {cause.verdict}; {cause.reason}.")
     show(all_propose())
-    if folder is not None:
+    if folder:
         curves = {(cause.name, motor.name): curve(cause, motor) for cause in CAUSES for motor in MOTORS.values()}
         path = Path(folder) / "malaize2009_causes_curves.png"
         write_bytes(path, png(figure_causes(curves)))
@@ -44,4 +116,4 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else None)))
+    sys.exit(run_study(__doc__, main, "", "folder of the curves, which take minutes; without it none are drawn"))

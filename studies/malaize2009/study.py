@@ -30,10 +30,10 @@ from cogging._core import (
 from cogging.design.observer import ObserverDesign, design_observer, largest_decay_rate
 from cogging.logs.log import Log
 from cogging.outputs import write_bytes
-from cogging.papers.malaize2009.setup import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
+from cogging.papers.malaize2009.linear_motors import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
 from cogging.papers.result import png
 from cogging.plot.canvas import drawn, new_figure
-from cogging_command import run_command
+from studies.command import run_study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -154,7 +154,7 @@ def figure_sweep() -> Figure:
     return figure
 
 
-def main(folder: str | None = None, show: Callable[[str], None] = print) -> None:
+def main(folder: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study; draw the sweep into a folder where one is given."""
     for motor in MOTORS.values():
         base = problem(motor, 500.0)
@@ -178,11 +178,11 @@ def main(folder: str | None = None, show: Callable[[str], None] = print) -> None
         slowest = min(decay(motor, design, seed) for seed in range(10))
         show(f"    slowest decay of 10 random machines at 95 % of gamma_N*: {slowest:.1f} 1/s (certified 3)")
         show(f"    a cold trajectory fails from {divergence_multiple(motor, design):.0f} times lambda*")
-    if folder is not None:
+    if folder:
         path = Path(folder) / "malaize2009_sweep.png"
         write_bytes(path, png(figure_sweep()))
         show(f"{path} written")
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(lambda: main(sys.argv[1] if len(sys.argv) > 1 else None)))
+    sys.exit(run_study(__doc__, main, "", "folder of the sweep's figure; without it none is drawn"))

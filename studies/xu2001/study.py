@@ -27,21 +27,10 @@ from cogging._core import (
 )
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.xu2001.exploration import columns, gap
-from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, simulated
-from cogging.papers.xu2001.robust_terms import (
-    FACTORS,
-    HARDWARE,
-    PERIOD,
-    increment,
-    lasts,
-    rigid,
-    subsets,
-    which_run,
-)
-from cogging.papers.xu2001.setup import (
+from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     MASSES,
+    PERIOD,
     RESOLUTION,
     VISCOUS,
     Unknowns,
@@ -50,9 +39,21 @@ from cogging.papers.xu2001.setup import (
     pid_parameters,
     plant,
     reference,
+    run,
     shipped_unknowns,
 )
-from cogging_command import run_command
+from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, simulated
+from cogging.papers.xu2001.robust_terms import (
+    FACTORS,
+    HARDWARE,
+    increment,
+    rigid,
+    subsets,
+    time_to_divergence,
+    which_run,
+)
+from cogging.papers.xu2001.sinusoidal_motion import columns, gap
+from studies.command import run_study
 
 #: Hz: below and above what the printed robust terms need. The last takes minutes.
 LONG_RATES = (1e8, 2e8, 3e8, 3.2e8, 3.35e8)
@@ -167,7 +168,7 @@ def _robust_terms(show: Callable[[str], None]) -> None:
         show(f"{'':4}{f'{rate / 1000:g} kHz, {1e9 * resolution:g} nm':<24}" + _numbers(values))
     show("All printed robust terms with an ideal encoder, for one period of the sine at most, by sampling rate")
     for rate in LONG_RATES:
-        lasting = lasts(rate, PERIOD)
+        lasting = time_to_divergence(rate, PERIOD)
         error = "" if np.isnan(lasting.error) else f", e_M {1e6 * lasting.error:.3g} um"
         show(f"{'':4}{rate / 1e6:g} MHz: {lasting.time:.4g} s{error}, {lasting.end}")
     show("Choices among the seven robust terms that run for 10 s at 2.5 kHz on a 1 um encoder, of 128")
@@ -176,15 +177,15 @@ def _robust_terms(show: Callable[[str], None]) -> None:
             show(f"{'':4}{' + '.join(terms) or 'none':<36}{found['du_rms']:9.3g} V a sample")
 
 
-def main(show: Callable[[str], None] = print) -> None:
+def main(_: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study."""
     unknowns = shipped_unknowns()
     show("ARC columns against the paper's, with all as printed (exploratory)")
     show(f"{'':4}{'plant':<36}{'rms log gap':>12}{'':8}   e_M of sets 1, 2, 3 (um); paper 14.4, 113, 55.9")
     for law in ("smooth_stribeck", "smooth_coulomb", "exact_stribeck", "exact_coulomb"):
-        found = columns(OutputFeedbackArc(arc_parameters()), shipped_unknowns(law))
+        found = columns(run(shipped_unknowns(law), OutputFeedbackArc(arc_parameters())))
         show(f"{'':4}{'friction law ' + law:<36}{gap(found):12.3f}{'':8}{_numbers(1e6 * found[:, 0])}")
-    seeds = [columns(OutputFeedbackArc(arc_parameters()), unknowns, seed=seed)[:, 0] for seed in range(10)]
+    seeds = [columns(run(unknowns, OutputFeedbackArc(arc_parameters()), seed=seed))[:, 0] for seed in range(10)]
     show(f"{'':4}spread of e_M over ten seeds of the encoder noise (um){_numbers(1e6 * np.std(seeds, axis=0))}")
     _robust_terms(show)
     _compare(unknowns, show)
@@ -192,4 +193,4 @@ def main(show: Callable[[str], None] = print) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main))
+    sys.exit(run_study(__doc__, main))

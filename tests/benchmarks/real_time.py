@@ -20,7 +20,7 @@ import numpy as np
 
 from cogging.model.model import CONTROLLERS
 from cogging.papers import comparison
-from cogging.papers.lu2008 import setup as lu2008
+from cogging.papers.lu2008 import gantry as lu2008
 from cogging_command import run_command
 from tests.benchmarks.lu2008_loop import compiler
 from tests.fixtures.cpp_constants import generator

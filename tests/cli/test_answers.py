@@ -11,7 +11,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import COMMANDS, main
-from cogging.papers.lu2008 import setup as lu2008
+from cogging.papers.lu2008 import gantry as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from tests.fixtures import command_files
 from tests.fixtures.commands import diagnose_once, examples_of, of

@@ -15,7 +15,7 @@ import pytest
 
 from cogging.cli import terminal
 from cogging.cli.main import main
-from cogging.papers.malaize2009 import reproduce as paper
+from cogging.papers import malaize2009 as paper
 from cogging.papers.result import Reproduction
 from tests.fixtures import command_files
 from tests.fixtures.commands import Terminal, examples_of

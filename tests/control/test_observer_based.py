@@ -8,8 +8,8 @@ import pytest
 from scipy.linalg import expm
 
 import cogging
-from cogging.papers.malaize2009 import setup as malaize2009_setup
-from cogging.papers.malaize2009.setup import MOTORS
+from cogging.papers.malaize2009 import linear_motors as malaize2009_setup
+from cogging.papers.malaize2009.linear_motors import MOTORS
 from studies.malaize2009 import study as malaize2009_study
 
 PERIODS = [0.024, 0.016, 0.012]

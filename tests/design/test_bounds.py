@@ -8,8 +8,8 @@ import pytest
 import cogging
 from cogging.design.bounds import periods_of, pitch_and_harmonics
 from cogging.model.intervals import Intervals
-from cogging.papers.lu2008 import setup as lu2008
-from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.papers.lu2008 import gantry as lu2008
+from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1 / 900, travel=[0.0, 0.51])
 INTERVALS = {"axis.mass": (0.1, 0.2), "axis.viscous": (0.15, 0.35), "axis.coulomb": (0.1, 0.3)}

@@ -22,7 +22,7 @@ from cogging.design.loop_margins import Loops, Machine, machines_of, push_of, va
 from cogging.design.tuning import INDEXES, USUAL, Judge, tuned_of_model, upper_quantile
 from cogging.files import parse_toml
 from cogging.outputs import to_toml
-from cogging.papers.lu2008.setup import AXES
+from cogging.papers.lu2008.gantry import AXES
 from cogging.simulation.varied import Setup
 from studies import tuned_gains as papers
 

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import cogging
+from tests.fixtures.reproduced import reproduced
 from tests.golden import logs as golden_logs
 
 FILE = Path(__file__).parent / "values.json"
-PAPERS = ("lu2008", "xu2001")  # malaize2009 takes half a minute; test_malaize2009.py holds its table
+PAPERS = ("lu2008", "xu2001")  # tests/papers/numbers.json holds every table within 2 %
 NOMINAL = {"mass": 0.3, "viscous": 2.0, "coulomb": 0.6, "coulomb_width": 4e-3, "travel": [-0.15, 0.55]}
 UNCERTAINTY = {"mass": 0.03, "viscous": 0.2, "coulomb": 0.2}
 MOTION = {"type": "sine", "center": 0.1, "amplitude": 0.09, "frequency": 0.7, "duration": 3.0}
@@ -39,7 +40,7 @@ def logs() -> dict[str, Any]:
 
 def paper(name: str) -> Any:
     """The first table of a paper."""
-    return cogging.reproduce(name).to_dict()["tables"][0]
+    return reproduced(name).to_dict()["tables"][0]
 
 
 def axis(fields: dict[str, float], effects: list[str]) -> cogging.Model:

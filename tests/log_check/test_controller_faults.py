@@ -14,7 +14,7 @@ from cogging import Log
 from cogging.identification.identification import identify
 from cogging.logs.spikes import spikes
 from cogging.papers import comparison
-from cogging.papers.lu2008 import setup as lu2008
+from cogging.papers.lu2008 import gantry as lu2008
 from tests.fixtures import moving_axis
 from tests.fixtures.covering import covering
 

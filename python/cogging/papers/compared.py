@@ -81,6 +81,12 @@ def compared(
     return figure
 
 
+def set_ticks(axis: Any, places: Sequence[float]) -> None:
+    """Label an axis at some places and nowhere else."""
+    axis.set_ticks(places, [f"{place:g}" for place in places])
+    axis.set_ticks([], minor=True)
+
+
 def _draw(axes: Axes, trace: Trace, scale: Scale, over: Scale, shown: Any) -> None:
     draw_trace(axes, over(trace.time[shown]), scale(trace.values[shown]), linewidth=0.8, **look(0, dense=True))
     axes.margins(x=0.01)

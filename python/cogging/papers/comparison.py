@@ -9,7 +9,7 @@ exploratory.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -29,19 +29,16 @@ from cogging._core import (
     closed_loop,
     performance,
 )
-from cogging.design.loop_margins import Loops, Machine, push_of
 from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.model.model import Model
-from cogging.papers.fitting import round_to_digits, shipped_toml
-from cogging.papers.lu2008 import setup as lu2008
-from cogging.papers.result import Reproduction, Row, Table
-from cogging.papers.xu2001 import setup as xu2001_setup
+from cogging.papers.calibrated import shipped_toml
+from cogging.papers.lu2008 import gantry as lu2008
+from cogging.papers.result import Reproduction, Row, Table, explored
+from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker
-from cogging.simulation.varied import Setup
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -130,18 +127,9 @@ def scaled(
 
 def _pid(axis: lu2008.GantryAxis, factor: float) -> Pid:
     kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
-    return Pid(
-        PidParameters(
-            sample_rate=lu2008.SAMPLE_RATE,
-            kp=kp,
-            ki=ki,
-            kd=kd,
-            mass=axis.mass,
-            viscous=axis.viscous,
-            coulomb=axis.coulomb,
-            coulomb_width=lu2008.COULOMB_WIDTH,
-        )
-    )
+    friction: dict[str, Any] = {"coulomb": axis.coulomb, "coulomb_width": lu2008.COULOMB_WIDTH}
+    feedforward = {"mass": axis.mass, "viscous": axis.viscous, **friction}
+    return Pid(PidParameters(sample_rate=lu2008.SAMPLE_RATE, kp=kp, ki=ki, kd=kd, **feedforward))
 
 
 def _output_feedback_arc(axis: lu2008.GantryAxis, factor: float) -> OutputFeedbackArc:
@@ -186,48 +174,6 @@ def machine(
     cogging = lu2008.cogging_map(axis, lu2008.shipped_amplitudes(axis))
     made = lu2008.plant(axis, cogging, mass=mass_factor * axis.mass)
     return Plant(made.axis, cogging=cogging, effects=list(more), encoder=made.encoder)
-
-
-# Gains that come with the package -------------------------------------------------------------------------------------
-
-
-def delay_margin(controller: ListedController, axis: lu2008.GantryAxis) -> float:
-    """The delay (s) of the command that the loop on an axis tolerates, as `cogging tune` measures it."""
-    plant, motion = machine(axis=axis), lu2008.reference(axis, repeats=1)
-    model = Model(axis=plant.axis, cogging=plant.cogging, encoder=plant.encoder)
-    largest = axis.mass * axis.acceleration + axis.coulomb
-    push = push_of(motion, lu2008.SAMPLE_RATE, 0.0, largest)
-    return Loops([Machine(Setup(model, motion), 0)], controller, push).delay_margin()
-
-
-def factor_of(name: str, axis: lu2008.GantryAxis) -> float:
-    """The factor (3 digits) on the bandwidth of a controller at which the loop tolerates DELAY_MARGIN, by bisection."""
-    low, high = 0.3, 5.0
-    while high / low > 1.03:
-        middle = float(np.sqrt(low * high))
-        try:
-            holds = delay_margin(scaled(name, axis, middle), axis) >= DELAY_MARGIN
-        except (ValueError, DivergedError):
-            holds = middle < 1.0  # no such gain: too slow for the observer's decay rate, or too fast for the samples
-        low, high = (middle, high) if holds else (low, middle)
-    return round_to_digits(low, 3)
-
-
-def gains_toml() -> str:
-    """The text of comparison_gains.toml, which comes with the package (extra `design` to write it anew)."""
-    lines = ["# Gains of the comparison, by cogging.papers.comparison.gains_toml.", "[own]"]
-    for name, radius in POLE_RADII.items():
-        lines.append(f'"{name}" = {_digits(design_observer(observer_problem(radius)).observer_gain)}')
-    for axis in lu2008.AXES.values():
-        factors = {name: factor_of(name, axis) for name in SCALED}
-        problem = observer_problem(POLE_RADII["observer_based"], axis, factors["observer_based"], SLOW_DECAY_RATE)
-        lines += [f"[{axis.name}]", f"observer_gain = {_digits(design_observer(problem).observer_gain)}"]
-        lines += [f"[{axis.name}.factors]", *(f'"{name}" = {factor}' for name, factor in factors.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _digits(gain: Iterable[float]) -> list[float]:
-    return [round_to_digits(float(value), 6) for value in gain]
 
 
 # Tables ---------------------------------------------------------------------------------------------------------------
@@ -324,7 +270,7 @@ def winners(found: Mapping[tuple[str, str], Mapping[str, float]]) -> Table:
         worst = {name: max(found[each, name][index] / best[each] for each in shown) for name in SCALED}
         first, second = sorted(worst, key=lambda name: worst[name])[:2]
         labels = {"for": use, "next": second, "machine": place or "all"}
-        rows.append(Row(first, f"{index}, lead", "1", None, worst[second] / worst[first], "exploratory", labels))
+        rows.append(explored(first, f"{index}, lead", "1", worst[second] / worst[first], labels))
     title = "The winner by use, at equal delay margin, and by how much the next is behind"
     return Table("winners", title, rows)
 
@@ -345,7 +291,7 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
     own = {}
     for name, controller in controllers().items():
         own[name], _ = measure(controller)
-        rows += [Row(name, index, unit, None, own[name][index], "exploratory") for index, unit in UNITS.items()]
+        rows += [explored(name, index, unit, own[name][index]) for index, unit in UNITS.items()]
         progress(name)
     title = "The three papers' controllers on one axis (X of Lu et al. 2008), by their own rules; exploratory"
     tables: list[Table] = [Comparison("comparison", title, rows)]
@@ -360,7 +306,7 @@ def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction
         progress(f"{name}, equal margin")
     shown = {index: unit for index, unit in UNITS.items() if index not in ("step", "rms_light")}
     rows = [
-        Row(name, index, unit, None, found[place, name][index], "exploratory", {"machine": place})
+        explored(name, index, unit, found[place, name][index], {"machine": place})
         for place in places
         for name in SCALED
         for index, unit in shown.items()

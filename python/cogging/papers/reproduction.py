@@ -39,7 +39,7 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
     """
     if paper not in PAPERS:
         raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}{nearest(paper, PAPERS)}")
-    return _run(f"cogging.papers.{paper}.reproduce", "reproduce", paper, out, progress)
+    return _run(f"cogging.papers.{paper}", "reproduce", paper, out, progress)
 
 
 @check_arguments()

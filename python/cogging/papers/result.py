@@ -42,15 +42,15 @@ class Row:
 
     def to_dict(self) -> dict[str, Any]:
         """The row as the result file has it."""
-        return {
-            "controller": self.controller,
-            "index": self.index,
-            "unit": self.unit,
-            "paper": self.paper,
-            "simulated": self.simulated,
-            "status": self.status,
-            **self.labels,
-        }
+        return {**{name: getattr(self, name) for name in ROW_FIELDS}, **self.labels}
+
+
+ROW_FIELDS = ("controller", "index", "unit", "paper", "simulated", "status")
+
+
+def explored(controller: str, index: str, unit: str, value: float, labels: Mapping[str, str] | None = None) -> Row:
+    """Return an exploratory row: a number that the paper does not print."""
+    return Row(controller, index, unit, None, float(value), "exploratory", labels or {})
 
 
 #: Shares of the printed number within which a simulated one is counted.
@@ -90,17 +90,14 @@ class Counts:
     def text(self) -> str:
         """One line for the screen."""
         shares = ", ".join(f"{100 * share:.0f} %" for share in WITHIN)
-        predicted = f", of the {self.predicted} predicted {_of(self.predicted_within)}" if self.predicted else ""
+        near, of_predicted = (", ".join(map(str, counts)) for counts in (self.within, self.predicted_within))
+        predicted = f", of the {self.predicted} predicted {of_predicted}" if self.predicted else ""
         fitted = f"{self.calibrated} calibrated by {self.free} free parameter{'s' * (self.free != 1)}"
-        return f"{self.numbers} numbers, {fitted}; within {shares}: {_of(self.within)}{predicted}"
+        return f"{self.numbers} numbers, {fitted}; within {shares}: {near}{predicted}"
 
 
 def _by_percent(counts: Sequence[int]) -> dict[str, int]:
     return {f"{100 * share:.0f}": count for share, count in zip(WITHIN, counts, strict=True)}
-
-
-def _of(counts: Sequence[int]) -> str:
-    return ", ".join(str(count) for count in counts)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -222,10 +219,7 @@ class Reproduction(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """The content of `<paper>.json`."""
-        return {
-            "paper": self.paper,
-            "tables": [table.to_dict() for table in self.tables],
-        }
+        return {"paper": self.paper, "tables": [table.to_dict() for table in self.tables]}
 
     def to_frame(self) -> Any:
         """The rows of all tables as a pandas DataFrame; the unit of each stands in its row.

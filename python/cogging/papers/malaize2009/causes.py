@@ -1,10 +1,14 @@
-"""Causes that would each explain the observers' accuracy in Table I of Malaize and Levine 2009, and their effects.
+"""Conditions that Malaize and Levine 2009 do not report, each of which would explain the observers' accuracy.
 
 As believed, the observers are 7 and 5 times better than printed. Each of CAUSES is one thing that the controllers do
-not know. Its size on a motor is the one at which the observer's accuracy is the printed one, with the amplitude of the
-cogging calibrated anew so that the PID keeps its own (causes_calibration.py, which writes conditions.toml). A cause
-that explains both motors by one value says more than one that needs a value for each: `held_out` gives the value of
-each motor to the other.
+not know of their machine. Its size on a motor is the one at which the observer's accuracy is the printed one, with the
+amplitude of the cogging calibrated anew so that the PID keeps its own (studies.malaize2009.causes_calibration, which
+writes conditions.toml). A cause that explains both motors by one value says more than one that needs a value for each:
+`accuracies.held_out` gives the value of each motor to the other.
+
+Section V says that the ironcore's spectrum holds much more than three periods: lines that the observer lacks. Neither
+these nor the phases of the cogging are reported, so both are drawn with fixed seeds, and an accuracy is the mean over
+draws. The periods were read off a Fourier transform, and used as whole millimetres: the true ones may differ.
 """
 
 from __future__ import annotations
@@ -12,12 +16,106 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cogging.arrays import FloatArray
-from cogging.papers.fitting import shipped_toml
-from cogging.papers.malaize2009.conditions import DRAWS, Conditions, drawn_accuracies
-from cogging.papers.malaize2009.setup import MOTORS, Calibrated, Motor, shipped
+import numpy as np
 
+from cogging import effects
+from cogging._core import CoggingModel, EncoderParameters, Plant, SplineHarmonics
+from cogging.arrays import FloatArray
+from cogging.papers.calibrated import shipped_toml
+from cogging.papers.malaize2009.linear_motors import (
+    DELAY,
+    MOTORS,
+    Calibrated,
+    Motor,
+    batch_errors,
+    cogging_rms,
+    controllers,
+    plant,
+    shipped,
+)
+
+LINE_COUNT, LINE_PERIODS = 8, (4e-3, 60e-3)  # how many unmodelled lines, and between which periods (m), assumed
+DRAWS = 10
+DRAWN_STROKES = 4  # of every draw; behind them the errors repeat
+SEED = 2009
 STEP_DRAWS = 5
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What the controllers do not know of their machine. By default there is nothing.
+
+    Attributes:
+        lines: rms of the unmodelled lines over that of the modelled cogging.
+        period_error: by which all periods that the observer believes are longer than the true ones, relative.
+        thrust: by which the motor pushes more than believed, relative.
+        delay: s, by which the command acts later than believed.
+        noise: m, rms, of the encoder.
+        step: m, of the encoder, up to a tenth more or less by the draw, since it counts where on its grid the strokes
+            end; the motor's own when None.
+        width: m/s, S(v) = (2/pi) atan(v / width) in the place of sgn(v); 0: sgn.
+        any_phases: the phases of the cogging are drawn, in the place of those that linear_motors.plant assumes.
+    """
+
+    lines: float = 0.0
+    period_error: float = 0.0
+    thrust: float = 0.0
+    delay: float = 0.0
+    noise: float = 0.0
+    step: float | None = None
+    width: float = 0.0
+    any_phases: bool = False
+
+
+def unmodelled_lines(draw: int, rms: float) -> list[effects.CoggingHarmonic]:
+    """Lines of one size at periods drawn evenly over their logarithm, phases drawn too; rms: of all, m/s^2."""
+    random = np.random.default_rng([SEED, draw])
+    shortest, longest = np.log(LINE_PERIODS)
+    periods = np.exp(random.uniform(shortest, longest, LINE_COUNT))
+    phases, size = random.uniform(0.0, 2.0 * np.pi, LINE_COUNT), rms * np.sqrt(2.0 / LINE_COUNT)
+    return [
+        effects.CoggingHarmonic(period=period, sine=size * np.cos(phase), cosine=size * np.sin(phase))
+        for period, phase in zip(periods, phases, strict=True)
+    ]
+
+
+def machine(motor: Motor, amplitude: float, conditions: Conditions, draw: int = 0) -> Plant:
+    """The machine under some conditions, of a draw; amplitude: of the first period, m/s^2."""
+    true = [period / (1.0 + conditions.period_error) for period in motor.periods]
+    believed = plant(replace(motor, periods=tuple(true)), amplitude)
+    cogging = believed.cogging
+    if conditions.any_phases:
+        random = np.random.default_rng([SEED, list(MOTORS).index(motor.name), draw])
+        phases = random.uniform(0.0, 2.0 * np.pi, len(motor.periods))
+        sizes = -amplitude * np.array(motor.shape)
+        sine, cosine = sizes * np.cos(phases), sizes * np.sin(phases)
+        cogging = CoggingModel(SplineHarmonics(periods=true), sine[:, None], cosine[:, None])
+    listed: list[Any] = [effects.CommandDelay(delay=DELAY + conditions.delay)]
+    if conditions.lines > 0.0:
+        listed += unmodelled_lines(draw, conditions.lines * cogging_rms(motor, amplitude))
+    step = motor.resolution
+    if conditions.step is not None:
+        step = conditions.step * (1.0 + np.random.default_rng([SEED, draw]).uniform(-0.1, 0.1))
+    return Plant(
+        believed.axis.replace(coulomb_width=conditions.width),
+        cogging=cogging,
+        effects=listed,
+        encoder=EncoderParameters(resolution=step, noise=conditions.noise),
+    )
+
+
+def strokes_of(draws: int) -> int:
+    """How many strokes are run in each of so many draws; 0: all."""
+    return DRAWN_STROKES if draws > 1 else 0
+
+
+def drawn_accuracies(
+    motor: Motor, gains: Calibrated, conditions: Conditions, controller: str, draws: int = DRAWS
+) -> FloatArray:
+    """Accuracy (m) of "PID" or "observer" in each draw, (draws,); gains.amplitude is that of the cogging."""
+    machines = [machine(motor, gains.amplitude, conditions, draw) for draw in range(draws)]
+    law = controllers(motor, gains, 1.0 + conditions.thrust)[controller]
+    return batch_errors(machines, [law] * draws, motor, strokes=strokes_of(draws))
 
 
 @dataclass(frozen=True)
@@ -116,7 +214,7 @@ CAUSES = (
 
 
 def conditions_file() -> dict[str, Any]:
-    """What causes_calibration.py wrote: sizes and amplitudes."""
+    """What studies.malaize2009.causes_calibration wrote: sizes and amplitudes."""
     return shipped_toml("cogging.papers.malaize2009", "conditions.toml")
 
 
@@ -148,6 +246,11 @@ class Explanation:
     amplitude: float
     accuracy: FloatArray
     elsewhere: FloatArray
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Motor and cause, as the tables' rows bear them."""
+        return {"motor": self.motor.name, "cause": self.cause.name}
 
 
 def other(motor: Motor) -> Motor:

@@ -16,8 +16,8 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.design.observer import ObserverProblem, design_observer
-from cogging.papers.malaize2009.setup import MOTORS, problem
-from cogging.papers.result import Row, Table
+from cogging.papers.malaize2009.linear_motors import MOTORS, problem
+from cogging.papers.result import Row, Table, explored
 
 RATES = (1.0, 10.0, 100.0)  # 1/s: of the units of time in which the printed problem is given to the solver
 RADII = (350.0, 500.0, 1000.0)  # 1/s: bounds on the poles
@@ -134,7 +134,7 @@ def theorem_3() -> Table:
     for alpha in (task.decay_rate, 0.0):
         status = as_printed(replace(task, decay_rate=alpha), RATES[1], from_rest=True).status
         label = {"velocity_min": "0 m/s", "alpha": f"{alpha:g} 1/s", "solver": status}
-        rows.append(Row("as printed", "unobserved", "1", None, float(unobserved(task, 0.0)), "exploratory", label))
+        rows.append(explored("as printed", "unobserved", "1", unobserved(task, 0.0), label))
     return Table("theorem_3", "Theorem 3 (ironcore): no minimum as printed, none at all from rest on", rows)
 
 
@@ -158,4 +158,4 @@ def _rows(
     largest = float(np.abs(gain[2:]).max())
     numbers = [("lambda_star", "m/s^2", bound), ("largest_gain", "1/s^3", largest)]
     numbers += [("condition", "1", condition), ("fastest_pole", "1/s", fastest)]
-    return [Row(name, index, unit, None, value, "exploratory", label) for index, unit, value in numbers]
+    return [explored(name, index, unit, value, label) for index, unit, value in numbers]

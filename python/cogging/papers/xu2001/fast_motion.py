@@ -1,9 +1,10 @@
-"""Case 2 of Xu and Yao 2001: the fast point-to-point motion, and the ARC's error within 1 um at rest (section 4.3)."""
+"""Case 2 of Xu and Yao 2001: the fast point-to-point motion, the ARC within 1 um at rest (section 4.3), Figs. 5, 6."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from cogging._core import OutputFeedbackArc, OutputFeedbackArcParameters, Pid
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.result import Row, Table
-from cogging.papers.xu2001.setup import (
+from cogging.papers.xu2001.epoxy_motor import (
+    CONTROLLERS,
     RESOLUTION,
     SEED,
     Unknowns,
@@ -21,14 +23,70 @@ from cogging.papers.xu2001.setup import (
     plant,
     shipped_unknowns,
 )
+from cogging.plot.canvas import drawn, new_figure
+from cogging.plot.scales import pretty, scale_of
+from cogging.plot.series import LIMIT, look
+from cogging.plot.traces import draw_trace
 from cogging.simulation.batch import closed_loop_batch
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+BAND = 5e-6  # m: scale of the rests in Fig. 6
 WITHIN = 1e-6  # m: what the paper says of the ARC in the rests
 SETTLING = 0.3  # s of each rest that are left out of `e_settled`; assumed, the paper's rests are a picture
 
 
-@dataclass(frozen=True)
-class Errors:
+@drawn
+def figure_reference() -> Figure:
+    """Fig. 5: the fast point-to-point motion; dashed: the printed largest velocity and acceleration."""
+    motion = fast_reference()
+    time = np.linspace(0.0, motion.end, 4001)
+    figure = new_figure((8.0, 5.4))
+    figure.suptitle("Fig. 5: fast point-to-point motion (stroke and rests assumed)")
+    quantities = (("position", "m", 0.0), ("velocity", "m/s", 1.0), ("acceleration", "m/s^2", 12.0))
+    panels = figure.subplots(3, 1, sharex=True)
+    for axes, values, (name, unit, largest) in zip(panels, motion.sample(time), quantities, strict=True):
+        axes.plot(time, values, **look(0))
+        axes.set(ylabel=f"{name}\n({pretty(unit)})")
+        for side in (-1.0, 1.0) if largest else ():
+            axes.axhline(side * largest, color=LIMIT, linestyle=(0, (6, 3)), linewidth=1.0)
+    panels[-1].set(xlabel="time (s)")
+    figure.align_ylabels(panels)
+    return figure
+
+
+@drawn
+def figure_fast(logs: Mapping[str, Log]) -> Figure:
+    """Fig. 6: the errors of PID and ARC in the fast motion on one scale, and in one rest beside the paper's 1 um."""
+    motion = fast_reference()
+    rest = (motion.move_time, motion.period / 2.0)
+    scale = scale_of("m", *(logs[name].error for name in CONTROLLERS))
+    figure = new_figure((8.0, 4.7))
+    figure.suptitle("Fig. 6: fast point-to-point motion, and its first rest")
+    panels = figure.subplots(2, 2, sharex="col", sharey="col")
+    for row, name in zip(panels, CONTROLLERS, strict=True):
+        log = logs[name]
+        for axes, (start, end) in zip(row, ((-np.inf, np.inf), rest), strict=True):
+            shown = (log.time >= start) & (log.time < end)
+            draw_trace(axes, log.time[shown], scale(log.error[shown]), linewidth=0.8, **look(0, dense=True))
+            axes.margins(x=0.01)
+        row[0].set(ylabel=scale.label("error"))
+        row[0].set_title(name, fontsize="small", loc="left", pad=3.0)
+        _mark_band(row[1], float(scale(WITHIN)), float(scale(BAND)))
+    for axes in panels[-1]:
+        axes.set(xlabel="time (s)")
+    return figure
+
+
+def _mark_band(axes: Axes, size: float, end: float) -> None:
+    for side in (-size, size):
+        axes.axhline(side, color=LIMIT, linestyle=(0, (6, 3)), linewidth=1.0)
+    axes.set(ylim=(-end, end))
+    axes.set_title("dashed: the paper's ±1 µm of the ARC at rest", fontsize="small", loc="right", pad=3.0)
+
+
+class Errors(NamedTuple):
     """Largest |encoder reading - reference| of a run of case 2, m.
 
     Attributes:
@@ -92,12 +150,8 @@ def fast_motion_table(
         for name, log in run_fast(machine, pair).items():
             found = errors(log)
             claimed = name == "ARC" and (place == "calibrated" or place in (others or {}))
-            for index, unit, value in (
-                ("e_moving", "m", found.moving),
-                ("e_at_rest", "m", found.at_rest),
-                ("e_settled", "m", found.settled),
-                ("settling", "s", found.settling),
-            ):
+            units = {"e_moving": "m", "e_at_rest": "m", "e_settled": "m", "settling": "s"}
+            for (index, unit), value in zip(units.items(), found, strict=True):
                 is_claim = claimed and index == "e_settled"
                 status, printed = ("predicted", WITHIN) if is_claim else ("exploratory", None)
                 rows.append(Row(name, index, unit, printed, value, status, {"plant": place}))

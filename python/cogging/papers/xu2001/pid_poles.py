@@ -19,8 +19,8 @@ from cogging.arrays import FloatArray
 from cogging.design.linear_plant import held, linear_plant
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
-from cogging.papers.result import Row, Table
-from cogging.papers.xu2001.setup import (
+from cogging.papers.result import Row, Table, explored
+from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     FRICTION_LEVEL,
     FRICTION_WIDTH,
@@ -152,7 +152,7 @@ def pid_poles_table(unknowns: Unknowns) -> Table:
     rows: list[Row] = []
 
     def row(name: str, index: str, unit: str, value: float, **labels: Any) -> None:
-        rows.append(Row(name, index, unit, None, value, "exploratory", labels))
+        rows.append(explored(name, index, unit, value, labels))
 
     for (set_name, where), pole in product((("1", "in motion"), ("2", "at rest")), POLES):
         limit = delay_limit(pole, MASSES[set_name], where == "at rest")

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Row, Table, explored
 from cogging.papers.xu2001.backstepping import backstepping, steps
-from cogging.papers.xu2001.setup import (
+from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     INDEXES,
     MASSES,
@@ -30,7 +30,13 @@ from cogging.papers.xu2001.setup import (
     plant,
     reference,
 )
+from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.scales import scale_of
+from cogging.plot.series import LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ROBUST_TERMS = (
     "use_alpha_1s2",
@@ -48,11 +54,28 @@ FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 #: Samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200.
 SETTLED = 500
 RATES = (1e5, 1e6, 1e7, 1e8)  # Hz
-PERIOD = np.pi / 2.0  # s, of the sine of case 1
 FINE = 100_000.0  # Hz: at which the gains along a run are taken
 SHORT = 0.02  # s: all of RATES have diverged by then
 START = 0.1  # s, the part of it that is looked at: the largest K_2 of a whole period stands at 0.055 s
 STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
+
+
+@drawn
+def figure_increment() -> Figure:
+    """The rms command increment against a common factor on the printed robust terms."""
+    figure = new_figure((7.2, 4.2))
+    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
+    axes = figure.subplots()
+    for place, (rate, resolution) in enumerate(HARDWARE):
+        values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
+        length = scale_of("m", resolution)
+        label = f"{rate / 1000:g} kHz, {length(resolution):g} {length.unit}"
+        axes.loglog(FACTORS[1:], values, marker=marker(place), label=label, **look(place))
+    printed = TABLE_1["ARC"]["1"][4]
+    axes.axhline(printed, color=LIMIT, linestyle=(0, (6, 3)), linewidth=1.0, label=f"paper: {printed:g} V")
+    axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)", xlim=(5e-8, 2.0))
+    legend(axes)
+    return figure
 
 
 def rigid(resolution: float) -> Plant:
@@ -86,22 +109,19 @@ def one_count(resolution: float, held: int = SETTLED) -> float:
     return controller.command(reference=0.0, reading=resolution)
 
 
-def settled_gains() -> tuple[float, float]:
-    """K_1 and K_2 of the printed robust terms at rest, from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12)."""
+def by_hand(resolution: float) -> float:
+    """The command (V) of a settled count (m): -K_2 K_1 / theta_1min times it.
+
+    K_1 and K_2 of the printed robust terms at rest are from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12).
+    """
     p = arc_parameters(**ALL_TERMS)
     none, psi = np.zeros((1, 2)), np.array([[1.0, p.observer_gain_1]]) / p.observer_gain_2
     zero = np.zeros(1)
     found = steps(p, zero, zero, zero, none, none, psi, np.array([p.theta]), zero)
-    return float(found.gain_1[0]), float(found.gain_2[0])
+    return -float(found.gain_1[0]) * float(found.gain_2[0]) / p.theta_min[0] * resolution
 
 
-def by_hand(resolution: float) -> float:
-    """The command (V) of a settled count (m): -K_2 K_1 / theta_1min times it."""
-    gain_1, gain_2 = settled_gains()
-    return -gain_1 * gain_2 / arc_parameters().theta_min[0] * resolution
-
-
-class Lasting(NamedTuple):
+class Duration(NamedTuple):
     """How long the printed robust terms run: s, largest error (m; NaN where it diverged), and how it ended."""
 
     time: float
@@ -109,13 +129,13 @@ class Lasting(NamedTuple):
     end: str
 
 
-def lasts(sample_rate: float, duration: float) -> Lasting:
+def time_to_divergence(sample_rate: float, duration: float) -> Duration:
     """How long all printed robust terms run with an ideal encoder at a sampling rate (Hz), at most a duration (s)."""
     controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, **ALL_TERMS))
     batch = closed_loop_batch([rigid(0.0)], [controller], reference(), duration=duration)
     if batch.failures:
-        return Lasting(batch.failures[0].time, float("nan"), batch.failures[0].reason)
-    return Lasting(duration, float(batch.indexes["error_max"][0]), "ran to its end")
+        return Duration(batch.failures[0].time, float("nan"), batch.failures[0].reason)
+    return Duration(duration, float(batch.indexes["error_max"][0]), "ran to its end")
 
 
 def gain_along_the_run() -> tuple[FloatArray, FloatArray]:
@@ -130,14 +150,14 @@ def one_count_table() -> Table:
     rows: list[Row] = []
 
     def row(index: str, unit: str, value: float, **labels: str) -> None:
-        rows.append(Row("ARC, all terms", index, unit, None, value, "exploratory", labels))
+        rows.append(explored("ARC, all terms", index, unit, value, labels))
 
     row("one_count", "V", abs(one_count(RESOLUTION, held=1)), count="one sample after the start")
     row("one_count", "V", abs(one_count(RESOLUTION)), count=f"settled, {SETTLED} samples")
     row("one_count", "V", abs(by_hand(RESOLUTION)), count="settled, by hand")
     time, gain = gain_along_the_run()
     for rate in RATES:
-        row("diverges_at", "s", lasts(rate, SHORT).time, rate=f"{rate:.0e} Hz")
+        row("diverges_at", "s", time_to_divergence(rate, SHORT).time, rate=f"{rate:.0e} Hz")
         row("unstable_from", "s", float(time[np.argmax(gain > STABLE * rate)]), rate=f"{rate:.0e} Hz")
     row("rate_needed", "Hz", float(gain.max()) / STABLE)
     return Table("robust_terms", "The printed robust terms: one encoder count, and the sampling rate they need", rows)
@@ -175,5 +195,5 @@ def subsets_table(unknowns: Unknowns) -> Table:
             for index, value in values.items():
                 printed = TABLE_1["ARC"]["1"][INDEXES.index(index)] if on == "calibrated" and index in INDEXES else None
                 rows.append(Row("ARC", index, units.get(index, "m"), printed, value, "exploratory", labels))
-    rows.append(Row("ARC", "choices_that_run", "1", None, float(len(running)), "exploratory", {"of": "128"}))
+    rows.append(explored("ARC", "choices_that_run", "1", len(running), {"of": "128"}))
     return Table("robust_subsets", "The seven robust terms: none, each alone, and the others that run at 2.5 kHz", rows)

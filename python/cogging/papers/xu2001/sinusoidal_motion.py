@@ -1,32 +1,61 @@
-"""Table 1 of Xu and Yao 2001 beside ours, what was held out of fits, and what would explain the difference."""
+"""Table 1 of Xu and Yao 2001, what was held out of fits, Figs. 2 to 4, and which changes bring the ARC nearer."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
-from cogging.papers.result import Row, Table
-from cogging.papers.xu2001.conditions import (
+from cogging.logs.log import Log
+from cogging.papers.compared import Trace, compared
+from cogging.papers.result import Row, Table, explored
+from cogging.papers.xu2001.epoxy_motor import (
+    CONTROLLERS,
+    DISTURBANCE,
+    DURATION,
+    FITTED,
     HELD_OUT,
+    INDEXES,
     JOINT_FREE,
     JOINT_LAW,
+    PERIOD,
     PID,
+    SEEDS,
+    SETS,
+    TABLE_1,
+    UNITS,
     Conditions,
+    Unknowns,
+    arc_parameters,
     conditions_of,
+    indexes,
     joint_conditions,
+    run,
     shipped_file,
 )
-from cogging.papers.xu2001.conditions_fit import FITTED
-from cogging.papers.xu2001.setup import CONTROLLERS, INDEXES, SEEDS, SETS, TABLE_1, UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TITLE = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(SEEDS)} seeds of the encoder noise"
 PLACES = [(controller, name) for controller in CONTROLLERS for name in SETS]
 OTHER_SEEDS = tuple(range(100, 900, 100))  # that took part in no fit
 DU_RMS = "du_rms = c_u u_rms by (54): derived and not counted. The paper prints it with one digit."
+#: What `trivial` is, by split.
+GUESS = {"set_2": "set 2 equals set 1", "arc_sets_2_3": "the PID's number times ARC over PID in set 1"}
+#: Number and words of the figure of each set, and the part (s) of the run that its second column shows.
+OF_SET = {
+    "1": (2, "without load", (DURATION - PERIOD, DURATION)),
+    "2": (3, "with load (cut off, as in the paper)", (DURATION - PERIOD, DURATION)),
+    "3": (4, "with disturbance", (DISTURBANCE[1] - 0.2, DISTURBANCE[1] + 0.8)),
+}
+#: m: where Fig. 3 is cut off. The paper says that it is, and not where; assumed: the scale of Fig. 2.
+CUT_OFF = 60e-6
 
 
 def table_1(
@@ -71,7 +100,7 @@ def seeds_table(joint: Conditions) -> Table:
         left = [rms_log_error(table.rows) for table in tables]
         for index, values in (("within_15", near), ("rms_log_error", left)):
             rows += [
-                Row("both", index, "1", None, pick(values), "exploratory", {"seeds": words, "of 8": name})
+                explored("both", index, "1", pick(values), {"seeds": words, "of 8": name})
                 for name, pick in (("least", min), ("mean", lambda x: float(np.mean(x))), ("largest", max))
             ]
     title = "Single seeds of the encoder noise: of 30 numbers within 15 %, and the rms log error"
@@ -109,16 +138,6 @@ def joint_note(table: Table) -> str:
     return textwrap.fill(" ".join(sentences), 110)
 
 
-def withheld(split: str) -> list[tuple[str, str]]:
-    """Controller and set of what a held-out fit does not see."""
-    seen = HELD_OUT[split]
-    return [(controller, name) for controller, name in PLACES if name not in seen.get(controller, ())]
-
-
-#: What `trivial` is, by split.
-GUESS = {"set_2": "set 2 equals set 1", "arc_sets_2_3": "the PID's number times ARC over PID in set 1"}
-
-
 def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
     """What the paper's own fitted numbers say of a withheld set without any model, by index.
 
@@ -133,17 +152,13 @@ def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
     return dict(zip(INDEXES, guess.tolist(), strict=True))
 
 
-def held_out_tables() -> list[Table]:
-    """For each split of the table what a fit to the one part predicts of the other, and what the trivial guess does."""
-    return [_held_out(split) for split in HELD_OUT]
-
-
-def _held_out(split: str) -> Table:
+def held_out_table(split: str) -> Table:
+    """Return what a fit to one part of the table predicts of the other, beside the trivial guess."""
     conditions, seen = conditions_of(shipped_file()["held_out"][split]), HELD_OUT[split]
     rows = [
         row
         for row in _rows(conditions.table(), PLACES, seen)
-        if row.status == "calibrated" or (row.controller, row.labels["set"]) in withheld(split)
+        if row.status == "calibrated" or row.labels["set"] not in seen.get(row.controller, ())
     ]
     predicted = [row for row in rows if row.status == "predicted"]
     guesses = [
@@ -163,9 +178,9 @@ def _held_out(split: str) -> Table:
     return Table(f"held_out_{split}", title, rows, free=JOINT_FREE, before=before, beside="guess")
 
 
-def exploration_table(explored: Mapping[str, float]) -> Table:
+def exploration_table(gaps: Mapping[str, float]) -> Table:
     """The rms log-ratio of the ARC columns to the paper's, by change of the ARC's numbers."""
-    rows = [Row("ARC", "gap", "1", None, size, "exploratory", {"change": name}) for name, size in explored.items()]
+    rows = [explored("ARC", "gap", "1", size, {"change": name}) for name, size in gaps.items()]
     return Table("exploration", "Rms log-ratio of the ARC columns to the paper's, by change of the ARC's numbers", rows)
 
 
@@ -177,7 +192,84 @@ def conditions_table() -> Table:
     parts = {f"plant {law}": part for law, part in file["joint"].items()}
     parts |= {f"earlier runs: {number}": runs[number] for number in sorted(runs)} | file["readings"]
     rows = [
-        Row("both", "rms_log_error", "1", None, part["rms_log_error"], "exploratory", {"conditions": name})
+        explored("both", "rms_log_error", "1", part["rms_log_error"], {"conditions": name})
         for name, part in parts.items()
     ]
     return Table("conditions", "Rms log-ratio of all 30 fitted numbers to the paper's, by what else is assumed", rows)
+
+
+def columns(logs: Mapping[str, Log]) -> FloatArray:
+    """Return the fitted indexes of the logs of the three sets, (3, 5)."""
+    return np.array([[indexes(logs[name])[index] for index in FITTED] for name in SETS])
+
+
+def gap(found: FloatArray) -> float:
+    """Return the rms log-ratio to the ARC's printed columns."""
+    printed = np.array([[TABLE_1["ARC"][name][INDEXES.index(index)] for index in FITTED] for name in SETS])
+    return float(np.sqrt(np.mean(np.log(found / printed) ** 2)))
+
+
+def changes() -> dict[str, dict[str, Any]]:
+    """The changes of the ARC's numbers that are tried, each alone and some together."""
+    base = arc_parameters()
+
+    def adaptation(factor: float) -> dict[str, Any]:
+        return {"adaptation": [factor * rate for rate in base.adaptation]}
+
+    def gains(factor: float) -> dict[str, Any]:
+        return {"gain_1": factor * base.gain_1, "gain_2": factor * base.gain_2}
+
+    observer = {"observer_gain_1": 2 * base.observer_gain_1, "observer_gain_2": 4 * base.observer_gain_2}
+    return {
+        "as printed, g only": {},
+        "adaptation x 2": adaptation(2.0),
+        "adaptation x 3.5": adaptation(3.5),
+        "gains x 1.2": gains(1.2),
+        "theta_1(0) = 37": {"theta": [37.0, 10.0, 0.0]},
+        "theta_1(0) = 20": {"theta": [20.0, 10.0, 0.0]},
+        "adaptation x 5": adaptation(5.0),
+        "gains x 0.8": gains(0.8),
+        "observer poles at -400": observer,
+        "with the C_phi1 term": {"use_c_phi_1": True},
+        "Euler steps of the filters": {"filter_steps": "euler"},
+        "no friction compensation": {"coulomb": 0.0},
+        "adaptation x 3.5, gains x 1.2": {**adaptation(3.5), **gains(1.2)},
+        "adaptation x 3.5, theta_1(0) = 20": {**adaptation(3.5), "theta": [20.0, 10.0, 0.0]},
+        "all three": {**adaptation(3.5), **gains(1.2), "theta": [20.0, 10.0, 0.0]},
+    }
+
+
+def explore(unknowns: Unknowns) -> dict[str, float]:
+    """The gap of the ARC columns for each of the changes; infinite where a run diverges."""
+    found = {}
+    for name, change in changes().items():
+        try:
+            found[name] = gap(columns(run(unknowns, OutputFeedbackArc(arc_parameters(**change)))))
+        except DivergedError:
+            found[name] = float("inf")
+    return found
+
+
+def explore_conditions(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> dict[str, float]:
+    """The same on the way to the joint conditions, whose ARC logs are given: earlier runs, the factor, the plant."""
+    runs, factor = joint.earlier_runs, joint.adaptation_factor
+    kept = f"{runs} earlier runs"
+    both = f"{kept}, adaptation x {factor:.3g}"
+    return {
+        kept: gap(columns(Conditions(unknowns, earlier_runs=runs).logs("ARC"))),
+        both: gap(columns(replace(joint, unknowns=unknowns).logs("ARC"))),
+        f"{both}, all fitted": gap(columns(arc_logs)),
+    }
+
+
+def figure_errors(logs: Mapping[str, Mapping[str, Log]], set_name: str) -> Figure:
+    """Figs. 2, 3, 4: the tracking errors of PID and ARC on one scale, and a part of them."""
+    number, words, part = OF_SET[set_name]
+    cut = set_name == "2"
+    traces = []
+    for name in CONTROLLERS:
+        log, printed = logs[name][set_name], TABLE_1[name][set_name][0]
+        found = indexes(log)["e_M"]
+        words_of = f"{name}: largest {1e6 * found:.3g} µm, the paper's {1e6 * printed:.3g} µm" if cut else name
+        traces.append(Trace(words_of, log.time, log.error, printed=None if cut else printed))
+    return compared(f"Fig. {number}: sinusoidal motion {words}", traces, zoom=part, limit=CUT_OFF if cut else None)

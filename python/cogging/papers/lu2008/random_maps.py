@@ -1,15 +1,16 @@
-"""The claim of Lu, Chen, Yao, Wang 2008, C3 before C2 before C1, on cogging maps that nobody calibrated."""
+"""The claim of Lu, Chen, Yao, Wang 2008, C3 before C2 before C1, on random cogging maps, which are not calibrated."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cogging._core import CoggingModel, Plant
 from cogging.arrays import FloatArray
 from cogging.effects import CoggingHarmonic
-from cogging.papers.lu2008.setup import (
+from cogging.papers.lu2008.gantry import (
     AXES,
     CONTROL_POINTS,
     HARMONICS,
@@ -19,7 +20,12 @@ from cogging.papers.lu2008.setup import (
     last_errors,
     plant,
 )
-from cogging.papers.result import Row, Table
+from cogging.papers.result import Table, explored
+from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.series import look, marker
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MAPS = 8  # an axis and kind in `reproduce`; the study draws more
 #: Kinds of maps: in the spline space of C3, which can then be exact, and with a line beside each harmonic.
@@ -28,6 +34,41 @@ BESIDE = 0.2  # of a harmonic's number: how far from it its line lies at most; C
 BESIDE_SIZES = (0.2, 1.5)  # of the scale of its harmonic
 LEVEL = 0.06  # V, of the fundamental: some two thirds of the largest coefficient that the bounds of the X axis allow
 NORMAL_95 = 1.959963984540054  # deviations of a normal variable, of a two-sided interval of 95 %
+#: What the paper's ratio C3 / C2 is of, by index.
+_PRINTED = {"e_inf": "error_max", "e_2": "error_rms"}
+
+
+@drawn
+def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
+    """How much better C2 is than C1, and C3 than C2, on each random map, beside the paper's own machine.
+
+    Args:
+        errors: of each axis by name, as errors_on_maps gives them.
+    """
+    figure = new_figure((8.0, 3.8))
+    panels = figure.subplots(1, 2, sharey=True)
+    largest = 1.0
+    for axes, index in zip(panels, _PRINTED, strict=True):
+        names: list[str] = []
+        for name, by_index in errors.items():
+            c1, c2, c3 = by_index[index].T
+            p1, p2, p3 = getattr(AXES[name], _PRINTED[index])
+            for said, ratio, paper in ((f"{name}: C2 / C1", c2 / c1, p2 / p1), (f"{name}: C3 / C2", c3 / c2, p3 / p2)):
+                place = len(names) + 0.25 * (np.linspace(-1.0, 1.0, len(ratio)) if len(ratio) > 1 else np.zeros(1))
+                first = not names
+                axes.plot(place, ratio, marker(0), **{**look(0), "linestyle": "none"}, label="map" if first else None)
+                mark = {**look(4), "linestyle": "none", "markersize": 9}
+                axes.plot(len(names), paper, marker(3), **mark, label="paper's tables" if first else None)
+                names.append(said)
+                largest = max(largest, float(ratio.max()), paper)
+        axes.axhline(1.0, color="black", linewidth=1.0)
+        axes.set_xticks(range(len(names)), names, rotation=20)
+        axes.set_title("maximum" if index == "e_inf" else "rms", loc="left")
+        axes.set_ylim(0.0, 1.08 * largest)
+    panels[0].set_ylabel("ratio of errors, below 1: better")
+    legend(panels[-1], 2)
+    figure.suptitle("C3 before C2 before C1 on random cogging maps with lines beside the harmonics")
+    return figure
 
 
 def random_map(seed: int, level: float = LEVEL) -> CoggingModel:
@@ -80,22 +121,12 @@ def orders(errors: FloatArray) -> dict[str, int]:
     return {claim: int(np.count_nonzero(holds)) for claim, holds in said.items()}
 
 
-def claim_shares(axis: GantryAxis, maps: int = MAPS, level: float = LEVEL) -> tuple[float, float, float]:
-    """Shares of random maps on which, by rms, C3 beats C2, C2 beats C1, and both."""
-    third, second, both = orders(errors_on_maps(axis, maps, level=level)["e_2"]).values()
-    return third / maps, second / maps, both / maps
-
-
 def binomial_interval(hits: int, count: int) -> tuple[float, float]:
     """Wilson's 95 % interval of a share: where a normal test of p against hits / count is not refused at 5 %."""
     share, z = hits / count, NORMAL_95**2 / count
     half = NORMAL_95 * np.sqrt(share * (1.0 - share) / count + z / (4.0 * count))
     low, high = (share + 0.5 * z - half) / (1.0 + z), (share + 0.5 * z + half) / (1.0 + z)
     return max(0.0, float(low)), min(1.0, float(high))
-
-
-#: What the paper's ratio C3 / C2 is of, by index.
-_PRINTED = {"e_inf": "error_max", "e_2": "error_rms"}
 
 
 def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) -> Table:
@@ -116,5 +147,5 @@ def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) ->
                     low, high = binomial_interval(hits, len(found))
                     labels = {"map": kind, "axis": axis, "by": index, "ci95": f"{low:.2f} to {high:.2f}"}
                     labels["maps"] = str(len(found))
-                    rows.append(Row(claim, "share", "1", None, hits / len(found), "exploratory", labels))
+                    rows.append(explored(claim, "share", "1", hits / len(found), labels))
     return Table("claim", "Share of random cogging maps on which a controller is better", rows)

@@ -1,7 +1,8 @@
 """The setup of Lu, Chen, Yao, Wang 2008: two axes of a gantry, their DCARC with a B-spline cogging model, the moves.
 
-Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and says so; the cogging
-maps are fitted to the tables within the printed bound (studies.lu2008.calibration).
+Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and marked as such. It
+shows the cogging maps as pictures alone (Figs. 5, 6): their amplitudes are fitted to the tables within the printed
+bound (studies.lu2008.calibration).
 """
 
 from __future__ import annotations
@@ -27,9 +28,8 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.fitting import shipped_toml
-from cogging.papers.lu2008.shapes import Amplitudes, MapShape, control_points
-from cogging.simulation.batch import closed_loop_batch
+from cogging.papers.calibrated import shipped_toml
+from cogging.simulation.batch import Batch, closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
 TRAVEL = (0.0, 0.51)  # m (section "Experimental Setup")
@@ -44,12 +44,15 @@ COULOMB_WIDTH = 1.0 / 900.0  # m/s: S_f = (2/pi) atan(900 v), as in Xu and Yao 2
 DWELL = 0.1  # s
 START = 0.055  # m: centres the 0.4 m move in the travel
 ERROR_DIFFERENCE = True  # e' of p (15) is the difference of e; with that of the reading minus x_d', which is half a
-# sample younger, p is wrong by a T / 2 on ramps, and the largest errors on X lie there: not whole counts, as printed
 
+# sample younger, p is wrong by a T / 2 on ramps, and the largest errors on X lie there: not whole counts, as printed
 CONTROLLERS = ("C1", "C2", "C3")
+ESTIMATED = ("mass", "viscous", "coulomb", "disturbance")  # theta_1, theta_2, theta_3, theta_5
 
 #: Fits that come with the package: that of the tables, and the same family with the other reading of e'.
 PRESENT, LATE = "present", "late"
+#: Periodic, modulated and uncompensated part of a map, V.
+Amplitudes = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -128,11 +131,17 @@ AXES = {
 }
 
 
-def cogging_basis() -> SplineHarmonics:
-    """The structure of both maps: harmonics 1, 2, 3, 6, 12 with third-order B-splines over the travel."""
+def cogging_basis(harmonics: Sequence[int] = HARMONICS) -> SplineHarmonics:
+    """Return the structure of a map: harmonics of the pitch with third-order B-splines over the travel."""
     return SplineHarmonics(
-        pitch=PITCH, harmonics=list(HARMONICS), order=ORDER, origin=TRAVEL[0], control_points=CONTROL_POINTS
+        pitch=PITCH, harmonics=list(harmonics), order=ORDER, origin=TRAVEL[0], control_points=CONTROL_POINTS
     )
+
+
+def known(column: FloatArray | None) -> FloatArray:
+    """Return a column that every simulated log has."""
+    assert column is not None
+    return column
 
 
 def cogging_map(axis: GantryAxis, amplitudes: Amplitudes, shape: MapShape | None = None) -> CoggingModel:
@@ -173,18 +182,10 @@ def shipped_amplitudes(axis: GantryAxis, fit: str = PRESENT) -> Amplitudes:
 
 def plant(axis: GantryAxis, cogging: CoggingModel | None, **axis_changes: Any) -> Plant:
     """The machine (eq. 1, 2): nominal mass and friction of the axis, the given cogging, the 0.5 um encoder."""
-    fields = {
-        "mass": axis.mass,
-        "viscous": axis.viscous,
-        "coulomb": axis.coulomb,
-        "coulomb_width": COULOMB_WIDTH,
-        "travel": list(TRAVEL),
-    }
-    return Plant(
-        AxisParameters(**{**fields, **axis_changes}),
-        cogging=cogging,
-        encoder=EncoderParameters(resolution=RESOLUTION),
+    nominal = AxisParameters(
+        mass=axis.mass, viscous=axis.viscous, coulomb=axis.coulomb, coulomb_width=COULOMB_WIDTH, travel=list(TRAVEL)
     )
+    return Plant(nominal.replace(**axis_changes), cogging=cogging, encoder=EncoderParameters(resolution=RESOLUTION))
 
 
 def controller_parameters(
@@ -201,25 +202,9 @@ def controller_parameters(
         periodic: harmonics of C2, not reported; none: those of C3.
         changes: of any field.
     """
-    mass_bounds, viscous_bounds, coulomb_bounds, disturbance_bounds = map(list, axis.bounds)
-    fields: dict[str, Any] = {
-        "sample_rate": SAMPLE_RATE,
-        "error_gain": axis.error_gain,
-        "feedback_gain": axis.feedback_gain,
-        "mass": axis.mass,
-        "mass_bounds": mass_bounds,
-        "mass_adaptation": 1.0,
-        "viscous": axis.viscous,
-        "viscous_bounds": viscous_bounds,
-        "viscous_adaptation": 10.0,
-        "coulomb": axis.coulomb,
-        "coulomb_bounds": coulomb_bounds,
-        "coulomb_adaptation": 10.0,
-        "coulomb_width": COULOMB_WIDTH,
-        "error_difference": ERROR_DIFFERENCE,
-        "disturbance_bounds": disturbance_bounds,
-        "disturbance_adaptation": 1000.0,
-    }
+    fields: dict[str, Any] = {name: getattr(axis, name) for name in ("error_gain", "feedback_gain", *ESTIMATED[:3])}
+    for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):
+        fields |= {f"{estimate}_bounds": list(bound), f"{estimate}_adaptation": rate}
     if name != "C1":
         fields |= {
             "cogging_pitch": PITCH,
@@ -230,21 +215,15 @@ def controller_parameters(
             "cogging_bounds": [-axis.cogging_bound, axis.cogging_bound],
             "cogging_adaptation": 100.0,
         }
-    return AdaptiveRobustParameters(**{**fields, **changes})
+    own = {"sample_rate": SAMPLE_RATE, "coulomb_width": COULOMB_WIDTH, "error_difference": ERROR_DIFFERENCE}
+    return AdaptiveRobustParameters(**{**own, **fields, **changes})
 
 
 def reference(axis: GantryAxis, **changes: Any) -> PointToPoint:
     """The moves of 0.4 m there and back (sections "Comparative Experimental Results")."""
-    fields = {
-        "start": START,
-        "distance": 0.4,
-        "velocity": axis.velocity,
-        "acceleration": axis.acceleration,
-        "jerk": axis.jerk,
-        "dwell": DWELL,
-        "repeats": axis.repeats,
-    }
-    return PointToPoint(PointToPointParameters(**{**fields, **changes}))
+    limits = {"velocity": axis.velocity, "acceleration": axis.acceleration, "jerk": axis.jerk}
+    moves = PointToPointParameters(start=START, distance=0.4, dwell=DWELL, repeats=axis.repeats, **limits)
+    return PointToPoint(moves.replace(**changes))
 
 
 def run(
@@ -258,15 +237,23 @@ def run(
 ) -> dict[str, Log]:
     """Run C1, C2 and C3 on the same machine."""
     controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
-    batch = closed_loop_batch(
-        [machine] * len(controllers),
-        controllers,
-        motion or reference(axis),
-        seeds=[seed] * len(controllers),
-        steps_per_sample=steps_per_sample,
-        logs=True,
-    )
+    machines, seeds = [machine] * len(controllers), [seed] * len(controllers)
+    options: dict[str, Any] = {"seeds": seeds, "steps_per_sample": steps_per_sample, "logs": True}
+    batch = closed_loop_batch(machines, controllers, motion or reference(axis), **options)
     return dict(zip(CONTROLLERS, batch, strict=True))
+
+
+def last_move(controllers: Sequence[Any], machines: Sequence[Plant], motion: PointToPoint, seed: int = 0) -> Batch:
+    """Run controllers on machines, pair by pair, and keep the indexes of the last there and back; no log is kept.
+
+    Raises:
+        DivergedError: of the first run that diverged.
+    """
+    start, seeds = motion.end - motion.period, [seed] * len(machines)
+    batch = closed_loop_batch(list(machines), list(controllers), motion, seeds=seeds, start=start)
+    for failure in batch.failures:
+        raise DivergedError(failure.reason)
+    return batch
 
 
 def last_errors(
@@ -277,23 +264,10 @@ def last_errors(
     seed: int = 0,
     **controller_changes: Any,
 ) -> FloatArray:
-    """e_inf and e_2 (m) of C1, C2 and C3 on each machine, (machines, 3, 2), as `indexes` gives them; no log is kept.
-
-    Raises:
-        DivergedError: of the first run that diverged.
-    """
-    motion = motion or reference(axis)
+    """e_inf and e_2 (m) of C1, C2 and C3 on each machine, (machines, 3, 2), as `indexes` gives them."""
     controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
-    runs = [(controller, machine) for controller in controllers for machine in machines]
-    batch = closed_loop_batch(
-        [machine for _, machine in runs],
-        [controller for controller, _ in runs],
-        motion,
-        seeds=[seed] * len(runs),
-        start=motion.end - motion.period,
-    )
-    for failure in batch.failures:
-        raise DivergedError(failure.reason)
+    every = [controller for controller in controllers for _ in machines]
+    batch = last_move(every, [*machines] * len(controllers), motion or reference(axis), seed)
     found = [batch.indexes[name].reshape(len(controllers), len(machines)) for name in ("error_max", "error_rms")]
     return np.array(found).transpose(2, 1, 0)
 
@@ -302,3 +276,48 @@ def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
     """e_inf and e_2 (m): maximum and rms of reading minus reference over the last there and back."""
     result = performance(log.time, log.error, log.command, start=motion.end - motion.period)
     return result.error_max, result.error_rms
+
+
+@dataclass(frozen=True)
+class MapShape:
+    """What makes an assumed map beside its three amplitudes; none of it is reported.
+
+    F(x) = sum_h f_h(x) sin(2 pi h (x / P + shift)), V. A compensated harmonic has
+    f_h = (periodic + modulated a(s)) / h^decay, one that is not f_h = uncompensated (1 + a(s) / 2) / h^decay, with
+    a(s) = cos(pi half_waves s + begin), where s runs from 0 at the first magnet to 1 at the last.
+
+    Attributes:
+        decay: exponent by which harmonics fall with their number.
+        half_waves: of the modulation, from the first magnet to the last.
+        begin: rad, where the modulation begins.
+        shift: share of a pitch from a zero of all sines to the first magnet. At 0 all of a harmonic lies in its sine,
+            whose coefficient the paper bounds; at 1/8 that of the fundamental is shared with its cosine.
+    """
+
+    decay: float
+    half_waves: float
+    begin: float
+    shift: float
+
+
+def control_points(
+    shape: MapShape, amplitudes: Amplitudes, harmonics: Sequence[int], compensated: Sequence[int], count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Control points (V) of the sines and of the cosines of a map, each (harmonics, count).
+
+    Args:
+        shape: of the map.
+        amplitudes: periodic, modulated and uncompensated part, V.
+        harmonics: of the map.
+        compensated: those of them that C3 compensates.
+        count: of control points; those outside the travel continue the modulation.
+    """
+    periodic, modulated, uncompensated = amplitudes
+    number = np.array(harmonics, dtype=float)
+    # s = 0 and 1 at the control points 1 and count - 1.
+    along = np.cos(np.pi * shape.half_waves * (np.arange(count) - 1) / (count - 2) + shape.begin)
+    known = np.isin(harmonics, compensated)[:, None]
+    strength = np.where(known, periodic + modulated * along, uncompensated * (1 + along / 2))
+    strength = strength / number[:, None] ** shape.decay
+    phase = 2 * np.pi * number[:, None] * shape.shift
+    return strength * np.cos(phase), strength * np.sin(phase)

@@ -1,14 +1,14 @@
 """The setup of Malaize and Levine 2009: printed numbers, machines, controllers, motion and the accuracy of Table I.
 
 Forces are accelerations in the paper: a mass of 1 and m/s^2 as the command unit. Lambda pushes (+), so F_cogging of
-this project is -Lambda. What is not reported is assumed and says so; the amplitudes are calibrated on the PID row and
-the pole radius on lambda* (calibration.py). The observer row that follows is far better than printed; conditions.py has
-what the controllers may not have known.
+this project is -Lambda. What is not reported is assumed and marked as such; the amplitudes are calibrated on the PID
+row and the pole radius on lambda* (studies.malaize2009.calibration). The observer row that follows is far better than
+printed; causes.py has what the controllers may not have known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,11 +29,13 @@ from cogging._core import (
     SplineHarmonics,
     closed_loop,
 )
+from cogging.arrays import FloatArray
 from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.fitting import shipped_toml
+from cogging.papers.calibrated import shipped_toml
+from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.
 SAMPLE_RATE = 10_000.0  # Hz
@@ -125,7 +127,7 @@ class Calibrated:
 
 
 def shipped(motor: Motor) -> Calibrated:
-    """The calibrated values that come with the package (written by calibration.py)."""
+    """The calibrated values that come with the package (written by studies.malaize2009.calibration)."""
     part = shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]
     return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
 
@@ -162,9 +164,8 @@ def plant(
         resolution: m; the motor's own when None.
         friction: m/s^2; the motor's own when None.
     """
-    phases = np.arange(len(motor.periods))
-    sine = [[-amplitude * share * np.cos(phase)] for share, phase in zip(motor.shape, phases, strict=True)]
-    cosine = [[-amplitude * share * np.sin(phase)] for share, phase in zip(motor.shape, phases, strict=True)]
+    phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
+    sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
     listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
     listed += [effects.CoggingHarmonic(period=period, sine=size) for period, size in ripples]
     return Plant(
@@ -219,9 +220,9 @@ def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: f
     )
 
 
-def controllers(motor: Motor, gains: Calibrated) -> dict[str, ListedController]:
-    """PID and observer of Table I."""
-    return {"PID": pid(), "observer": observer(motor, gains)}
+def controllers(motor: Motor, gains: Calibrated, thrust: float = 1.0) -> dict[str, ListedController]:
+    """Return PID and observer of Table I; thrust: by which the motor pushes more than both assume."""
+    return {"PID": pid(thrust), "observer": observer(motor, gains, thrust=thrust)}
 
 
 def run(machine: Plant, controller: ListedController, motor: Motor) -> Log:
@@ -242,6 +243,36 @@ def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:
     return float(np.abs(true_error(log)[first if cold else ~first]).max())
 
 
-def accuracies(machine: Plant, controllers: Mapping[str, ListedController], motor: Motor) -> dict[str, float]:
-    """The accuracy (m) of each controller on a machine."""
-    return {name: accuracy(run(machine, controller, motor), motor) for name, controller in controllers.items()}
+def batch_errors(
+    machines: Sequence[Plant],
+    controllers: Sequence[ListedController],
+    motor: Motor,
+    *,
+    strokes: int = 0,
+    reduction: str = "true_error_max",
+) -> FloatArray:
+    """Return `accuracy`, or the rms error, of each machine under its controller, m, (n,); infinite where it diverged.
+
+    Args:
+        machines: each with a seed of its own for the encoder noise.
+        controllers: one for each machine.
+        motor: whose strokes are run.
+        strokes: how many, from the start; 0: all.
+        reduction: "true_error_max" or "true_error_rms".
+    """
+    period = reference(motor).period
+    found = closed_loop_batch(
+        machines,
+        controllers,
+        reference(motor),
+        duration=0.5 * strokes * period,
+        seeds=range(len(machines)),
+        start=0.5 * period,
+        reductions=[reduction],
+    )
+    return np.nan_to_num(found.indexes[reduction], nan=np.inf)
+
+
+def cogging_rms(motor: Motor, amplitude: float) -> float:
+    """rms (m/s^2) of the cogging that the observer knows; amplitude: of the first period, m/s^2."""
+    return amplitude * float(np.sqrt(0.5 * np.sum(np.square(motor.shape))))

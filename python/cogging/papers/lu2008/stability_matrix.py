@@ -15,7 +15,6 @@ from cogging._core import (
     CoggingModel,
     Dcarc,
     Plant,
-    SplineHarmonics,
     cogging_slope_max,
     desired_compensation_condition,
     friction_slope_max,
@@ -23,38 +22,24 @@ from cogging._core import (
 )
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.lu2008.setup import (
-    CONTROL_POINTS,
+from cogging.papers.lu2008.gantry import (
     COULOMB_WIDTH,
-    ORDER,
-    PITCH,
-    TRAVEL,
     GantryAxis,
+    cogging_basis,
     controller_parameters,
-    indexes,
+    known,
+    last_move,
     reference,
 )
 from cogging.papers.result import Row, Table
-from cogging.simulation.run import closed_loop
 
 MARGIN = 1.3  # of k_s1 over the least that makes (29) positive, in what follows from it
 ERROR_GAINS = np.geomspace(10.0, 5000.0, 1001)  # 1/s: among which k_1 is looked for
 
 
-def controller_basis(axis: GantryAxis) -> SplineHarmonics:
-    """The basis of A_r in C3."""
-    return SplineHarmonics(
-        pitch=PITCH,
-        harmonics=list(axis.compensated),
-        order=ORDER,
-        origin=TRAVEL[0],
-        control_points=CONTROL_POINTS,
-    )
-
-
 def steepest(axis: GantryAxis) -> tuple[float, float]:
     """The largest g_f of (24), 1/(m/s), and the largest |theta_4b^T g_r| of (25), V/m, that the bounds allow."""
-    return friction_slope_max(COULOMB_WIDTH), cogging_slope_max(controller_basis(axis), axis.cogging_bound)
+    return friction_slope_max(COULOMB_WIDTH), cogging_slope_max(cogging_basis(axis.compensated), axis.cogging_bound)
 
 
 def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: Any) -> tuple[float, float]:
@@ -102,13 +87,13 @@ def sufficient_gains(axis: GantryAxis) -> dict[str, float]:
     return {"error_gain": float(ERROR_GAINS[place]), "feedback_gain": MARGIN * float(least[place])}
 
 
-def friction_slope_borne(axis: GantryAxis) -> float:
+def largest_friction_slope(axis: GantryAxis) -> float:
     """The largest g_f (1/(m/s)) at which the printed gains make (29) positive, with the steepest cogging."""
     steep = steepest(axis)[0]
     return float(brentq(lambda slope: matrix_condition(axis, slope)[0], 0.0, steep, xtol=1e-9))
 
 
-def cogging_slope_borne(axis: GantryAxis) -> float:
+def largest_cogging_share(axis: GantryAxis) -> float:
     """The same of the cogging slope without any of friction, as a multiple of the largest that the bounds allow."""
     return float(brentq(lambda share: matrix_condition(axis, 0.0, share)[0], 0.0, 1e4, xtol=1e-9))
 
@@ -118,9 +103,9 @@ def speed_of_slope(slope: float) -> float:
     return COULOMB_WIDTH * float(np.sqrt(max(friction_slope_max(COULOMB_WIDTH) / slope - 1.0, 0.0)))
 
 
-def width_borne(axis: GantryAxis) -> float:
+def least_width(axis: GantryAxis) -> float:
     """The width (m/s) from which on S_f(v) = (2/pi) atan(v / width) is nowhere steeper than the printed gains allow."""
-    return 2.0 / (np.pi * friction_slope_borne(axis))
+    return 2.0 / (np.pi * largest_friction_slope(axis))
 
 
 def positive_share(axis: GantryAxis, machine: Plant, log: Log) -> float:
@@ -130,14 +115,10 @@ def positive_share(axis: GantryAxis, machine: Plant, log: Log) -> float:
     the whole cogging, with the harmonics that C3 lacks.
     """
     parameters, motion = controller_parameters(axis, "C3"), reference(axis)
-    assert log.reference is not None
-    assert log.reference_velocity is not None
-    assert log.true_position is not None
-    assert log.true_velocity is not None
     assert isinstance(machine.cogging, CoggingModel)
     shown = log.time >= motion.end - motion.period
-    x, v = log.true_position[shown], log.true_velocity[shown]
-    x_d, v_d = log.reference[shown], log.reference_velocity[shown]
+    columns = (log.true_position, log.true_velocity, log.reference, log.reference_velocity)
+    x, v, x_d, v_d = (known(column)[shown] for column in columns)
     width = machine.axis.coulomb_width
     friction = machine.axis.viscous + machine.axis.coulomb * _quotient(
         smooth_sign(v, width) - smooth_sign(v_d, width), v - v_d, 2.0 * width / (np.pi * (width**2 + v_d**2))
@@ -171,16 +152,16 @@ def condition_table(axis: GantryAxis, machine: Plant, log: Log) -> Table:
         eigenvalue, rate = matrix_condition(axis, slope, share)
         rows.append(_row("eigenvalue", "SI", eigenvalue, case))
         rows.append(_row("decay_rate", "1/s", rate, case))
-    borne, gains = friction_slope_borne(axis), sufficient_gains(axis)
+    borne, gains = largest_friction_slope(axis), sufficient_gains(axis)
     least = float(least_feedback_gain(axis, axis.error_gain, steep, rough))
-    width = width_borne(axis)
+    width = least_width(axis)
     smooth = Plant(machine.axis.replace(coulomb_width=width), cogging=machine.cogging, encoder=machine.encoder)
     rows += [
         _row("g_f", "s/m", borne, "borne"),
         _row("speed", "m/s", speed_of_slope(borne), "from which g_f is borne"),
         _row("width", "m/s", width, "of an S_f that is borne"),
         _row("e_2", "m", _rms(axis, smooth, coulomb_width=width), "with that S_f", axis.error_rms[2]),
-        _row("slope_share", "1", cogging_slope_borne(axis), "borne without g_f"),
+        _row("slope_share", "1", largest_cogging_share(axis), "borne without g_f"),
         _row("sample_share", "1", positive_share(axis, machine, log), "positive in the run"),
         _row("k_s1", "V/(m/s)", least, "least at the printed k_1", axis.feedback_gain),
         _row("k_1", "1/s", gains["error_gain"], "sufficient gains", axis.error_gain),
@@ -191,9 +172,8 @@ def condition_table(axis: GantryAxis, machine: Plant, log: Log) -> Table:
 
 
 def _rms(axis: GantryAxis, machine: Plant, **changes: Any) -> float:
-    motion = reference(axis)
-    log = closed_loop(machine, Dcarc(controller_parameters(axis, "C3", **changes)), motion)
-    return indexes(log, motion)[1]
+    controller = Dcarc(controller_parameters(axis, "C3", **changes))
+    return float(last_move([controller], [machine], reference(axis)).indexes["error_rms"][0])
 
 
 def _row(index: str, unit: str, value: float, case: str, paper: float | None = None) -> Row:

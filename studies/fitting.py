@@ -1,22 +1,12 @@
-"""Fits positive quantities of a simulated setup to published numbers, and reads the fits that come with the package."""
+"""Fits positive quantities of a simulated setup to published numbers."""
 
 from __future__ import annotations
 
-import functools
-import importlib.resources
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.files import parse_toml
-
-
-@functools.cache
-def shipped_toml(package: str, name: str) -> dict[str, Any]:
-    """The content of a TOML file of cogging.papers or a package in it."""
-    return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))
 
 
 def fit_logarithms(

@@ -1,13 +1,14 @@
 """The setup of Xu and Yao 2001: printed numbers, plant, controllers, references and indexes of Table 1.
 
-Sources are cited as (Table 1), (eq. n), (section). What the paper does not report of the plant is calibrated on
-the PID columns (calibration.py).
+Sources are cited as (Table 1), (eq. n), (section). What the paper does not report is calibrated
+(studies.xu2001.calibration): the plant on the PID columns; plant, the adaptation's scale and what the ARC knew before
+on all columns.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from cogging._core import (
     FilteredSineParameters,
     OutputFeedbackArc,
     OutputFeedbackArcParameters,
+    Pid,
     PidParameters,
     Plant,
     PointToPoint,
@@ -32,7 +34,7 @@ from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.fitting import shipped_toml
+from cogging.papers.calibrated import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 SAMPLE_RATE = 2500.0  # Hz (section 4.3)
@@ -69,6 +71,27 @@ TABLE_1: dict[str, dict[str, tuple[float, ...]]] = {
     },
 }
 
+#: Models of the plant: what each holds fixed; 0 takes an effect away. A model is nested in those that fix less.
+LAWS: dict[str, dict[str, float]] = {
+    "smooth_stribeck": {},
+    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
+    "smooth_coulomb_without_offset": {"static_excess": 0.0, "stribeck_velocity": 0.01, "offset": 0.0},
+    "exact_stribeck": {"coulomb_width": 0.0},
+    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
+}
+JOINT_LAW = "smooth_coulomb_without_offset"
+#: Which numbers of Table 1 a fit takes: sets by controller.
+PID: Mapping[str, Sequence[str]] = {"PID": SETS}
+ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
+#: Which numbers take part in a held-out fit; the others are predicted.
+HELD_OUT: dict[str, Mapping[str, Sequence[str]]] = {
+    "set_2": {"PID": ("1", "3"), "ARC": ("1", "3")},
+    "arc_sets_2_3": {"PID": SETS, "ARC": ("1",)},
+}
+PERIOD = np.pi / 2.0  # s, of the sine of case 1
+#: du_rms = c_u u_rms is printed to one digit and takes no part.
+FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
+
 
 @dataclass(frozen=True)
 class Unknowns:
@@ -101,13 +124,10 @@ def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
 
 def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     """The machine of a set: payload in set 2, the 0.5 V step in set 3."""
-    fields = {
-        "mass": MASSES[set_name],
-        "viscous": VISCOUS,
-        "coulomb": unknowns.coulomb,
-        "coulomb_width": unknowns.coulomb_width,
-        "travel": list(TRAVEL),
-    }
+    coulomb, width = unknowns.coulomb, unknowns.coulomb_width
+    axis = AxisParameters(
+        mass=MASSES[set_name], viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL)
+    )
     listed: list[Any] = [
         effects.ConstantForce(force=unknowns.offset),
         effects.CommandDelay(delay=unknowns.delay),
@@ -120,28 +140,25 @@ def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     if set_name == "3":
         force, start, stop = DISTURBANCE
         listed.append(effects.DisturbanceStep(force=force, start=start, stop=stop))
-    return Plant(
-        AxisParameters(**{**fields, **axis_changes}),
-        effects=listed,
-        encoder=EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise),
-    )
+    encoder = EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise)
+    return Plant(axis.replace(**axis_changes), effects=listed, encoder=encoder)
 
 
 def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
     """The PID (57): three equal poles for M_min = 0.02, feedforward M(0) = 0.05, B(0) = 0.24, measured velocity."""
     kp, ki, kd = pid_gains([pole] * 3, PID_MASS)
-    fields = {
-        "sample_rate": SAMPLE_RATE,
-        "kp": kp,
-        "ki": ki,
-        "kd": kd,
-        "mass": 0.05,
-        "viscous": 0.24,
-        "coulomb": FRICTION_LEVEL,
-        "coulomb_width": FRICTION_WIDTH,
-        "feedforward_velocity": "measured",
-    }
-    return PidParameters(**{**fields, **changes})
+    printed = PidParameters(
+        sample_rate=SAMPLE_RATE,
+        kp=kp,
+        ki=ki,
+        kd=kd,
+        mass=0.05,
+        viscous=0.24,
+        coulomb=FRICTION_LEVEL,
+        coulomb_width=FRICTION_WIDTH,
+        feedforward_velocity="measured",
+    )
+    return printed.replace(**changes)
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
@@ -262,6 +279,67 @@ def after_earlier_runs(machine: Plant, controller: ListedController, earlier_run
     return controller
 
 
-def to_dict(unknowns: Unknowns) -> dict[str, float]:
-    """The unknowns by name."""
-    return asdict(unknowns)
+#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 3.
+PID_FREE = tuple(Unknowns.__dataclass_fields__)
+JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """One set of unreported conditions.
+
+    Attributes:
+        unknowns: of the plant.
+        adaptation_factor: on the printed rates Gamma (section 4.3); 1 = as printed.
+        earlier_runs: of the same set, from which the ARC keeps theta_1 and theta_2 (setup.after_earlier_runs);
+            0 = each set begins with the printed theta_hat(0).
+        changes: further numbers of the ARC that are not as printed, by field.
+    """
+
+    unknowns: Unknowns
+    adaptation_factor: float = 1.0
+    earlier_runs: int = 0
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def arc_parameters(self) -> OutputFeedbackArcParameters:
+        """The ARC of the first of the runs."""
+        printed = arc_parameters()
+        fields = {"adaptation": [self.adaptation_factor * rate for rate in printed.adaptation]}
+        return printed.replace(**{**fields, **self.changes})
+
+    def controller(self, name: str) -> ListedController:
+        """A controller of Table 1, as it begins the first of the runs."""
+        return Pid(pid_parameters()) if name == "PID" else OutputFeedbackArc(self.arc_parameters())
+
+    def logs(self, controller: str, seed: int = SEED) -> dict[str, Log]:
+        """The recorded runs of a controller of Table 1, by set."""
+        return run(self.unknowns, self.controller(controller), seed=seed, earlier_runs=self.earlier_runs)
+
+    def by_seed(self, controller: str, sets: Sequence[str] = SETS, seeds: Sequence[int] = SEEDS) -> FloatArray:
+        """The indexes of a controller of Table 1 by set, seed of the encoder noise and index, (sets, seeds, 6)."""
+        made, runs = self.controller(controller), self.earlier_runs
+        return indexes_by_seed(self.unknowns, made, seeds=seeds, sets=sets, earlier_runs=runs)
+
+    def table(self) -> dict[str, FloatArray]:
+        """The means of the indexes over SEEDS by controller, (3, 6)."""
+        return {controller: self.by_seed(controller).mean(axis=1) for controller in CONTROLLERS}
+
+
+def shipped_file() -> dict[str, Any]:
+    """What plant.toml holds."""
+    return shipped_toml("cogging.papers.xu2001", "plant.toml")
+
+
+def conditions_of(part: Mapping[str, Any]) -> Conditions:
+    """The conditions that a part of plant.toml states."""
+    return Conditions(
+        Unknowns(**part["unknowns"]),
+        part.get("adaptation_factor", 1.0),
+        part.get("earlier_runs", 0),
+        part.get("changes", {}),
+    )
+
+
+def joint_conditions(law: str = JOINT_LAW) -> Conditions:
+    """The conditions that are fitted to all numbers of Table 1, by friction law: those of the reproduced table."""
+    return conditions_of(shipped_file()["joint"][law])

@@ -1,0 +1,15 @@
+"""What studies calibrated and comes with the package as TOML files."""
+
+from __future__ import annotations
+
+import functools
+import importlib.resources
+from typing import Any
+
+from cogging.files import parse_toml
+
+
+@functools.cache
+def shipped_toml(package: str, name: str) -> dict[str, Any]:
+    """The content of a TOML file of cogging.papers or a package in it."""
+    return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))

@@ -1,0 +1,37 @@
+"""All three papers: every number of every table is the committed one, every step is reported, all is written."""
+
+import json
+
+import pytest
+
+from cogging.cli.main import main
+from cogging.papers import lu2008, malaize2009, xu2001
+from cogging.papers.reproduction import PAPERS
+from tests.fixtures.reproduced import reproduced, with_progress
+from tests.papers.numbers import FILE, numbers
+
+ROUGH = {"theorem_3": 0.5}  # where a solver's digits differ by machine
+
+
+@pytest.mark.parametrize("paper", PAPERS)
+def test_every_number_is_the_committed_one(paper):
+    committed, found = json.loads(FILE.read_text())[paper], numbers(reproduced(paper).to_dict())
+    assert found.keys() == committed.keys()
+    for name, values in committed.items():
+        assert found[name] == pytest.approx(values, rel=ROUGH.get(name, 0.02), nan_ok=True), name
+
+
+def test_each_step_is_reported_in_its_order():
+    for package in (lu2008, malaize2009, xu2001):
+        assert with_progress(package.__name__.rpartition(".")[2])[1] == package.STEPS
+
+
+def test_the_command_writes_tables_and_figures(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: reproduced(paper))
+    assert main(["reproduce", "lu2008", "--out", str(tmp_path)]) == 0
+    assert {"calibrated", "predicted"} <= set(capsys.readouterr().out.split())
+    document = json.loads((tmp_path / "lu2008.json").read_text())
+    assert document == json.loads(json.dumps(reproduced("lu2008").to_dict()))
+    stated = {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}
+    assert document["tables"][0]["rows"][0].items() >= stated.items()
+    assert {path.stem for path in tmp_path.glob("*.png")} == set(reproduced("lu2008").figures)
