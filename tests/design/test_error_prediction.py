@@ -189,9 +189,9 @@ def test_drawn_machines_are_valid_and_move_only_what_has_an_interval():
 def test_covariance_is_drawn():
     paths = ["axis.viscous", "axis.mass"]
     wanted = np.array([[1e-4, 0.9e-5], [0.9e-5, 1e-6]])
-    drawn = [made.model.axis for made in drawn_machines(Intervals(machine()), 4000, 0, (paths, wanted))[0]]
+    drawn = [made.model.axis for made in drawn_machines(Intervals(machine()), 2000, 0, (paths, wanted))[0]]
     found = np.cov([[axis.viscous for axis in drawn], [axis.mass for axis in drawn]])
-    np.testing.assert_allclose(found, wanted, rtol=0.08)
+    np.testing.assert_allclose(found, wanted, rtol=0.1)
     assert np.std([axis.coulomb for axis in drawn]) == pytest.approx(0.05 / 1.96, rel=0.05), "by its interval"
 
 
@@ -209,7 +209,7 @@ def test_an_infinite_interval_is_said_and_what_is_known_is_predicted(folder, cap
     held = predict_error(
         known.replace(intervals={**known.intervals, "axis.mass": (0.12, 0.12)}), REFERENCE, ["own"], samples=4
     )
-    assert found["own"] == held["own"]
+    np.testing.assert_array_equal(found["own"].rms.values, held["own"].rms.values)
     given = predict_error(open_ended, REFERENCE, ["own"], samples=4, default={"axis.mass": (0.1, 0.14)})
     assert set(given.machines) == {*WIDTHS, "seed"}
     open_ended.write(folder / "open.toml")
