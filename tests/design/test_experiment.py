@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import norm
 
 import cogging
+from cogging.design import experiment_plan
 from cogging.design.experiment_motion import SURVEY, Look, Machine, shapes
 from cogging.design.experiment_plan import detect, explained, fit, found_in, frequency, separate
 from cogging.diagnosis.balance.decision import THRESHOLD, score_of
@@ -219,8 +220,17 @@ def test_a_result_that_cannot_be_used_is_refused(wrong, said):
 HARMONIC = result(entry("cogging_harmonic", "encoder_periodic_error", period=0.03, sine=0.0015, cosine=0.0))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds():
+    """A third of the motions that are drawn otherwise."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(experiment_plan, "ROUNDS", 3)
+        patch.setattr(experiment_plan, "FRESH", 2)
+        yield
+
+
 @pytest.fixture(scope="module")
-def plan():
+def plan(few_rounds):
     """For a small harmonic of force that a log took for an error of the encoder, or the other way round."""
     return cogging.plan_experiment(SMALL, cogging.MotionLimits(0.5, 5.0, 5.0, jerk=500.0), result=HARMONIC)
 
