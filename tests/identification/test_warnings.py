@@ -74,7 +74,7 @@ def cut(case, seconds):
 def test_hidden_effects_in_the_large_are_said_and_their_intervals_hold_or_are_refused():
     """One to nine tenths of the command: the intervals without what is missing would hold the truth in 4 of 5 cases."""
     held, asked, silent = [], 0, []
-    for seed in range(800, 804):
+    for seed in range(800, 806):
         found = outcome_of(cut(draw_hidden(seed), 6.0))
         asked += len(found.standing)
         held += [abs(entry.error) <= 1.0 for entry in found.standing.values() if entry is not None]

@@ -95,7 +95,7 @@ def identify(
     if not given:
         raise ValueError("logs: must be at least 1, got 0")
     called = list(names or [f"log {i + 1}" if isinstance(g, Log) else os.fspath(g) for i, g in enumerate(given)])
-    added = list(added_commands or [None] * len(given))
+    added: list[npt.ArrayLike | None] = list(added_commands or [None] * len(given))
     for field, entries in (("names", called), ("added_commands", added)):
         if len(entries) != len(given):
             raise ValueError(f"{field}: must be one for each of {len(given)} logs, got {len(entries)}")

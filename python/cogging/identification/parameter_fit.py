@@ -232,7 +232,7 @@ class ParameterFit:
                 refit(f"below {other:g} Hz", [(run.log, run.hold) for run in self.runs], other, self.simulate)
         if cutoff <= 0.2 / (FURTHER * step):
             logs = [(thinned(r.log), r.hold or b.sample_time) for r, b in zip(self.runs, self.balances, strict=True)]
-            fewer = [None if run is None else lambda model, run=run: thinned(run(model)) for run in self.simulate]
+            fewer = [None if run is None else _thinned_run(run) for run in self.simulate]
             refit("with every second row", logs, cutoff, fewer)
         return found
 
@@ -410,3 +410,8 @@ def thinned(log: Log) -> Log:
     first = columns["command"][::2]
     second = np.append(columns["command"][1::2], first[-1:])[: len(first)]
     return Log.of({**{name: column[::2] for name, column in columns.items()}, "command": 0.5 * (first + second)})
+
+
+def _thinned_run(run: Simulator) -> Simulator:
+    """Return a simulator whose logs have every second row."""
+    return lambda model: thinned(run(model))
