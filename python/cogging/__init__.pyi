@@ -57,7 +57,7 @@ from cogging.model.controller import Controller, ReferencePoint
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.design.tuning import tune
-from cogging.design.tuning import Tuning
+from cogging.design.tuning_result import Tuning
 from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers.reproduction import compare, reproduce
 from cogging.model.parameters import parameters_of

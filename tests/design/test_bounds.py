@@ -1,5 +1,6 @@
 """From intervals to controllers: what the bounds are, what is designed from them, and what is refused."""
 
+import itertools
 import math
 
 import numpy as np
@@ -7,7 +8,6 @@ import pytest
 
 import cogging
 from cogging.design.bounds import periods_of, pitch_and_harmonics
-from cogging.model.intervals import Intervals
 from cogging.papers.lu2008 import gantry as lu2008
 from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
 
@@ -73,10 +73,6 @@ def test_missing_intervals_fall_back_on_the_uncertainty_and_say_so():
     assert "axis.mass" not in said
 
 
-def test_a_wide_uncertainty_is_cut_where_the_field_ends():
-    assert cogging.Bounds.of(model(intervals=INTERVALS | {"axis.coulomb": (-0.2, 0.5)})).coulomb == (0.0, 0.5)
-
-
 @pytest.mark.parametrize(
     ("path", "words"),
     [
@@ -110,14 +106,6 @@ def test_the_longest_default_that_fits_counts():
     assert bounds.cogging == (-0.4, 0.4)
 
 
-def test_infinite_intervals_survive_a_file(tmp_path):
-    machine = model(intervals=INTERVALS | {"axis.coulomb_width": (-math.inf, math.inf)})
-    machine.write(tmp_path / "model.toml")
-    again = cogging.Model.read(tmp_path / "model.toml")
-    assert again.intervals == machine.intervals
-    assert cogging.Bounds.of(again).mass == (0.1, 0.2), "the width of the friction is no bound"
-
-
 REFUSED = {
     "nothing known": (model(intervals={}), {}, r"axis\.mass: needs an interval in \[bounds\], a 1-sigma"),
     "value outside": (
@@ -132,7 +120,6 @@ REFUSED = {
     ),
     "unknown path": (model(intervals={"axis.weight": (1, 2)}), {}, r"bounds\.axis\.weight: must be a parameter"),
     "unknown default": (model(), {"default": {"axle": (0, 1)}}, r"default\['axle'\]: must be a parameter"),
-    "beginning of a word": (model(), {"default": {"axis.mas": (0, 1)}}, r"default\['axis\.mas'\]: must be"),
     "default in disorder": (model(), {"default": {"axis.mass": (1, 0)}}, r"default\['axis\.mass'\]: must be \(lower"),
     "infinite default": (model(), {"default": {"disturbance": (0, math.inf)}}, r"default\['disturbance'\]: must be"),
     "velocity": (model(), {"velocity_max": 0.0}, r"velocity_max: must be finite and above 0, got 0\.0"),
@@ -146,16 +133,11 @@ def test_refuses(case):
         cogging.Bounds.of(machine, **arguments)
 
 
-def test_a_digit_lost_in_a_file_is_no_error():
-    assert Intervals(model(intervals={"axis.mass": (0.12 * (1 + 1e-12), 0.2)})).of("axis.mass")[0] == 0.12
-
-
 # The disturbance ------------------------------------------------------------------------------------------------------
 
 SINE = {"period": 0.02, "sine": 0.3, "cosine": 0.4}
 FORCES = {
     "constant": (cogging.effects.ConstantForce(force=-0.3), -0.3, -0.3),
-    "spring over the travel": (cogging.effects.CableSpring(stiffness=2.0, center=0.1), -0.82, 0.2),
     "harmonic": (cogging.effects.CoggingHarmonic(**SINE), -0.5, 0.5),
     "drag at both speeds": (cogging.effects.QuadraticDrag(coefficient=0.3), -0.3 * 4, 0.3 * 4),
     "step that comes late": (cogging.effects.DisturbanceStep(force=0.5, start=22.0, stop=23.0), 0.0, 0.5),
@@ -227,14 +209,11 @@ def test_the_rule_gives_the_gains_of_lu2008():
         assert getattr(found, f"cogging_{name}") == getattr(printed, f"cogging_{name}")
 
 
-@pytest.mark.parametrize("mass_high", [0.13, 0.2, 0.5, 3.0])
-@pytest.mark.parametrize("viscous_high", [0.2, 5.0, 100.0])
+@pytest.mark.parametrize(("mass_high", "viscous_high"), [(0.13, 100.0), (0.5, 5.0), (3.0, 0.2), (3.0, 100.0)])
 def test_gains_are_admissible_without_slopes(mass_high, viscous_high):
     widths = INTERVALS | {"axis.mass": (0.01, mass_high), "axis.viscous": (0.0, viscous_high)}
     parameters = cogging.Bounds.of(model(intervals=widths)).adaptive_robust()
-    smallest, rate = cogging.desired_compensation_condition(parameters, friction_slope=0.0, cogging_slope=0.0)
-    assert smallest > 0.0
-    assert rate > 0.0
+    assert min(cogging.desired_compensation_condition(parameters, friction_slope=0.0, cogging_slope=0.0)) > 0.0
 
 
 def test_condition_looks_at_the_steepest_friction_and_cogging():
@@ -248,16 +227,6 @@ def test_condition_looks_at_the_steepest_friction_and_cogging():
     )
     assert bounds.condition(gentle) == pytest.approx(expected)
     assert bounds.condition(bounds.adaptive_robust(coulomb_width=0.0)) == (-math.inf, -math.inf)
-
-
-def test_cogging_estimates_are_the_models():
-    """A controller that believes the truth pushes back the whole cogging: its command holds the axis."""
-    force = three_harmonics(points=13)
-    parameters = cogging.Bounds.of(model(cogging=force)).adaptive_robust()
-    assert parameters.cogging_estimates == force.coefficients.tolist()
-    for position in (0.03, 0.2, 0.444):
-        controller = cogging.Dcarc(parameters)
-        assert controller.command(reference=position, reading=position) == pytest.approx(force.force(position))
 
 
 def test_periods_become_harmonics_of_a_common_pitch():
@@ -276,15 +245,10 @@ def test_periods_become_harmonics_of_a_common_pitch():
         pitch_and_harmonics(cogging.SplineHarmonics(periods=[0.024, 0.016], pitch=0.05, control_points=4))
 
 
-def test_pid_has_its_poles_for_the_smallest_mass():
-    parameters = cogging.Bounds.of(model()).pid(bandwidth=150.0)
-    np.testing.assert_allclose(
-        cogging.pid_poles(parameters.kp, parameters.ki, parameters.kd, 0.1), [-150.0] * 3, rtol=1e-4
-    )
-    assert (parameters.mass, parameters.viscous, parameters.coulomb) == (0.12, 0.166, 0.15)
-
-
-def test_cascade_is_never_underdamped_and_does_not_lag():
+def test_pid_has_its_poles_for_the_smallest_mass_and_cascade_is_never_underdamped():
+    pid = cogging.Bounds.of(model()).pid(bandwidth=150.0)
+    np.testing.assert_allclose(cogging.pid_poles(pid.kp, pid.ki, pid.kd, 0.1), [-150.0] * 3, rtol=1e-4)
+    assert (pid.mass, pid.viscous, pid.coulomb) == (0.12, 0.166, 0.15)
     parameters = cogging.Bounds.of(model()).cascade(bandwidth=150.0)
     np.testing.assert_allclose(np.roots([0.2, parameters.kv, parameters.kv * parameters.kp]), [-150] * 2, rtol=1e-6)
     for mass in (0.1, 0.15, 0.2):
@@ -298,20 +262,10 @@ def test_cascade_is_never_underdamped_and_does_not_lag():
 def test_output_feedback_is_the_papers_at_its_bandwidth_and_mass():
     printed = xu2001_setup.arc_parameters()
     axis = cogging.AxisParameters(mass=1 / 30, viscous=1 / 3, coulomb=0.1, coulomb_width=1 / 900)
-    known = {"mass": 0.0, "viscous": 0.0, "coulomb": 0.0}
-    found = cogging.Bounds.of(cogging.Model(axis, uncertainty=known)).output_feedback(
-        bandwidth=300.0, sample_rate=2500.0
-    )
-    for name in (
-        "observer_gain_1",
-        "observer_gain_2",
-        "gain_1",
-        "gain_2",
-        "weight_1",
-        "weight_2",
-        "theta",
-        "adaptation",
-    ):
+    exact = cogging.Model(axis, uncertainty={"mass": 0.0, "viscous": 0.0, "coulomb": 0.0})
+    found = cogging.Bounds.of(exact).output_feedback(bandwidth=300.0, sample_rate=2500.0)
+    gains = ("observer_gain_1", "observer_gain_2", "gain_1", "gain_2", "weight_1", "weight_2", "theta", "adaptation")
+    for name in gains:
         assert getattr(found, name) == pytest.approx(getattr(printed, name)), name
 
 
@@ -328,18 +282,6 @@ def test_output_feedback_bounds_hold_every_quotient():
         assert np.all(theta <= parameters.theta_max)
 
 
-def test_output_feedback_scales_with_the_units_of_command_and_time():
-    """A mass in other units or a bandwidth in other seconds: the same motion, where nothing else sets a scale."""
-    reference = {"type": "filtered_sine", "amplitude": 0.05, "frequency": 0.5, "duration": 2.0}
-    errors = []
-    for unit in (1.0, 7.0):
-        axis = cogging.AxisParameters(mass=0.12 * unit, viscous=0.166 * unit, travel=[-0.5, 0.5])
-        machine = cogging.Model(axis, uncertainty={"mass": 0.1, "viscous": 0.1, "coulomb": 0.0})
-        parameters = cogging.Bounds.of(machine, default={"disturbance": (-unit, unit)}).output_feedback()
-        errors.append(cogging.simulate(machine, reference, controller=cogging.OutputFeedbackArc(parameters)).error)
-    np.testing.assert_allclose(errors[0], errors[1], rtol=1e-4, atol=1e-12)
-
-
 def test_observer_design_data():
     bounds = cogging.Bounds.of(model(cogging=three_harmonics()), default={"cogging": (-0.2, 0.2)})
     problem = bounds.observer_problem(0.1, 0.4, bandwidth=300.0, decay_rate=4.0)
@@ -353,17 +295,6 @@ def test_observer_design_data():
         cogging.Bounds.of(model()).observer_problem(0.1, 0.5)
     with pytest.raises(ValueError, match=r"^velocity_min: must be above 0"):
         bounds.observer_problem(0.0, 0.5)
-
-
-def test_observer_based_from_a_certified_design():
-    bounds = cogging.Bounds.of(model(cogging=three_harmonics()), default={"cogging": (-0.2, 0.2)})
-    problem = bounds.observer_problem(0.125, 0.5)
-    design = cogging.design_observer(problem)
-    parameters = bounds.observer_based(problem, design, command_limit=5.0)
-    assert parameters.observer_gain == design.observer_gain.tolist()
-    assert parameters.position_gain == 200.0**2
-    assert parameters.command_limit == 5.0
-    cogging.ObserverBased(parameters)
 
 
 def test_sample_rate_and_overrides():
@@ -397,13 +328,16 @@ def test_every_controller_holds_every_corner_of_the_bounds():
         "dcarc": cogging.Dcarc(machine.adaptive_robust()),
         "output_feedback_arc": cogging.OutputFeedbackArc(machine.output_feedback()),
     }
-    for mass in machine.mass:
-        for viscous in machine.viscous:
-            for coulomb in machine.coulomb:
-                axis = AXIS.replace(mass=mass, viscous=viscous, coulomb=coulomb)
-                truth = cogging.Plant(
-                    axis, cogging=three_harmonics(), effects=[cogging.effects.ConstantForce(force=0.2)]
-                )
-                for name, controller in designs.items():
-                    log = cogging.closed_loop(truth, controller, reference)
-                    assert np.abs(log.position - log.reference).max() < 5e-3, (name, mass, viscous, coulomb)
+    problem = machine.observer_problem(0.1, 0.4)
+    certified = cogging.design_observer(problem)
+    parameters = machine.observer_based(problem, certified, command_limit=50.0)
+    assert parameters.observer_gain == certified.observer_gain.tolist()
+    assert (parameters.position_gain, parameters.command_limit) == (200.0**2, 50.0)
+    cogging.ObserverBased(parameters)
+    for corner in itertools.product(machine.mass, machine.viscous, machine.coulomb):
+        axis = AXIS.replace(**dict(zip(("mass", "viscous", "coulomb"), corner, strict=True)))
+        offset = [cogging.effects.ConstantForce(force=0.2)]
+        truth = cogging.Plant(axis, cogging=three_harmonics(), effects=offset)
+        for name, controller in designs.items():
+            log = cogging.closed_loop(truth, controller, reference)
+            assert np.abs(log.position - log.reference).max() < 5e-3, (name, corner)

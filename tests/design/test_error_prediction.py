@@ -9,8 +9,8 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.design import error_prediction
-from cogging.design.error_prediction import covariance_root, draw, drawn_machines, predict_error
-from cogging.model.intervals import SIGMAS_95, Intervals
+from cogging.design.error_prediction import drawn_machines, predict_error
+from cogging.model.intervals import Intervals
 from cogging.model.parameters import with_values
 
 SAMPLE_RATE = 1000.0
@@ -58,29 +58,18 @@ def held_out_rms(count, seed):
 
 
 def test_intervals_hold_the_errors_of_machines_drawn_elsewhere():
-    """In 40 predictions of 40 machines against 400 others: 95 % within, and half of them below the median."""
-    truths = held_out_rms(400, seed=11)
+    """In 20 predictions of 40 machines against 200 others: 95 % within, and half of them below the median."""
+    truths = held_out_rms(200, seed=11)
     inside, below = [], []
-    for seed in range(40):
+    for seed in range(20):
         found = predict_error(machine(), REFERENCE, ["own"], seed=seed)["own"].rms
         low, high = found.interval
         inside.append(np.mean((truths >= low) & (truths <= high)))
         below.append(np.mean(truths < found.median))
-    share = np.mean(inside)
-    print(f"{share:.3f} of the machines within the interval")
-    # sigma: sqrt(0.95 0.05 / 400) of the machines and sqrt(0.95 0.05 / 42 / 40) of the predictions.
-    assert abs(share - 0.95) < 3 * math.hypot(0.0109, 0.0053)
-    # A median of 40 varies by sqrt(0.25 / 40), that of 40 of them together by a sixth of it.
-    assert abs(np.mean(below) - 0.5) < 3 * math.hypot(math.sqrt(0.25 / 400), math.sqrt(0.25 / 40 / 40))
-
-
-def test_wider_intervals_of_the_model_widen_those_of_the_error():
-    spans = []
-    for width in (0.05, 0.3, 1.0, 2.0):
-        found = predict_error(machine(width), REFERENCE, ["own"], samples=60)["own"]
-        spans.append([np.ptp(found.rms.interval), np.ptp(found.max.interval)])
-    assert np.all(np.diff(spans, axis=0) > 0.0)
-    assert spans[-1][0] > 5 * spans[0][0]
+    # sigma: sqrt(0.95 0.05 / 200) of the machines and sqrt(0.95 0.05 / 42 / 20) of the predictions.
+    assert abs(np.mean(inside) - 0.95) < 3 * math.hypot(0.0154, 0.0075)
+    # A median of 40 varies by sqrt(0.25 / 40), that of 20 of them together by less than a quarter of it.
+    assert abs(np.mean(below) - 0.5) < 3 * math.hypot(math.sqrt(0.25 / 200), math.sqrt(0.25 / 40 / 20))
 
 
 def test_an_exact_model_without_noise_has_one_error():
@@ -134,7 +123,7 @@ def test_few_rows_at_a_time_change_nothing(monkeypatch):
 
 
 def test_all_controllers_of_the_library_are_predicted():
-    found = predict_error(machine(), REFERENCE, samples=5, bandwidth=200.0)
+    found = predict_error(machine(), REFERENCE, samples=3, bandwidth=200.0)
     assert [entry.name for entry in found.controllers] == ["own", *error_prediction.DESIGNED]
     errors = {entry.name: entry.rms.median for entry in found.controllers}
     assert max(errors.values()) < 1e-3
@@ -165,26 +154,19 @@ def test_without_bounds_the_own_controller_is_predicted_and_the_rest_left_out():
         predict_error(unknown.replace(controller=None, controller_type=None), REFERENCE, samples=3)
 
 
-def test_given_controllers():
-    made = cogging.Pid(machine().controller.replace(mass=0.12))
-    found = predict_error(machine(), REFERENCE, {"mine": made, "theirs": machine().make_controller()}, samples=4)
-    assert found["mine"].rms.median < found["theirs"].rms.median
-    with pytest.raises(KeyError):
-        found["own"]
-
-
 def test_diverged_runs_are_infinite():
     """A derivative gain that a sampled mass bears only if it is heavy: some machines diverge, and are counted."""
     edge = machine(
         controller=cogging.PidParameters(sample_rate=SAMPLE_RATE, kp=2400.0, kd=240.0),
         intervals={"axis.mass": (0.08, 0.16)},
     )
-    found = predict_error(edge, REFERENCE, ["own"], samples=60)["own"]
+    prediction = predict_error(edge, REFERENCE, ["own"], samples=40)
+    found = prediction["own"]
     assert 0.1 < found.diverged < 0.9
     assert np.mean(np.isinf(found.rms.values)) == found.diverged
     assert found.rms.interval[1] == math.inf
     assert math.isfinite(found.rms.interval[0])
-    entry = predict_error(edge, REFERENCE, ["own"], samples=60).to_dict()["controllers"][0]
+    entry = prediction.to_dict()["controllers"][0]
     assert entry["rms"]["interval"][1] is None
     json.dumps(entry, allow_nan=False)
 
@@ -192,34 +174,47 @@ def test_diverged_runs_are_infinite():
 # What is drawn --------------------------------------------------------------------------------------------------------
 
 
-def test_draws_hold_their_intervals():
-    normals = np.random.default_rng(3).standard_normal(20_000)
-    values = np.array([draw(1.0, (0.9, 1.4), z) for z in normals])
-    assert np.median(values) == pytest.approx(1.0, abs=5e-3)
-    assert np.mean((values >= 0.9) & (values <= 1.4)) == pytest.approx(0.95, abs=0.005)
-    assert draw(1.0, (0.9, 1.4), SIGMAS_95) == pytest.approx(1.4)
-    assert draw(1.0, (0.9, 1.4), -SIGMAS_95) == pytest.approx(0.9)
-
-
 def test_drawn_machines_are_valid_and_move_only_what_has_an_interval():
-    wide = machine(intervals={"axis.coulomb": (-0.3, 0.6), "axis.viscous": (0.166, 0.166)})
-    machines = [made for made, _ in drawn_machines(Intervals(wide), 200, 0)]
-    coulomb = np.array([made.axis.coulomb for made in machines])
-    assert coulomb.min() >= 0.0
-    assert coulomb.std() > 0.1
-    assert {made.axis.viscous for made in machines} == {0.166}
-    assert {made.axis.mass for made in machines} == {0.12}
-    seeds = [seed for _, seed in drawn_machines(Intervals(wide), 200, 0)]
-    assert len(set(seeds)) == 200
+    wide = machine(intervals={"axis.coulomb": (-0.3, 0.6), "axis.viscous": (0.166, 0.166), "axis.mass": (0.11, 0.16)})
+    machines = drawn_machines(Intervals(wide), 1000, 0)[0]
+    assert min(made.model.axis.coulomb for made in machines) >= 0.0
+    assert np.std([made.model.axis.coulomb for made in machines]) > 0.1
+    mass = np.array([made.model.axis.mass for made in machines])
+    assert np.median(mass) == pytest.approx(0.12, abs=1e-3)
+    assert np.mean((mass >= 0.11) & (mass <= 0.16)) == pytest.approx(0.95, abs=0.02)
+    assert {made.model.axis.viscous for made in machines} == {0.166}
+    assert len({made.seed for made in machines}) == 1000
 
 
 def test_covariance_is_drawn():
-    paths = ["axis.mass", "axis.viscous"]
-    wanted = np.array([[1e-6, 0.9e-5], [0.9e-5, 1e-4]])
-    drawn = [m for m, _ in drawn_machines(Intervals(machine()), 4000, 0, (paths, wanted))]
-    found = np.cov([[m.axis.mass for m in drawn], [m.axis.viscous for m in drawn]])
-    np.testing.assert_allclose(found, wanted, rtol=0.08)
-    assert np.std([m.axis.coulomb for m in drawn]) == pytest.approx(0.05 / 1.96, rel=0.05), "by its interval"
+    paths = ["axis.viscous", "axis.mass"]
+    wanted = np.array([[1e-4, 0.9e-5], [0.9e-5, 1e-6]])
+    drawn = [made.model.axis for made in drawn_machines(Intervals(machine()), 2000, 0, (paths, wanted))[0]]
+    found = np.cov([[axis.viscous for axis in drawn], [axis.mass for axis in drawn]])
+    np.testing.assert_allclose(found, wanted, rtol=0.1)
+    assert np.std([axis.coulomb for axis in drawn]) == pytest.approx(0.05 / 1.96, rel=0.05), "by its interval"
+
+
+def test_an_infinite_interval_is_said_and_what_is_known_is_predicted(folder, capsys):
+    """As `identify` leaves a mass that the logs do not determine."""
+    known = machine()
+    open_ended = known.replace(intervals={**known.intervals, "axis.mass": (-math.inf, math.inf)})
+    found = predict_error(open_ended, REFERENCE, samples=4)
+    assert found.notes[0].startswith(
+        "axis.mass held at 0.12: the interval of the error is unbounded. axis.mass: the logs"
+    )
+    assert "measure it with a log with larger accelerations" in found.notes[0]
+    assert "controllers from the bounds left out: axis.mass" in found.text()
+    assert set(found.machines) == {*WIDTHS, "seed"} - {"axis.mass"}
+    held = predict_error(
+        known.replace(intervals={**known.intervals, "axis.mass": (0.12, 0.12)}), REFERENCE, ["own"], samples=4
+    )
+    np.testing.assert_array_equal(found["own"].rms.values, held["own"].rms.values)
+    given = predict_error(open_ended, REFERENCE, ["own"], samples=4, default={"axis.mass": (0.1, 0.14)})
+    assert set(given.machines) == {*WIDTHS, "seed"}
+    open_ended.write(folder / "open.toml")
+    assert main(["predict", "open.toml", "--reference", "ref.toml", "--samples", "2"]) == 0
+    assert "experiment --model open.toml --goal fit" in capsys.readouterr().out
 
 
 def test_what_trades_against_each_other_spreads_the_error_less():
@@ -229,76 +224,62 @@ def test_what_trades_against_each_other_spreads_the_error_less():
     alone = np.diag(sigma**2)
     trade = alone - 0.98 * (np.outer(sigma, sigma) - alone)
     spans = [
-        np.ptp(predict_error(machine(), REFERENCE, ["own"], covariance=(paths, matrix), samples=60)["own"].rms.interval)
+        np.ptp(predict_error(machine(), REFERENCE, ["own"], covariance=(paths, matrix), samples=40)["own"].rms.interval)
         for matrix in (alone + 0.98 * (np.outer(sigma, sigma) - alone), alone, trade)
     ]
     assert spans[0] > spans[1] > spans[2]
 
 
-def test_covariance_root():
-    known = ("a", "b", "c")
-    _, root = covariance_root((["c", "a"], [[4.0, 0.0], [0.0, 0.0]]), known)
-    np.testing.assert_allclose(root @ root.T, [[4.0, 0.0], [0.0, 0.0]], atol=1e-12)
-    for paths, matrix, message in (
-        (["d"], [[1.0]], "'d' must be a parameter"),
-        (["a", "a"], np.eye(2), "each path must be given once"),
-        (["a"], np.eye(2), r"must be finite, \(1, 1\), got \(2, 2\)"),
-        (["a"], [[math.nan]], "must be finite"),
-        (["a", "b"], [[1.0, 0.5], [0.0, 1.0]], "must be symmetric"),
-        (["a", "b"], [[1.0, 2.0], [2.0, 1.0]], "no negative eigenvalue, got -1"),
-    ):
-        with pytest.raises(ValueError, match=f"^covariance: .*{message}"):
-            covariance_root((paths, matrix), known)
-
-
 def test_quantiles_of_few_samples():
     """Order statistic share (n + 1): between two values of 39 the next lies with 38 / 40; fewer cannot say so."""
-    values = np.random.default_rng(0).permutation(np.arange(39.0))
-    assert error_prediction._quantile(values, 0.025) == pytest.approx(0.0)
-    assert error_prediction._quantile(values, 0.975) == pytest.approx(38.0)
-    assert error_prediction._quantile(values, 0.5) == 19.0
-    assert error_prediction._quantile(np.array([3.0, 1.0]), 0.025) == 1.0
-    assert error_prediction._quantile(np.array([1.0, math.inf, math.inf]), 0.5) == math.inf
-    assert error_prediction._quantile(np.array([1.0, 2.0, math.inf]), 0.6) == math.inf
-    assert predict_error(machine(), REFERENCE, ["own"], samples=9).coverage == pytest.approx(0.8)
+    for samples, coverage in ((9, 0.8), (39, 0.95)):
+        found = predict_error(machine(), REFERENCE, ["own"], samples=samples)
+        values = np.sort(found["own"].rms.values)
+        assert found["own"].rms.interval == pytest.approx((values[0], values[-1]))
+        assert found["own"].rms.median == values[samples // 2]
+        assert found.coverage == pytest.approx(coverage)
 
 
 WINDOWS = {
-    "three there and back": (cogging.PointToPointParameters(distance=0.1, dwell=0.1, repeats=3), 0.0, "last"),
-    "one there and back": (cogging.PointToPointParameters(distance=0.1, dwell=0.1), 0.0, "whole"),
-    "longer than the motion": (cogging.PointToPointParameters(distance=0.1, repeats=2), 50.0, "last"),
+    "three there and back": ({"distance": 0.1, "dwell": 0.1, "repeats": 3}, 0.0, "last"),
+    "one there and back": ({"distance": 0.1, "dwell": 0.1}, 0.0, "whole"),
+    "longer than the motion": ({"distance": 0.1, "repeats": 2}, 5.0, "last"),
 }
 
 
 @pytest.mark.parametrize("name", WINDOWS)
 def test_window_is_the_last_period_or_the_whole_run(name):
     parameters, duration, kind = WINDOWS[name]
-    motion = cogging.PointToPoint(parameters)
-    end = duration or motion.end
+    motion = cogging.PointToPoint(cogging.PointToPointParameters(start=0.1, **parameters))
+    found = predict_error(machine(), motion, ["own"], samples=2, duration=duration)
     start = motion.end - motion.period if kind == "last" else 0.0
-    assert error_prediction._window(motion, end) == pytest.approx((start, end))
+    assert found.window == pytest.approx((start, duration or motion.end))
 
 
 # What is refused ------------------------------------------------------------------------------------------------------
 
 REFUSED = {
     "samples": ({"samples": 1}, r"samples: must be a whole number of at least 2, got 1"),
-    "samples not whole": ({"samples": 2.5}, r"samples: must be a whole number of at least 2, got 2\.5"),
     "seed": ({"seed": -1}, r"seed: must be a whole number of at least 0, got -1"),
     "threads": ({"threads": True}, r"threads: must be a whole number of at least 0, got True"),
     "duration": ({"duration": -1.0}, r"duration: must be finite and at least 0, got -1\.0"),
     "no end": ({"reference": cogging.Sine(cogging.SineParameters())}, r"duration: must be given for a motion without"),
     "name": ({"controllers": ["pdi"]}, r"controllers: each must be one of own, pid, .*, got 'pdi'"),
-    "names twice": ({"controllers": ["pid", "pid"]}, r"controllers: must be a list of different names"),
     "one text": ({"controllers": "pid"}, r"controllers: must be a list of different names, got 'pid'"),
-    "none": ({"controllers": []}, r"controllers: must be a list of different names"),
     "none given": ({"controllers": {}}, r"controllers: must be at least one, got none"),
     "bandwidth": ({"controllers": ["pid"], "bandwidth": 0.0}, r"pid: bandwidth: must be finite and above 0, got 0\.0"),
     "default": ({"default": {"axle": (0, 1)}}, r"default\['axle'\]: must be a parameter"),
     "covariance": ({"covariance": (["axis.mass"], [[-1.0]])}, r"covariance: must have no negative eigenvalue"),
-    "infinite": (
-        {"model": machine(intervals={"axis.mass": (0.1, math.inf)})},
-        r"axis\.mass: the logs do not determine it, its interval is \[0\.1, inf\]; measure it with a log with larger",
+    "covariance of nothing": ({"covariance": (["d"], [[1.0]])}, r"covariance: 'd' must be a parameter"),
+    "covariance twice": ({"covariance": (["axis.mass"] * 2, np.eye(2))}, r"covariance: each path must be given once"),
+    "covariance of one": (
+        {"covariance": (["axis.mass"], np.eye(2))},
+        r"covariance: must be finite, \(1, 1\), got \(2, 2\)",
+    ),
+    "covariance askew": ({"covariance": ([*WIDTHS][:2], [[1.0, 0.5], [0.0, 1.0]])}, r"covariance: must be symmetric"),
+    "interval beside the value": (
+        {"model": machine(intervals={"axis.mass": (0.13, 0.2)})},
+        r"axis\.mass: its interval \[0\.13, 0\.2\] must hold the model's value, got 0\.12",
     ),
     "never valid": (
         {"covariance": (["axis.mass", "cogging.sine[0][0]"], [[1e-4, 0], [0, 1e-4]]), "model": "barely"},

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import norm
 
 import cogging
+from cogging.design import experiment_plan
 from cogging.design.experiment_motion import SURVEY, Look, Machine, shapes
 from cogging.design.experiment_plan import detect, explained, fit, found_in, frequency, separate
 from cogging.diagnosis.balance.decision import THRESHOLD, score_of
@@ -45,10 +46,6 @@ PRESENT = {
 }
 
 
-def present(name):
-    return VOCABULARY[name].replace(**PRESENT[name])
-
-
 def entry(name, *alternatives, **parameters):
     parameters = {k: {"value": v} for k, v in parameters.items()}
     return {"name": name, "alternatives": list(alternatives), "parameters": parameters}
@@ -81,9 +78,12 @@ def evidence_of(log, model=SMALL, corner=None):
 
 
 @pytest.mark.parametrize("name", sorted(PRESENT))
-def test_an_effect_adds_to_the_balance_what_it_adds_in_a_loop(name, look, survey):
-    """Of runs without noise, with and without it: the column, made along one run, is what it leaves in another."""
-    effect = present(name)
+def test_an_effect_of_a_result_is_read_and_adds_what_it_adds_in_a_loop(name, look, survey):
+    """The column, made along one run, is what it leaves in others without noise, and its own shapes explain it."""
+    parameters = {key: value for key, value in PRESENT[name].items() if key != "travel"}
+    [found] = found_in(result(entry(name, "constant_force", **parameters)), SMALL, VOCABULARY)
+    effect = VOCABULARY[name].replace(**PRESENT[name])
+    assert found.added_to(SMALL).effects == (effect,)
     quiet = SMALL.replace(encoder=cogging.EncoderParameters(), noise=cogging.NoiseParameters())
     left = []
     for model in (quiet.replace(effects=(effect,)), quiet):
@@ -95,22 +95,15 @@ def test_an_effect_adds_to_the_balance_what_it_adds_in_a_loop(name, look, survey
     # freed of what friction near rest may be, little is left of a Stribeck effect, and that is where loops differ: 0.61
     least = 0.55 if name == "stribeck_friction" else 0.85
     assert made @ seen > least * np.linalg.norm(made) * np.linalg.norm(seen)
+    taken = explained(look.columns(shapes(VOCABULARY[name], SMALL, LIMITS, effect)), made)[0]
+    assert taken > (0.6 if name == "position_dependent_friction" else 0.98) * (made @ made)
 
 
-@pytest.mark.parametrize("name", sorted(PRESENT))
-def test_an_effect_is_among_its_own_shapes(name, look):
-    effect = present(name)
-    [signal] = look.force(effect)[None]
-    [signal] = look.evidence.project([look.balance.rows(signal[None])])[0]
-    taken = explained(look.columns(shapes(VOCABULARY[name], SMALL, LIMITS, effect)), signal)[0]
-    assert taken > (0.6 if name == "position_dependent_friction" else 0.98) * (signal @ signal)
-
-
-@pytest.mark.parametrize("name", sorted(set(VOCABULARY) - {"empirical_force"}))
-def test_every_effect_has_shapes(name):
-    found = shapes(VOCABULARY[name], SMALL, LIMITS)
-    assert 1 <= len(found) <= 12
-    assert all(len(shape.parts) == len(shape.units) for shape in found)
+def test_every_effect_has_shapes():
+    for name in set(VOCABULARY) - {"empirical_force"}:
+        found = shapes(VOCABULARY[name], SMALL, LIMITS)
+        assert 1 <= len(found) <= 12, name
+        assert all(len(shape.parts) == len(shape.units) for shape in found), name
 
 
 def test_how_often_the_right_one_is_likelier_is_that_of_two_normal_variables():
@@ -135,7 +128,7 @@ def test_rivals_are_told_apart_as_often_as_in_logs_of_other_noise(look, survey):
     signal = look.columns(shapes(VOCABULARY[told.name], SMALL, LIMITS, small)[:1])[0][0] * 0.0015
     expected = frequency(*groups, signal, 10, 3)
     right = 0
-    for seed in range(2, 14):
+    for seed in range(2, 10):
         log = cogging.simulate(SMALL.replace(effects=(small,)), survey.motion, seed=seed)
         seen = evidence_of(log, corner=look.balance.corner)
         ctx = Look.__new__(Look)
@@ -146,7 +139,7 @@ def test_rivals_are_told_apart_as_often_as_in_logs_of_other_noise(look, survey):
             scores.append(seen.score([seen.balances[0].rows(np.array(table))])[0])
         right += scores[0] > scores[1]
     assert 0.55 < expected <= 1.0
-    assert abs(right / 12 - expected) < 3.0 * np.sqrt(expected * (1.0 - expected) / 12) + 0.1, (right, expected)
+    assert abs(right / 8 - expected) < 3.0 * np.sqrt(expected * (1.0 - expected) / 8) + 0.1, (right, expected)
 
 
 # Limits and intervals -------------------------------------------------------------------------------------------------
@@ -160,13 +153,13 @@ def test_a_detection_limit_is_where_an_effect_passes_the_threshold(survey):
         passed = []
         for share in (0.25, 1.5):
             hidden = VOCABULARY[name].replace(**{field: share * told[name].expected})
-            for seed in range(2, 7):
+            for seed in range(2, 5):
                 log = cogging.simulate(SMALL.replace(effects=(hidden,)), survey.motion, seed=seed)
                 seen = evidence_of(log)
                 column = seen.balances[0].added(SMALL, [hidden], seen.drives[0])
                 passed.append(score_of(seen.score([seen.balances[0].rows(column)])[0], 1, 20, 10) > THRESHOLD)
-        assert sum(passed[:5]) == 0, name
-        assert sum(passed[5:]) >= 4, name
+        assert sum(passed[:3]) == 0, name
+        assert sum(passed[3:]) >= 2, name
 
 
 def test_what_cannot_be_seen_has_no_limit(survey):
@@ -183,7 +176,7 @@ def test_an_interval_is_as_wide_as_estimates_scatter(survey):
     free = SMALL.replace(uncertainty={"coulomb_width": 0.0})
     told = {one.name: one for one in fit(MACHINE, free, free, survey).expectations(survey)}
     found = []
-    for seed in range(2, 14):
+    for seed in range(2, 11):
         seen = evidence_of(cogging.simulate(free, survey.motion, seed=seed), free)
         found.append([seen.theta[seen.paths.index(path)] for path in ("axis.mass", "axis.viscous", "axis.coulomb")])
     for path, scatter in zip(("axis.mass", "axis.viscous", "axis.coulomb"), np.std(found, axis=0), strict=True):
@@ -207,8 +200,6 @@ def test_what_is_known_before_counts(survey):
     ("wrong", "said"),
     [
         ({"effects": {}}, "effects: must be the list of effects"),
-        ({"effects": [3]}, "effects: must be the list of effects"),
-        (result({"name": [1]}), r"effects\[0\]\.name: must be an effect of the vocabulary"),
         (result({"name": "cable_spring", "alternatives": 3}), r"effects\[0\]\.alternatives: must be an effect of the"),
         (result({"name": "cable_spring", "parameters": 3}), r"effects\[0\]\.parameters: must be a table, got 3"),
         (result(entry("spring")), r"effects\[0\]\.name: must be an effect of the vocabulary, got 'spring'"),
@@ -217,7 +208,6 @@ def test_what_is_known_before_counts(survey):
         (result(entry("cable_spring", stiffness="1")), r"stiffness: must have a number as its value, got '1'"),
         (result(entry("command_delay", delay=-1.0)), r"effects\[0\]\.parameters: "),
         (result(entry("mass_change", change=-1.5)), r"parameters\.change: must be a number above -1, got -1\.5"),
-        (result(entry("mass_change")), r"parameters\.change: must be a number above -1, got None"),
     ],
 )
 def test_a_result_that_cannot_be_used_is_refused(wrong, said):
@@ -225,20 +215,22 @@ def test_a_result_that_cannot_be_used_is_refused(wrong, said):
         found_in(wrong, SMALL, VOCABULARY)
 
 
-@pytest.mark.parametrize("name", sorted(PRESENT))
-def test_an_effect_of_a_result_is_read(name):
-    parameters = {key: value for key, value in PRESENT[name].items() if key != "travel"}
-    [found] = found_in(result(entry(name, "constant_force", **parameters)), SMALL, VOCABULARY)
-    assert found.added_to(SMALL).effects == (present(name),)
-
-
 # Plans ----------------------------------------------------------------------------------------------------------------
 
 HARMONIC = result(entry("cogging_harmonic", "encoder_periodic_error", period=0.03, sine=0.0015, cosine=0.0))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds():
+    """A third of the motions that are drawn otherwise."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(experiment_plan, "ROUNDS", 3)
+        patch.setattr(experiment_plan, "FRESH", 2)
+        yield
+
+
 @pytest.fixture(scope="module")
-def plan():
+def plan(few_rounds):
     """For a small harmonic of force that a log took for an error of the encoder, or the other way round."""
     return cogging.plan_experiment(SMALL, cogging.MotionLimits(0.5, 5.0, 5.0, jerk=500.0), result=HARMONIC)
 
@@ -280,15 +272,12 @@ def test_an_effect_without_a_size_is_taken_to_be_seen():
     assert told.expected > 0.7
 
 
-def test_a_goal_is_chosen_from_the_result():
+def test_a_goal_without_what_it_needs_and_limits_that_no_motion_keeps_are_refused():
     limits = cogging.MotionLimits(0.5, 5.0, 2.0)
     with pytest.raises(ValueError, match="goal: separate needs a result with alternatives"):
         cogging.plan_experiment(SMALL, limits, goal="separate")
     with pytest.raises(ValueError, match="goal: must be one of separate, detect, fit, got 'all'"):
         cogging.plan_experiment(SMALL, limits, goal="all")
-
-
-def test_limits_that_no_motion_keeps_to_are_refused():
     with pytest.raises(ValueError, match="limits: no motion of this machine keeps them"):
         cogging.plan_experiment(SMALL, cogging.MotionLimits(0.5, 5.0, 2.0, command=0.1), goal="fit")
 

@@ -58,16 +58,12 @@ def drawn_model(random, limits):
     ("change", "said"),
     [
         ({"velocity": 0.0}, "velocity: must be a number above 0"),
-        ({"velocity": None}, "velocity: must be a number above 0"),
         ({"acceleration": "5"}, "acceleration: must be a number above 0"),
-        ({"jerk": -1.0}, "jerk: must be a number above 0"),
         ({"command": float("nan")}, "command: must be a number above 0"),
         ({"command": True}, "command: must be a number above 0"),
         ({"duration": 1.0}, "duration: must be from 2 to 600 s, got 1.0"),
-        ({"duration": 601}, "duration: must be from 2 to 600 s"),
         ({"travel": [0.4, 0.0]}, "travel: must be its lower and its upper end"),
         ({"travel": [0.4]}, "travel: must be its lower and its upper end"),
-        ({"travel": 0.4}, "travel: must be its lower and its upper end"),
         ({"speed": 0.5}, "speed: is unknown"),
     ],
 )
@@ -76,14 +72,14 @@ def test_a_limit_that_is_none_is_refused(change, said):
         cogging.MotionLimits.from_dict(GOOD | change)
 
 
-@pytest.mark.parametrize("name", sorted(GOOD))
-def test_what_may_be_left_out(name):
-    rest = {key: value for key, value in GOOD.items() if key != name}
-    if name in ("velocity", "acceleration", "duration"):
-        with pytest.raises(FieldError, match=f"{name}: must be given, got nothing"):
-            cogging.MotionLimits.from_dict(rest)
-    else:
-        assert cogging.MotionLimits.from_dict(rest).to_dict() == rest
+def test_what_may_be_left_out():
+    for name in GOOD:
+        rest = {key: value for key, value in GOOD.items() if key != name}
+        if name in ("velocity", "acceleration", "duration"):
+            with pytest.raises(FieldError, match=f"{name}: must be given, got nothing"):
+                cogging.MotionLimits.from_dict(rest)
+        else:
+            assert cogging.MotionLimits.from_dict(rest).to_dict() == rest
     assert cogging.MotionLimits.from_dict(GOOD).to_dict() == GOOD
 
 
@@ -113,11 +109,13 @@ def test_the_model_fills_in_and_holds():
         open_ended.of(free)
 
 
-@pytest.mark.parametrize("seed", range(24))
-def test_a_reference_keeps_to_its_limits(seed):
-    random = np.random.default_rng(seed)
+@pytest.mark.parametrize("kind", sorted(KINDS))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_reference_keeps_to_its_limits_and_moves(kind, seed):
+    random = np.random.default_rng([seed, *map(ord, kind)])
     limits = drawn_limits(random)
-    chosen = [drawn(random) for _ in range(int(random.integers(1, 4)))]
+    chosen = [next(one for one in iter(lambda: drawn(random), None) if one.kind == kind)]
+    chosen += [drawn(random) for _ in range(int(random.integers(0, 3)))]
     motion = planned(chosen, limits, rate=2000.0)
     samples = motion.samples
     time, position = samples["time"], samples["reference"]
@@ -130,21 +128,12 @@ def test_a_reference_keeps_to_its_limits(seed):
     assert position.max() < limits.travel[1]
     assert (velocity[[0, -1]] == 0.0).all()
     assert (acceleration[[0, -1]] == 0.0).all()
+    assert np.mean(np.abs(velocity) > 2e-4 * limits.velocity) > 0.1
     covered = position[0] + np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time))])
     assert np.abs(covered - position).max() < 2e-4 * (limits.travel[1] - limits.travel[0])
 
 
-@pytest.mark.parametrize("kind", sorted(KINDS))
-def test_every_kind_moves_the_axis(kind):
-    limits = cogging.MotionLimits(0.5, 5.0, 6.0, (0.0, 0.5), 500.0)
-    random = np.random.default_rng(4)
-    element = next(one for one in iter(lambda: drawn(random), None) if one.kind == kind)
-    samples = planned([element], limits, rate=1000.0).samples
-    moving = np.abs(samples["reference_velocity"]) > 1e-4
-    assert moving.mean() > 0.1
-
-
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_the_machine_keeps_to_the_limits(seed):
     """Of what is taken to be feasible, by a look of one's own at the simulated run."""
     random = np.random.default_rng([seed, 1])
@@ -166,28 +155,27 @@ def test_the_machine_keeps_to_the_limits(seed):
     assert (log.true_position + stop).max() <= limits.travel[1]
 
 
-@pytest.mark.parametrize("name", ["velocity", "acceleration", "jerk", "duration", "command", "travel"])
-def test_each_limit_that_is_exceeded_is_seen(name):
+def test_each_limit_that_is_exceeded_is_seen():
     random = np.random.default_rng(5)
     limits = drawn_limits(random)
-    model = drawn_model(random, limits)
     motion = planned([SURVEY], limits, rate=1000.0)
-    log = cogging.simulate(model, motion)
-    taken = taken_of(motion, log, cogging.MotionLimits(**{**limits.to_dict(), "travel": limits.travel, "command": 1e9}))
+    log = cogging.simulate(drawn_model(random, limits), motion)
+    loose = {**limits.to_dict(), "travel": limits.travel, "command": 1e9}
+    taken = taken_of(motion, log, cogging.MotionLimits(**loose))
     assert all(0.0 < share <= 1.0 for key, share in taken.items() if key != "acceleration"), taken
     low, high = limits.travel
     tight = {"travel": (low + 0.1 * (high - low), high), "command": 0.5 * float(np.abs(log.command).max())}
     tight |= {key: 0.7 * getattr(limits, key) for key in ("velocity", "acceleration", "jerk")}
     tight["duration"] = motion.end - 0.01
-    other = cogging.MotionLimits(**{**limits.to_dict(), "travel": limits.travel, name: tight[name]})
-    assert taken_of(motion, log, other)[name] > 1.0
+    for name, value in tight.items():
+        assert taken_of(motion, log, cogging.MotionLimits(**{**loose, name: value}))[name] > 1.0, name
 
 
 def test_a_motion_that_a_log_followed_is_known():
     random = np.random.default_rng(6)
     limits = drawn_limits(random)
     model = drawn_model(random, limits)
-    motions = [planned([drawn(random), drawn(random)], limits, rate=1000.0) for _ in range(6)]
+    motions = [planned([drawn(random), drawn(random)], limits, rate=1000.0) for _ in range(3)]
     for one in motions:
         log = cogging.simulate(model, one, seed=3)
         assert [is_known(other, [log]) for other in motions] == [other is one for other in motions]

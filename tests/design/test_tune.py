@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +18,8 @@ from cogging.cli.main import main
 from cogging.design import tuning as tuning_module
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import Loops, Machine, machines_of, push_of, variations_of
-from cogging.design.tuning import INDEXES, USUAL, Judge, tuned_of_model, upper_quantile
+from cogging.design.tuning import USUAL, Judge, upper_quantile
+from cogging.file_schema import TUNE_INDEXES
 from cogging.files import parse_toml
 from cogging.outputs import to_toml
 from cogging.papers.lu2008.gantry import AXES
@@ -40,12 +40,36 @@ SINE = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=5.0))
 KP = {"controller.kp": {"from": 500, "to": 5000}}
 GAINS = KP | {"controller.ki": {"from": 1e3, "to": 2e5}, "controller.kd": {"from": 5, "to": 50}}
 LIMITS = {"delay_margin": 2e-3, "command_max": {"present": 1.2}}
-FEW = {"machines": 3, "held_out": 2}
+FEW = {"machines": 2, "held_out": 1}
+FIELDS = {
+    "pid": {"kp": 1500.0, "kd": 15.0, "ki": 1e4, "command_limit": 3.0},
+    "cascade": {"kp": 60.0, "kv": 15.0},
+    "speed": {"kp": 10.0},
+    "arc": {"error_gain": 80.0, "feedback_gain": 12.0, "disturbance_adaptation": 200.0, "epsilon": 0.1},
+    "dcarc": {"error_gain": 80.0, "feedback_gain": 12.0, "cogging_harmonics": [1], "cogging_adaptation": 20.0},
+    "output_feedback_arc": {"theta": [8.0, 2.0, 0.0], "theta_min": [4.0, 0.0, -50.0], "gain_1": 60.0, "gain_2": 90.0},
+    "observer_based": {"mass": 0.12, "periods": [0.01]},
+}
 
 
 @pytest.fixture(scope="module")
-def tuning():
-    return cogging.tune(SMALL, MOVE, GAINS, limits=LIMITS, trials=40, machines=5, held_out=8, seed=3)
+def tuning(tmp_path_factory):
+    """A tuning by the command, and the folder in which it wrote its files."""
+    folder, found, plain = tmp_path_factory.mktemp("tune"), [], tuning_module.run_tune
+    path = write_files(folder, trials=30, machines=5, held_out=5, seed=3)
+    written = {"--out": folder / "tuned.toml", "--json": folder / "out.json", "--figure": folder / "trade_off.png"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tuning_module, "run_tune", lambda *a, **k: found.append(plain(*a, **k)) or found[-1])
+        assert main(["tune", str(path), *(str(word) for pair in written.items() for word in pair)]) == 0
+    return found[0], folder
+
+
+def write_files(folder, **changes):
+    (folder / "model.toml").write_text(to_toml(DOCUMENT))
+    (folder / "move.toml").write_text(to_toml({**MOVE, **changes.pop("move", {})}))
+    asked = {"model": "model.toml", "reference": "move.toml", "gains": GAINS, "limits": LIMITS, "trials": 15, **FEW}
+    (folder / "tune.toml").write_text(to_toml({**asked, **changes}))
+    return folder / "tune.toml"
 
 
 # What is found --------------------------------------------------------------------------------------------------------
@@ -53,8 +77,8 @@ def tuning():
 
 def test_tuned_gains_are_better_on_machines_that_were_not_seen(tuning):
     """And by no more than a loop can be at all: a tenth of the error would be another machine."""
-    before, after = tuning.present, tuning.tuned
-    assert tuning.improved
+    before, after = tuning[0].present, tuning[0].tuned
+    assert tuning[0].improved
     for one, other in ((before.drawn, after.drawn), (before.held_out, after.held_out)):
         assert 0.1 * one.error_rms < other.error_rms < 0.7 * one.error_rms
         assert other.command_max <= 1.25 * one.command_max
@@ -63,13 +87,33 @@ def test_tuned_gains_are_better_on_machines_that_were_not_seen(tuning):
     assert 2e-3 <= after.drawn.delay_margin < before.drawn.delay_margin, "it costs robustness, and no more than allowed"
     assert after.held_out.delay_margin == pytest.approx(after.drawn.delay_margin, rel=0.2)
     assert after.drawn.modulus_margin < before.drawn.modulus_margin
-    assert tuning.model.controller.kp == after.gains["controller.kp"] != 1500.0
-    assert tuning.model.replace(controller=SMALL.controller) == SMALL
+    assert tuning[0].model.controller.kp == after.gains["controller.kp"] != 1500.0
+    assert tuning[0].model.replace(controller=SMALL.controller) == SMALL
+
+
+def test_the_command_writes_what_it_found(tuning):
+    found, folder = tuning
+    written = json.loads((folder / "out.json").read_text())
+    assert written["trials"]["error_rms"] == found.trials["error_rms"].tolist()
+    assert written["tuned"]["held_out"] == vars(found.tuned.held_out)
+    assert written["front"]["trial"] == found.front["trial"].tolist()
+    assert cogging.Model.read(folder / "tuned.toml") == found.model
+    assert (folder / "trade_off.png").read_bytes()[:4] == b"\x89PNG"
+    assert not list(folder.glob("*.trials"))
+
+
+def test_the_same_seed_gives_the_same_tuning_on_any_number_of_threads():
+    options = {"limits": LIMITS, "trials": 5, "machines": 3, "held_out": 1}
+    variants = ({"threads": 1}, {"threads": 3}, {"seed": 1})
+    one, other, another = (cogging.tune(SMALL, MOVE, GAINS, **which, **options) for which in variants)
+    assert one == other
+    assert another.present.drawn != one.present.drawn, "other machines"
+    assert (another.trials["controller.kp"][1:] != one.trials["controller.kp"][1:]).all()
 
 
 def test_each_number_is_that_of_runs_made_one_by_one(tuning):
     drawn = machines_of(Setup(SMALL, SINE), variations_of(Setup(SMALL, SINE), "bounds")[0], 5, 3, 0)
-    for setting, model in ((tuning.present, SMALL), (tuning.tuned, tuning.model)):
+    for setting, model in ((tuning[0].present, SMALL), (tuning[0].tuned, tuning[0].model)):
         runs = []
         for machine in drawn:
             own = machine.setup.model.replace(controller=model.controller)
@@ -82,46 +126,33 @@ def test_each_number_is_that_of_runs_made_one_by_one(tuning):
     assert len({machine.setup.model.axis.mass for machine in drawn}) == 5
 
 
-def test_the_best_is_the_best_of_the_trials_that_keep_the_limits(tuning):
-    table = tuning.trials
-    kept = table["kept"]
-    assert 3 < kept.sum() < 40
-    assert tuning.tuned.drawn.error_rms == table["error_rms"][kept].min()
-    assert (table["command_max"][kept] <= 1.2 * tuning.present.drawn.command_max).all()
-    assert table["controller.kp"][0] == 1500.0, "the present gains come first"
+def check_front(found, against, sign):
+    """The best is the best of the kept trials, and none of them beats a point of the trade-off in both."""
+    kept = found.trials["kept"]
+    error, other = found.trials["error_rms"][kept], sign * found.trials[against][kept]
+    assert found.tuned.drawn.error_rms == error.min()
+    assert len(found.front["trial"]) > 2
+    for one, cost in zip(found.front["error_rms"], sign * found.front[against], strict=True):
+        assert not ((error <= one) & (other < cost)).any()
+        assert not ((error < one) & (other <= cost)).any()
+    assert (np.diff(found.front["error_rms"]) < 0).all()
+    assert (np.diff(sign * found.front[against]) > 0).all()
 
 
-def test_no_trial_is_better_than_a_point_of_the_trade_off_in_both(tuning):
-    kept = tuning.trials["kept"]
-    error, chatter = tuning.trials["error_rms"][kept], tuning.trials["command_chatter"][kept]
-    front = tuning.front
-    assert len(front["trial"]) > 2
-    for one, other in zip(front["error_rms"], front["command_chatter"], strict=True):
-        assert not ((error <= one) & (chatter < other)).any()
-        assert not ((error < one) & (chatter <= other)).any()
-    assert (np.diff(front["error_rms"]) < 0).all()
-    assert (np.diff(front["command_chatter"]) > 0).all()
-    assert (front["delay_margin"] >= 2e-3 * 0.96).all()
+def test_the_best_keeps_the_limits_and_nothing_beats_the_trade_off(tuning):
+    found, _ = tuning
+    kept = found.trials["kept"]
+    assert 3 < kept.sum() < 30
+    assert (found.trials["command_max"][kept] <= 1.2 * found.present.drawn.command_max).all()
+    assert found.trials["controller.kp"][0] == 1500.0, "the present gains come first"
+    check_front(found, "command_chatter", 1.0)
+    assert (found.front["delay_margin"] >= 2e-3 * 0.96).all()
 
 
 def test_a_second_objective_spreads_along_its_trade_off():
-    found = cogging.tune(SMALL, MOVE, GAINS, against="delay_margin", trials=20, seed=1, **FEW)
-    error, margin = found.front["error_rms"], found.front["delay_margin"]
-    assert len(error) > 3
-    assert (np.diff(error) < 0).all()
-    assert (np.diff(margin) < 0).all()
-    assert margin.max() > 1.3 * margin.min()
-    kept = found.trials["kept"]
-    assert found.tuned.drawn.error_rms == found.trials["error_rms"][kept].min()
-
-
-def test_the_same_seed_gives_the_same_tuning_on_any_threads():
-    options = {"limits": LIMITS, "trials": 13, **FEW}
-    one, other = (cogging.tune(SMALL, MOVE, GAINS, threads=threads, **options) for threads in (1, 3))
-    assert one == other
-    another = cogging.tune(SMALL, MOVE, GAINS, seed=1, **options)
-    assert another.present.drawn != one.present.drawn, "other machines"
-    assert (another.trials["controller.kp"][1:] != one.trials["controller.kp"][1:]).all()
+    found = cogging.tune(SMALL, MOVE, GAINS, against="delay_margin", trials=15, seed=1, machines=2, held_out=1)
+    check_front(found, "delay_margin", -1.0)
+    assert found.front["delay_margin"].max() > 1.3 * found.front["delay_margin"].min()
 
 
 def test_a_controller_of_ones_own_is_tuned_by_its_arguments():
@@ -139,7 +170,7 @@ def test_a_controller_of_ones_own_is_tuned_by_its_arguments():
 
     gains = {"gain": {"from": 500, "to": 5000}, "lead": {"from": 2.0, "to": 20.0, "scale": "linear"}}
     model = SMALL.replace(controller=None, controller_type=None)
-    options = {"limits": {"delay_margin": 1.5e-3}, "trials": 12, "machines": 2, "held_out": 2, "duration": 0.2}
+    options = {"limits": {"delay_margin": 1.5e-3}, "trials": 8, "machines": 1, "held_out": 1, "duration": 0.2}
     found = cogging.tune(model, SINE, gains, controller=LeadLag, **options)
     assert found.present.gains == {"gain": 1500.0, "lead": 8.0}
     assert found.tuned.held_out.error_rms < 0.8 * found.present.held_out.error_rms
@@ -161,18 +192,21 @@ def test_every_controller_is_tuned_by_its_usual_gains(kind):
     rng = random.Random(kind)
     struct = cogging.CONTROLLERS[kind].PARAMETERS
     model = SMALL.replace(controller=struct(**{"sample_rate": 1000.0, **FIELDS[kind]}), controller_type=kind)
-    counts = {"machines": rng.randint(1, 3), "held_out": rng.randint(1, 3), "quantile": rng.uniform(0.3, 1.0)}
-    found = cogging.tune(model, rng.choice(MOTIONS), trials=8, seed=rng.randrange(2**20), **counts)
+    counts = {"machines": rng.randint(1, 3), "held_out": 1, "quantile": rng.uniform(0.3, 1.0)}
+    found = cogging.tune(model, rng.choice(MOTIONS), trials=4, seed=rng.randrange(2**20), **counts)
     assert 0.0 < found.tuned.drawn.error_rms <= found.present.drawn.error_rms
     assert found.tuned.drawn.delay_margin > 0.0
     assert found.model.controller_type == kind
+    assert {path.removeprefix("controller.") for path in found.tuned.gains} <= set(USUAL[kind])
     for path, value in found.tuned.gains.items():
         assert found.trials[path].min() <= value <= found.trials[path].max()
+        present = found.present.gains[path]
+        assert present / 10 <= found.trials[path].min() <= found.trials[path].max() <= 10 * present
         assert path in found.text()
     found.plot()
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_quantile_holds_for_one_more_of_the_same_kind(seed):
     rng = np.random.default_rng(seed)
     share, count = rng.uniform(0.5, 0.95), int(rng.integers(20, 60))
@@ -231,36 +265,19 @@ def loops_of(model, motion=SINE, duration=1.0, command=1.0, machines=1):
 def test_margins_are_those_of_the_linear_loop_where_there_is_one(kind):
     """What pushes measure, against the linear loop, which tests/export/test_control.py holds to the simulator."""
     rng = np.random.default_rng([18, ord(kind[0]), len(kind)])
-    for _ in range(3):
+    for _ in range(2):
         model = smooth_model(rng, kind)
         exact = model.to_control().margins()
-        assert modulus_margin(model) == pytest.approx(exact.modulus, rel=0.02)
         assert loops_of(model).delay_margin() == pytest.approx(exact.delay, rel=0.08), model
+    if kind in ("pid", "cascade"):
+        later = model.replace(effects=[effects.CommandDelay(delay=1e-3)])
+        assert loops_of(later).gain_margin() == pytest.approx(later.to_control().margins().gain, rel=0.06)
 
 
-def test_a_gain_margin_is_that_of_the_linear_loop():
-    rng = np.random.default_rng(5)
-    for kind in ("pid", "cascade"):
-        model = smooth_model(rng, kind).replace(effects=[effects.CommandDelay(delay=1e-3)])
-        assert loops_of(model).gain_margin() == pytest.approx(model.to_control().margins().gain, rel=0.06)
-
-
-def test_an_unstable_linear_loop_has_no_modulus_margin():
+def test_an_unstable_linear_loop_has_no_margin():
     unstable = SMALL.replace(effects=[effects.CommandDelay(delay=0.05)])
     assert modulus_margin(unstable) == 0.0
-    assert modulus_margin(SMALL) > 0.5
     assert loops_of(unstable, command=0.5).delay_margin() == 0.0
-
-
-FIELDS = {
-    "pid": {"kp": 1500.0, "kd": 15.0, "ki": 1e4, "command_limit": 3.0},
-    "cascade": {"kp": 60.0, "kv": 15.0},
-    "speed": {"kp": 10.0},
-    "arc": {"error_gain": 80.0, "feedback_gain": 12.0, "disturbance_adaptation": 200.0, "epsilon": 0.1},
-    "dcarc": {"error_gain": 80.0, "feedback_gain": 12.0, "cogging_harmonics": [1], "cogging_adaptation": 20.0},
-    "output_feedback_arc": {"theta": [8.0, 2.0, 0.0], "theta_min": [4.0, 0.0, -50.0], "gain_1": 60.0, "gain_2": 90.0},
-    "observer_based": {"mass": 0.12, "periods": [0.01]},
-}
 
 
 @pytest.mark.parametrize("kind", sorted(cogging.CONTROLLERS))
@@ -276,20 +293,6 @@ def test_every_controller_has_margins_that_mark_where_it_is_lost(kind):
     assert loops.share_lost(delay=1.15 * delay) > 0.0
     # Far beyond it, a limit cycle may lock to the samples: then both runs swing alike (docs/tune.md).
     assert any(loops.share_lost(gain=factor * gain) > 0.0 for factor in (1.05, 1.1, 1.2))
-
-
-def test_the_usual_gains_are_there_for_every_controller():
-    assert set(USUAL) == set(cogging.CONTROLLERS)
-    for kind, names in USUAL.items():
-        struct = cogging.CONTROLLERS[kind].PARAMETERS
-        model = SMALL.replace(controller=struct(**{"sample_rate": 2000.0, **FIELDS[kind]}), controller_type=kind)
-        gains = tuned_of_model(model, SINE, None).gains
-        assert {gain.path.removeprefix("controller.") for gain in gains} <= set(names)
-        for gain in gains:
-            assert (gain.low, gain.high) == pytest.approx((gain.present / 10, gain.present * 10))
-            assert gain.logarithmic
-    pid = tuned_of_model(SMALL, SINE, None)
-    assert [gain.path for gain in pid.gains] == ["controller.kp", "controller.ki", "controller.kd"]
 
 
 # What goes wrong ------------------------------------------------------------------------------------------------------
@@ -326,42 +329,41 @@ def test_the_usual_gains_are_there_for_every_controller():
         (KP, {"controller": lambda gain: None}, r"^gains.controller.kp: is no argument of the controller; known: gain"),
     ],
 )
-def test_a_wrong_tuning_is_answered_in_one_line(gains, options, text):
+def test_a_wrong_tuning_is_refused_in_one_line(gains, options, text):
     with pytest.raises(ValueError, match=text) as found:
         cogging.tune(SMALL, MOVE, gains, **{"trials": 2, **FEW, **options})
     assert "\n" not in str(found.value)
 
 
 def test_limits_that_no_trial_keeps_are_said_and_nothing_is_best():
-    limits = {"command_max": 0.1, "delay_margin": 1e-3}
-    found = cogging.tune(SMALL, MOVE, GAINS, limits=limits, trials=12, **FEW)
+    found = cogging.tune(SMALL, MOVE, GAINS, limits={"command_max": 0.1, "delay_margin": 1e-3}, trials=5, **FEW)
     assert found.tuned is found.model is None
     assert not found.improved
     assert not found.trials["kept"].any()
     least = found.trials["command_max"].min()
-    assert f"failed most is command_max: in 12 of 12 trials, at best by {100 * (least / 0.1 - 1):.3g} %" in found.text()
+    assert f"failed most is command_max: in 5 of 5 trials, at best by {100 * (least / 0.1 - 1):.3g} %" in found.text()
     assert "nearest is controller.kp" in found.text()
     found.plot()
     assert found.to_dict()["tuned"] is None
 
 
-@pytest.mark.parametrize("against", [None, "delay_margin", "command_rms"])
+@pytest.mark.parametrize("against", [None, "delay_margin"])
 def test_gains_that_break_a_rule_of_the_controller_are_trials_that_are_not_kept(against):
     """The initial estimate of the mass must lie within its bounds, whatever is tried."""
     arc = cogging.AdaptiveRobustParameters(sample_rate=1000.0, **FIELDS["dcarc"])
     gains = {"controller.mass": {"from": 0.05, "to": 0.4}, "controller.feedback_gain": {"from": 6, "to": 30}}
     model = SMALL.replace(controller=arc, controller_type="dcarc")
-    found = cogging.tune(model, MOVE, gains, against=against, trials=15, machines=1, held_out=1, duration=0.2)
+    found = cogging.tune(model, MOVE, gains, against=against, trials=10, machines=1, held_out=1, duration=0.2)
     outside = (found.trials["controller.mass"] < 0.1) | (found.trials["controller.mass"] > 0.2)
-    assert 0 < outside.sum() < 15
+    assert 0 < outside.sum() < 10
     np.testing.assert_array_equal(outside, ~found.trials["kept"])
     assert 0.1 <= found.tuned.gains["controller.mass"] <= 0.2
-    found.plot()
 
 
 def test_present_gains_that_are_the_best_are_said_so(tuning):
-    gains = {path: {"from": value / 20, "to": 1.02 * value} for path, value in tuning.tuned.gains.items()}
-    found = cogging.tune(tuning.model, MOVE, gains, limits={"delay_margin": 2e-3}, trials=5, seed=3, **FEW)
+    best = tuning[0]
+    gains = {path: {"from": value / 20, "to": 1.02 * value} for path, value in best.tuned.gains.items()}
+    found = cogging.tune(best.model, MOVE, gains, limits={"delay_margin": 2e-3}, trials=3, seed=3, **FEW)
     assert not found.improved
     assert found.tuned == found.present
     assert "the present gains are the best that were tried" in found.notes
@@ -369,13 +371,12 @@ def test_present_gains_that_are_the_best_are_said_so(tuning):
 
 def test_present_gains_that_fail_are_left_for_ones_that_do_not():
     loose = SMALL.replace(controller=SMALL.controller.replace(kp=9e6, kd=400.0))
-    found = cogging.tune(loose, MOVE, GAINS, trials=25, **FEW)
-    assert found.present.drawn.failed == 3
+    found = cogging.tune(loose, MOVE, GAINS, trials=12, machines=2, held_out=1)
+    assert found.present.drawn.failed == 2
     assert math.isinf(found.present.drawn.error_rms)
     assert found.present.drawn.delay_margin == 0.0
     assert found.tuned.held_out.failed == 0
     assert "the present gains break a limit: all runs complete" in found.notes
-    json.dumps(found.to_dict()["notes"])
     found.plot()
 
 
@@ -389,6 +390,35 @@ def test_a_missing_library_is_named_with_its_extra(monkeypatch, tmp_path, capsys
     assert "cogging[tune]" in said
 
 
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"model": 3}, r"tune.toml: line 1: model: must be a text"),
+        ({"trails": 3}, r"trails: is unknown; did you mean trials"),
+        ({"limits": {"comand_max": 1}}, r"tune.toml: line \d+: limits.comand_max: is unknown"),
+        ({"reference": "none.toml"}, r"none.toml: cannot be read"),
+    ],
+)
+def test_a_wrong_file_is_refused_in_one_line(changes, text, tmp_path, capsys):
+    path = write_files(tmp_path, **changes)
+    assert main(["tune", str(path), "--out", str(tmp_path / "tuned.toml")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert re.search(text, said), said
+    assert not (tmp_path / "tuned.toml").exists()
+
+
+def test_the_file_is_what_the_schema_says(tmp_path):
+    import jsonschema
+
+    schema = cogging.schema()
+    check = jsonschema.Draft202012Validator({"$ref": "#/$defs/tune", "$defs": schema["$defs"]})
+    check.validate(parse_toml(write_files(tmp_path, vary="bounds", against="command_rms", quantile=0.5).read_text()))
+    assert set(schema["$defs"]["tune"]["properties"]["limits"]["properties"]) == set(TUNE_INDEXES)
+    for wrong in ({"gain": {}}, {"limits": {"command": 1}}, {"against": "error"}, {"gains": {"controller.kp": [1, 2]}}):
+        assert not check.is_valid({"model": "m.toml", "reference": "r.toml", **wrong})
+
+
 # Finished work --------------------------------------------------------------------------------------------------------
 
 
@@ -398,30 +428,27 @@ class Ended(BaseException):
 
 def test_a_tuning_goes_on_where_it_was_ended(tmp_path, monkeypatch):
     """The best so far stands; no trial is made twice; in the end all is as if it had not been ended."""
-    limits = {"delay_margin": 1e-3}
-    out, rng, told = tmp_path / "tuned.toml", random.Random(2), []
-    options = {"limits": limits, "trials": 20, "seed": 3, **FEW}
+    out, last = tmp_path / "tuned.toml", []
+    options = {"limits": {"delay_margin": 1e-3}, "trials": 10, "seed": 3, **FEW}
     monkeypatch.setattr(tuning_module, "WRITTEN_EVERY", 0.0)
     made, plain = [], Judge.run
-    monkeypatch.setattr(Judge, "run", lambda judge, gains: made.append(dict(gains)) or plain(judge, gains))
+    monkeypatch.setattr(
+        Judge, "run", lambda judge, gains, *more: made.append(dict(gains)) or plain(judge, gains, *more)
+    )
 
-    def ends_at_times(step):
-        told.append(step)
-        if step.startswith("trial 15") or (step.startswith("trial") and rng.random() < 0.1):
-            raise Ended
+    def ends_at(*numbers):
+        def step(name):
+            last.append(name)
+            if name.startswith(tuple(f"trial {number}" for number in numbers)):
+                raise Ended
 
-    ended = 0
-    while ended < 50:
-        try:
-            cogging.tune(SMALL, MOVE, GAINS, out=out, progress=ends_at_times, **options)
-        except Ended:
-            ended += 1
-            if told[-1].startswith("trial 15"):
-                break
-    assert ended > 1
+        return step
+
+    for number in (3, 7):
+        with pytest.raises(Ended):
+            cogging.tune(SMALL, MOVE, GAINS, out=out, progress=ends_at(number), **options)
     so_far = cogging.Model.read(out).controller
-    tried = [gains["controller.kp"] for gains in made]
-    assert so_far.kp in tried
+    assert so_far.kp in [gains["controller.kp"] for gains in made]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["tuned.toml", "tuned.toml.trials"]
     for other in ({"seed": 4}, {"limits": {}}, {"machines": 4}, {"quantile": 0.5}, {"duration": 0.2}):
         with pytest.raises(cogging.InputError, match=r"tuned\.toml\.trials: holds trials of another tuning"):
@@ -433,58 +460,9 @@ def test_a_tuning_goes_on_where_it_was_ended(tmp_path, monkeypatch):
     assert done == cogging.tune(SMALL, MOVE, GAINS, **options)
     assert [p.name for p in tmp_path.iterdir()] == ["tuned.toml"]
     assert cogging.Model.read(out) == done.model
-
-
-def test_a_broken_file_of_trials_is_refused(tmp_path):
     (tmp_path / "tuned.toml.trials").write_text('{"digest": "no')
     with pytest.raises(cogging.InputError, match=r"tuned\.toml\.trials: cannot be used"):
-        cogging.tune(SMALL, MOVE, KP, out=tmp_path / "tuned.toml", trials=2, **FEW)
-
-
-def write_files(folder, **changes):
-    (folder / "model.toml").write_text(to_toml(DOCUMENT))
-    (folder / "move.toml").write_text(to_toml({**MOVE, **changes.pop("move", {})}))
-    asked = {"model": "model.toml", "reference": "move.toml", "gains": GAINS, "limits": LIMITS, "trials": 15, **FEW}
-    (folder / "tune.toml").write_text(to_toml({**asked, **changes}))
-    return folder / "tune.toml"
-
-
-def test_the_command_in_a_fresh_folder(tmp_path, monkeypatch, capsys):
-    write_files(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    assert main(["tune", "tune.toml", "--json", "out.json", "--figure", "trade_off.png"]) == 0
-    said = capsys.readouterr()
-    assert said.err == ""
-    assert "tuned.toml, trade_off.png, out.json written" in said.out
-    result = json.loads(Path("out.json").read_text())
-    tuned = cogging.Model.read("tuned.toml")
-    assert tuned.controller.kp == result["tuned"]["gains"]["controller.kp"]
-    assert result["tuned"]["held_out"]["error_rms"] < result["present"]["held_out"]["error_rms"]
-    assert len(result["trials"]["kept"]) == 15
-    assert Path("trade_off.png").read_bytes()[:4] == b"\x89PNG"
-    assert {path.name for path in tmp_path.glob("*.trials")} == set()
-    alone = cogging.tune(SMALL, MOVE, GAINS, limits=LIMITS, trials=15, **FEW)
-    assert alone.model == tuned
-
-
-@pytest.mark.parametrize(
-    ("changes", "text"),
-    [
-        ({"model": 3}, r"tune.toml: line 1: model: must be a text"),
-        ({"trails": 3}, r"trails: is unknown; did you mean trials"),
-        ({"gains": {"controller.kq": {"from": 1, "to": 2}}}, r"tune.toml.*: gains.controller.kq: is no number of"),
-        ({"limits": {"comand_max": 1}}, r"tune.toml: line \d+: limits.comand_max: is unknown"),
-        ({"machines": 2.5}, r"machines: must be a whole number"),
-        ({"reference": "none.toml"}, r"none.toml: cannot be read"),
-    ],
-)
-def test_a_wrong_file_is_answered_in_one_line(changes, text, tmp_path, capsys):
-    path = write_files(tmp_path, **changes)
-    assert main(["tune", str(path), "--out", str(tmp_path / "tuned.toml")]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert re.search(text, said), said
-    assert not (tmp_path / "tuned.toml").exists()
+        cogging.tune(SMALL, MOVE, KP, out=out, trials=2, **FEW)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
@@ -510,17 +488,6 @@ def test_a_command_that_is_interrupted_writes_the_best_so_far_and_goes_on(tmp_pa
     if best[0]["controller.kp"] != 1500.0:
         assert cogging.Model.read(out).controller.kp == best[0]["controller.kp"]
     assert {p.name for p in tmp_path.iterdir()} <= {path.name, "model.toml", "move.toml", out.name, trials.name}
-
-
-def test_the_file_is_what_the_schema_says(tmp_path):
-    import jsonschema
-
-    schema = cogging.schema()
-    check = jsonschema.Draft202012Validator({"$ref": "#/$defs/tune", "$defs": schema["$defs"]})
-    check.validate(parse_toml(write_files(tmp_path, vary="bounds", against="command_rms", quantile=0.5).read_text()))
-    assert set(schema["$defs"]["tune"]["properties"]["limits"]["properties"]) == set(INDEXES)
-    for wrong in ({"gain": {}}, {"limits": {"command": 1}}, {"against": "error"}, {"gains": {"controller.kp": [1, 2]}}):
-        assert not check.is_valid({"model": "m.toml", "reference": "r.toml", **wrong})
 
 
 # The papers -----------------------------------------------------------------------------------------------------------

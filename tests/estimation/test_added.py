@@ -59,7 +59,7 @@ def joined(model, *effects):
     return model.replace(effects=(*model.effects, *effects))
 
 
-@pytest.mark.parametrize(("name", "seed"), covering(LINEAR, range(4)))
+@pytest.mark.parametrize(("name", "seed"), covering(LINEAR, range(2)))
 def test_forces_are_those_of_the_whole_plant_to_rounding(log, name, seed):
     random = np.random.default_rng([seed, len(name)])
     others = [sample(other, random) for other in random.choice(LINEAR, 3, replace=False)]
@@ -90,7 +90,7 @@ def compared(log, model, effect):
 @pytest.mark.parametrize("base", [(), ("force_constant_ripple",), ("command_delay", "actuator_lag")])
 @pytest.mark.parametrize(
     ("name", "field", "value"),
-    [("command_delay", "delay", samples / RATE) for samples in (0.3, 1.0, 4.6)]
+    [("command_delay", "delay", samples / RATE) for samples in (0.3, 4.6)]
     + [("actuator_lag", "time_constant", samples / RATE) for samples in (0.3, 5.0)]
     + [("command_saturation", "limit", limit) for limit in (1.0, 2.0)]
     + [("command_dead_zone", "width", width) for width in (0.2, 1.0)],
@@ -112,7 +112,7 @@ def test_a_changed_command_adds_what_whole_predictions_say(log, base, name, fiel
 
 @pytest.mark.parametrize(
     ("width", "frequency", "mass_ratio", "damping_ratio"),
-    covering([0.002, 0.0], [20.0, 60.0, 150.0, 400.0, 800.0], [0.05, 0.2, 0.5], [0.01, 0.03, 0.1], rounds=3),
+    covering([0.002, 0.0], [20.0, 60.0, 150.0, 400.0, 800.0], [0.05, 0.2, 0.5], [0.01, 0.03, 0.1], rounds=2),
 )
 def test_a_load_on_a_spring_adds_what_whole_predictions_say(log, width, frequency, mass_ratio, damping_ratio):
     model = machine(width=width)
@@ -128,11 +128,13 @@ def test_a_load_on_a_spring_adds_what_whole_predictions_say(log, width, frequenc
     assert error < (0.03 if width > 0.0 else 0.08)
 
 
-@pytest.mark.parametrize("frequency", [20.0, 300.0])
-def test_without_friction_a_load_adds_it_exactly_but_for_the_sampling(log, frequency):
+def test_without_friction_a_load_adds_it_exactly_but_for_the_sampling(log):
     model = machine(coulomb=0.0).replace(cogging=None)
-    load = EFFECTS["flexible_mode"](frequency=frequency, mass_ratio=0.5, damping_ratio=0.01)
-    assert compared(log, model, load)[2] < 3e-3
+    for frequency in (20.0, 300.0):
+        load = EFFECTS["flexible_mode"](frequency=frequency, mass_ratio=0.5, damping_ratio=0.01)
+        assert compared(log, model, load)[2] < 3e-3
+    assert not Predictor.is_addable(machine().plant(), EFFECTS["backlash"](gap=1e-4, mass_ratio=0.3))  # of friction
+    assert Predictor.is_addable(model.plant(), EFFECTS["backlash"](gap=1e-4, mass_ratio=0.3))
 
 
 def strikes(log, model, loads):
@@ -191,12 +193,6 @@ def test_a_loose_load_does_on_average_what_single_trajectories_do(log, mass_rati
     np.testing.assert_array_equal(none, rigid)
 
 
-def test_a_heavy_loose_load_under_friction_is_predicted_as_a_whole():
-    load = EFFECTS["backlash"](gap=1e-4, mass_ratio=0.3)
-    assert not Predictor.is_addable(machine().plant(), load)
-    assert Predictor.is_addable(machine(coulomb=0.0).plant(), load)
-
-
 def test_after_a_gap_and_at_uneven_steps_a_load_starts_anew(log):
     random = np.random.default_rng(5)
     kept = np.sort(random.choice(np.arange(len(log)), 3000, replace=False))
@@ -210,32 +206,22 @@ def test_after_a_gap_and_at_uneven_steps_a_load_starts_anew(log):
         assert np.linalg.norm(quick - (after - before)) < 0.01 * np.linalg.norm(after - before)
 
 
-def test_effects_at_once_are_those_one_by_one(log):
-    random = np.random.default_rng(2)
-    names = [*LINEAR, "command_delay", "flexible_mode", "actuator_lag", "backlash", *LINEAR[:3]]
-    effects = [sample(name, random) for name in names]
-    source, plant = Innovations(log, machine()), quiet_plant(machine())
-    along = source.predictor.predict(plant)
-    sizes = list(random.uniform(0.5, 2.0, len(effects)))
-    together = source.rows_of_effects(along, plant, effects, sizes)
-    for row, effect, size in zip(together, effects, sizes, strict=True):
-        np.testing.assert_array_equal(row, source.rows_of_effects(along, plant, [effect], [size])[0])
-
-
-def test_what_is_kept_of_one_plant_is_not_used_for_another(log):
+def test_effects_at_once_are_those_one_by_one_of_whatever_plant_came_before(log):
     """Plants and predictions by turns have the bits of a predictor that is asked but once."""
     random = np.random.default_rng(3)
     source = Innovations(log, machine())
     plants = [quiet_plant(machine(coulomb=coulomb)) for coulomb in (0.0, 1.0, 2.0)]
     alongs = [source.predictor.predict(plant) for plant in plants]
-    names = [*LINEAR, "command_delay", "flexible_mode", "backlash"]
-    for _ in range(30):
+    names = [*LINEAR, "command_delay", "flexible_mode", "actuator_lag", "backlash"]
+    for _ in range(12):
         plant, along = plants[random.integers(3)], alongs[random.integers(3)]
-        effects = [sample(name, random) for name in random.choice(names, size=3)]
+        effects = [sample(name, random) for name in random.choice(names, size=4)]
         effects = [effect for effect in effects if source.predictor.is_addable(plant, effect)]
-        rows = source.rows_of_effects(along, plant, effects, [1.0] * len(effects))
-        expected = source.scale * source.predictor.added(along, plant, effects, [1.0] * len(effects))
-        assert rows.tobytes() == expected.tobytes()
+        sizes = list(random.uniform(0.5, 2.0, len(effects)))
+        rows = source.rows_of_effects(along, plant, effects, sizes)
+        for row, effect, size in zip(rows, effects, sizes, strict=True):
+            expected = source.scale * source.predictor.added(along, plant, [effect], [size])[0]
+            assert row.tobytes() == expected.tobytes()
 
 
 def test_what_must_be_predicted_as_a_whole_is_refused(log):

@@ -27,8 +27,4 @@ def test_residuals_of_many_models_are_those_of_each():
     for row, model in zip(together, models, strict=True):
         np.testing.assert_array_equal(row, dynamics.of([model])[0])
     assert np.ptp(together[:, len(dynamics.even) // 2]) > 1e-4  # V: they differ
-
-
-def test_no_models_leave_no_residuals():
-    dynamics = ForceBalance(cogging.simulate(MODEL, MOVE, duration=1.0, seed=1), cutoff=100.0)
     assert dynamics.of([]).shape == (0, len(dynamics.even))

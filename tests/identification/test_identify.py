@@ -15,7 +15,6 @@ from cogging import (
     Model,
     NoiseParameters,
     SplineHarmonics,
-    _core,
 )
 from cogging.cli.main import main
 from cogging.identification.identification import identify
@@ -91,7 +90,8 @@ def fitted():
     return truth, prior, log, identify(log, prior)
 
 
-def test_finds_mass_friction_offset_and_cogging_within_their_intervals(fitted):
+def test_a_log_that_the_model_explains(fitted):
+    """Truth within the intervals, estimators that agree, the noise alone left, and a replay that repeats the log."""
     truth, prior, _, found = fitted
     assert {p.path for p in found.parameters} == set(cogging.parameters_of(truth))
     assert all(p.determined for p in found.parameters)
@@ -100,58 +100,23 @@ def test_finds_mass_friction_offset_and_cogging_within_their_intervals(fitted):
     assert found["axis.mass"].prior == prior.axis.mass
     assert found.model.intervals["axis.mass"] == found["axis.mass"].ci95
     assert found.estimator == "inverse_dynamics"
-    assert found.logs[0].instruments
-
-
-def test_two_estimators_agree_on_a_log_that_the_model_explains(fitted):
-    for p in fitted[3].parameters:
+    for p, variance in zip(found.parameters, np.diag(found.covariance), strict=True):
         assert abs(p.difference) < 4.0
         assert p.output_error == pytest.approx(p.inverse_dynamics, abs=5 * (p.ci95[1] - p.ci95[0]))
-
-
-def test_residual_falls_to_the_noise_and_replay_repeats_the_log(fitted):
-    log = fitted[3].logs[0]
+        assert 1.95 < 0.5 * (p.ci95[1] - p.ci95[0]) / np.sqrt(variance) < 5.0
+    assert np.diag(found.correlation) == pytest.approx(1.0)
+    assert (np.abs(found.correlation) <= 1.0 + 1e-12).all()
+    log = found.logs[0]
+    assert log.instruments
     assert log.residual_after < 0.1 * log.residual_before
     assert log.floor < log.residual_after < 0.03
     assert log.residual_free == log.residual_after
     assert log.replay["position"] < 1e-4
     assert log.replay["command"] < 0.1
-
-
-def test_correlation_and_covariance_are_those_of_the_intervals(fitted):
-    found = fitted[3]
-    assert np.diag(found.correlation) == pytest.approx(1.0)
-    assert (np.abs(found.correlation) <= 1.0 + 1e-12).all()
-    for p, variance in zip(found.parameters, np.diag(found.covariance), strict=True):
-        half = 0.5 * (p.ci95[1] - p.ci95[0])
-        assert 1.95 < half / np.sqrt(variance) < 5.0
-
-
-def test_text_and_json_tell_what_was_found(fitted):
-    found = fitted[3]
-    text = found.text()
-    assert str(found) == text
-    assert len(repr(found)) < 1000
-    for p in found.parameters:
-        assert p.path in text
-    assert "mass: determined to" in text
-    assert "10001 rows" in text
-    told = json.loads(json.dumps(found.to_dict(), allow_nan=False))
-    assert told["parameters"]["axis.mass"]["ci95"] == list(found["axis.mass"].ci95)
-    assert told["logs"][0]["audit"]["rows"] == 10001
+    assert all(p.path in found.text() for p in found.parameters)
+    assert "mass: determined to" in found.text()
     with pytest.raises(KeyError):
         found["axis.nothing"]
-
-
-def test_every_instruction_set_finds_the_same_bits(fitted, monkeypatch):
-    """As do replays one by one."""
-    _, prior, log, _ = fitted
-    log = Log.of({name: column[:4000] for name, column in log.columns().items()})
-    found = []
-    for instructions in ("none", *_core.instruction_sets()):
-        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
-        found.append(json.dumps(identify(log, prior).to_dict()))
-    assert found == found[:1] * len(found)
 
 
 def test_only_the_parameters_asked_for_move(fitted):
@@ -182,20 +147,6 @@ def test_nothing_is_found_at_one_constant_speed():
     assert found.to_dict()["parameters"]["axis.mass"]["ci95"] is None
     assert found.text().count("not determined") >= 8
     assert not found.covariance.any()
-
-
-def test_mass_alone_is_not_determined_where_accelerations_drown_in_the_noise():
-    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0, noise=0.2)
-    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
-    time = np.arange(50001) / RATE
-    slow = cogging.Sampled(time, 0.3 * np.sin(2 * np.pi * 0.02 * time), None, None)
-    found = identify(run(truth, slow, duration=50.0), prior)
-    mass = found["axis.mass"]
-    assert not mass.determined
-    assert mass.value == found.model.axis.mass == prior.axis.mass
-    assert found["axis.coulomb"].determined
-    assert found["effects.constant_force.force"].determined
-    holds(found, truth)
 
 
 def test_viscous_and_quadratic_drag_trade_at_one_speed_and_part_at_many():
@@ -245,49 +196,59 @@ def test_control_points_that_were_not_visited_keep_their_prior():
     holds(found, truth, slack=2.0)
 
 
-def test_an_effect_that_is_not_there_is_not_found():
-    truth = machine()
-    model = prior_of(truth, effects=(EFFECTS["constant_force"](), spring(), EFFECTS["viscous_asymmetry"]()))
-    found = identify(run(truth, seed=4), model)
-    for p in found.parameters:
-        if p.path.startswith("effects.") and p.determined:
-            half = 0.5 * (p.ci95[1] - p.ci95[0])
-            assert abs(p.value) < 1.6 * half
-    assert not found["effects.cable_spring.center"].determined  # of a spring that does nothing
-
-
 # Kinds of effects -----------------------------------------------------------------------------------------------------
 
 
-def test_the_place_of_a_spring_is_found_though_the_prior_has_none():
-    truth = machine(EFFECTS["cable_spring"](stiffness=8.0, center=0.1))
-    found = identify(run(truth, seed=2), prior_of(truth, effects=(spring(),)))
-    assert found["effects.cable_spring.stiffness"].value == pytest.approx(8.0, rel=0.05)
-    assert found["effects.cable_spring.center"].value == pytest.approx(0.1, abs=0.01)
-    holds(found, truth)
-
-
-def test_shape_of_a_harmonic_and_of_friction():
-    truth = machine(
-        EFFECTS["cogging_harmonic"](period=0.024, sine=0.5, cosine=0.2),
-        EFFECTS["stribeck_friction"](static_excess=1.0, velocity=0.02),
-    )
-    prior = prior_of(
-        truth,
-        effects=(
+#: What a machine has, what its model believes, values to be found with their relative tolerance, noise, and seed.
+KINDS = {
+    "the place of a spring": (
+        [EFFECTS["cable_spring"](stiffness=8.0, center=0.1)],
+        [spring(), EFFECTS["viscous_asymmetry"]()],  # the asymmetry is not there
+        {"cable_spring.stiffness": (8.0, 0.05), "cable_spring.center": (0.1, 0.1)},
+        0.02,
+        2,
+    ),
+    "the shapes of a harmonic and of friction": (
+        [
+            EFFECTS["cogging_harmonic"](period=0.024, sine=0.5, cosine=0.2),
+            EFFECTS["stribeck_friction"](static_excess=1.0, velocity=0.02),
+        ],
+        [
             EFFECTS["cogging_harmonic"](period=0.0243, sine=0.3, cosine=0.3),
             EFFECTS["stribeck_friction"](static_excess=0.7, velocity=0.03),
-        ),
-    )
-    found = identify(run(truth, seed=4), prior)
-    assert found["effects.cogging_harmonic.period"].value == pytest.approx(0.024, rel=1e-3)
-    assert found["effects.stribeck_friction.velocity"].value == pytest.approx(0.02, rel=0.3)
-    holds(found, truth, slack=2.0)
-    slow = identify(run(truth, seed=3), prior)  # 0.04 m/s at most: the friction's five parameters trade
-    assert slow["effects.cogging_harmonic.period"].value == pytest.approx(0.024, rel=5e-3)
-    for path in ("axis.viscous", "effects.stribeck_friction.velocity", "effects.stribeck_friction.exponent"):
-        assert not slow[path].determined
-    holds(slow, truth, slack=2.0)
+        ],
+        {"cogging_harmonic.period": (0.024, 1e-3), "stribeck_friction.velocity": (0.02, 0.3)},
+        0.02,
+        4,
+    ),
+    "a false reading": (
+        [EFFECTS["encoder_periodic_error"](period=0.02, sine=2e-5, cosine=-1e-5)],
+        [EFFECTS["encoder_periodic_error"](period=0.02)],
+        {"encoder_periodic_error.sine": (2e-5, 0.1), "encoder_periodic_error.cosine": (-1e-5, 0.2)},
+        0.005,
+        6,
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_effects_are_found(kind):
+    present, believed, values, noise, seed = KINDS[kind]
+    truth = machine(*present, noise=noise)
+    found = identify(run(truth, seed=seed), prior_of(truth, effects=tuple(believed)))
+    for path, (value, tolerance) in values.items():
+        assert found[f"effects.{path}"].value == pytest.approx(value, rel=tolerance)
+    for p in found.parameters:
+        if p.path.startswith("effects.viscous_asymmetry") and p.determined:
+            assert abs(p.value) < 1.6 * 0.5 * (p.ci95[1] - p.ci95[0])
+    with_all = joined_truth(truth, believed)
+    holds(found, with_all, slack=2.0)
+
+
+def joined_truth(truth, believed):
+    """The machine with the effects that its model believes in beside, at nothing."""
+    names = {effect.NAME for effect in truth.effects}
+    return truth.replace(effects=(*truth.effects, *(e for e in believed if e.NAME not in names)))
 
 
 def test_amplifier_delay_and_lists_of_levels():
@@ -313,17 +274,6 @@ def test_amplifier_delay_and_lists_of_levels():
     assert "effects.position_dependent_friction.nodes[0]" not in {p.path for p in found.parameters}
 
 
-def test_what_falsifies_the_reading_is_taken_out_of_it():
-    truth = machine(EFFECTS["encoder_periodic_error"](period=0.02, sine=2e-5, cosine=-1e-5), noise=0.005)
-    prior = prior_of(truth, effects=(EFFECTS["encoder_periodic_error"](period=0.02),))
-    found = identify(run(truth, seed=6), prior)
-    assert found["effects.encoder_periodic_error.sine"].value == pytest.approx(2e-5, rel=0.1)
-    assert found["effects.encoder_periodic_error.cosine"].value == pytest.approx(-1e-5, rel=0.2)
-    assert not found["effects.encoder_periodic_error.period"].determined or found[
-        "effects.encoder_periodic_error.period"
-    ].value == pytest.approx(0.02, rel=1e-2)
-
-
 def test_a_second_mass_is_seen_by_the_output_error_alone():
     truth = machine(EFFECTS["flexible_mode"](frequency=60.0, damping_ratio=0.05, mass_ratio=0.3), noise=0.01)
     prior = prior_of(truth, effects=(EFFECTS["flexible_mode"](frequency=55.0, damping_ratio=0.05, mass_ratio=0.25),))
@@ -335,6 +285,12 @@ def test_a_second_mass_is_seen_by_the_output_error_alone():
     assert found["effects.flexible_mode.frequency"].value == pytest.approx(60.0, rel=0.02)
     assert found["effects.flexible_mode.mass_ratio"].value == pytest.approx(0.3, abs=0.08)
     holds(found, truth, slack=2.0)
+
+
+def test_instruments_keep_noise_in_the_command_from_biasing_a_delay():
+    truth = machine(EFFECTS["command_delay"](delay=3e-3))
+    log = run(truth, moves(np.random.default_rng(5), 0.4, 0.4, 10.0, RATE), seed=11)
+    holds(identify(log, prior_of(truth, effects=(EFFECTS["command_delay"](delay=1e-3),))), truth)
 
 
 def test_infinite_parameters_settings_and_exact_ones_are_not_free():
@@ -360,14 +316,6 @@ def test_infinite_parameters_settings_and_exact_ones_are_not_free():
     assert found.model.axis.viscous == prior.axis.viscous
 
 
-@pytest.mark.parametrize("seed", [11, 12, 13])
-def test_instruments_keep_noise_in_the_command_from_biasing_a_delay(seed):
-    truth = machine(EFFECTS["command_delay"](delay=3e-3))
-    log = run(truth, moves(np.random.default_rng(5), 0.4, 0.4, 10.0, RATE), seed=seed)
-    found = identify(log, prior_of(truth, effects=(EFFECTS["command_delay"](delay=1e-3),)))
-    holds(found, truth)
-
-
 # Kinds of logs --------------------------------------------------------------------------------------------------------
 
 
@@ -383,22 +331,15 @@ def test_several_logs_are_fitted_together_and_one_by_one(fitted):
     assert single["axis.mass"].spread is None
 
 
-def test_position_and_command_alone_are_enough(fitted):
+def test_without_a_controller_the_reference_serves_as_instrument_and_without_both_least_squares(fitted):
     truth, prior, log, _ = fitted
+    unknown = prior.replace(controller=None, controller_type=None)
     bare = Log(time=log.time, position=log.position, command=log.command)
-    for model in (prior, prior.replace(controller=None, controller_type=None)):
-        found = identify(bare, model)
-        holds(found, truth, slack=2.5)  # without instruments: a little bias
-        assert not found.logs[0].instruments
+    for which, model in ((log, unknown), (bare, prior)):
+        found = identify(which, model)
+        assert found.logs[0].instruments == (which is log)
         assert not found.logs[0].replay
-
-
-def test_the_reference_serves_as_instrument_where_the_controller_is_unknown(fitted):
-    truth, prior, log, _ = fitted
-    found = identify(log, prior.replace(controller=None, controller_type=None))
-    assert found.logs[0].instruments
-    assert not found.logs[0].replay
-    holds(found, truth)
+        holds(found, truth, slack=1.6 if which is log else 2.5)  # without instruments: a little bias
 
 
 def test_jitter_and_gaps(fitted):
@@ -466,9 +407,7 @@ def test_an_added_command_is_told(fitted):
     [
         ({"free": []}, "free: must name at least one"),
         ({"free": ["axis.weight"]}, "free: axis.weight: must be one of axis.mass"),
-        ({"cutoff": 0.0}, "cutoff: must be above 0 and at most a fifth of 1000"),
-        ({"cutoff": 400.0}, "cutoff: must be above 0"),
-        ({"cutoff": float("nan")}, "cutoff: must be above 0"),
+        ({"cutoff": 400.0}, "cutoff: must be above 0 and at most a fifth of 1000"),
         ({"rest": -1.0}, "rest: must be at least 0"),
         ({"names": ["a", "b"]}, "names: must be one for each of 1 logs, got 2"),
         ({"added_commands": [None, None]}, "added_commands: must be one for each of 1 logs, got 2"),
@@ -515,29 +454,21 @@ def test_wrong_logs_are_named(fitted):
 # The command ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def files(fitted, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("identify")
-    fitted[1].write(folder / "prior.toml")
-    fitted[2].write(folder / "log.csv")
-    return folder
-
-
-def test_command_prints_writes_and_exits_with_0(fitted, files, capsys):
-    arguments = ["identify", str(files / "log.csv"), "--model", str(files / "prior.toml")]
-    assert main([*arguments, "--out", str(files / "fit.toml"), "--json", str(files / "fit.json")]) == 0
+def test_command_prints_writes_and_exits_with_0(fitted, tmp_path, capsys):
+    fitted[1].write(tmp_path / "prior.toml")
+    fitted[2].write(tmp_path / "log.csv")
+    arguments = ["identify", str(tmp_path / "log.csv"), "--model", str(tmp_path / "prior.toml")]
+    assert main([*arguments, "--out", str(tmp_path / "fit.toml"), "--json", str(tmp_path / "fit.json")]) == 0
     printed = capsys.readouterr().out
     assert "axis.mass" in printed
     assert "95 % interval" in printed
-    model = Model.read(files / "fit.toml")
+    model = Model.read(tmp_path / "fit.toml")
     assert model.axis.mass == fitted[3].model.axis.mass
     assert model.intervals["axis.mass"] == fitted[3]["axis.mass"].ci95
-    assert json.loads((files / "fit.json").read_text())["parameters"]["axis.mass"]["determined"]
-
-
-def test_command_takes_free_cutoff_and_rows(files, capsys):
-    arguments = ["identify", str(files / "log.csv"), "--model", str(files / "prior.toml"), "--rows", "0:6000"]
-    assert main([*arguments, "--free", "axis.mass, axis.viscous", "--cutoff", "40"]) == 0
+    told = json.loads((tmp_path / "fit.json").read_text())
+    assert told["parameters"]["axis.mass"]["ci95"] == list(fitted[3]["axis.mass"].ci95)
+    assert told["logs"][0]["audit"]["rows"] == 10001
+    assert main([*arguments, "--rows", "0:6000", "--free", "axis.mass, axis.viscous", "--cutoff", "40"]) == 0
     printed = capsys.readouterr().out
     assert "below 40 Hz" in printed
     assert "6000 rows" in printed

@@ -9,8 +9,7 @@ import pytest
 from cogging import Log
 from cogging.identification.identification import identify
 from cogging.identification.identification_result import LogFit, ParameterEstimate, percent, warnings_of
-from cogging.identification.parameter_fit import moved_beyond, thinned
-from tests.fixtures.identify_coverage import Case, draw, draw_hidden, draw_thinned, outcome_of
+from tests.fixtures.identify_coverage import draw, draw_hidden, draw_thinned, outcome_of
 
 # What is said when --------------------------------------------------------------------------------------------------
 
@@ -39,59 +38,29 @@ def test_nothing_is_said_of_a_good_fit():
     assert said() == ()
 
 
-@pytest.mark.parametrize("times", [0.5, 1.0, 1.9, 2.1, 5.0, 300.0])
-def test_a_residual_of_many_times_the_noise(times):
-    warnings = said([log_fit(residual_free=0.09 * times, residual_after=0.09)])
-    assert len(warnings) == (times > 2.0)
-    if warnings:
-        assert "something is missing" in warnings[0]
-        assert f"{times:.3g} times the noise (0.09 V)" in warnings[0]
-        assert "run diagnose" in warnings[0]
-
-
-@pytest.mark.parametrize(("share", "expected"), [(0.999, 0), (0.51, 0), (0.49, 1), (-3.0, 1)])
-def test_a_model_that_explains_little(share, expected):
-    warnings = said([log_fit(explained=share)])
-    assert len(warnings) == expected
-    assert all(f"explains only {percent(share)}" in warning for warning in warnings)
-
-
-@pytest.mark.parametrize("sigmas", [-4.9, 4.9, -5.1, 5.1, 60.0])
-def test_estimators_that_contradict_each_other(sigmas):
-    warnings = said((), [estimate(difference=sigmas, output_error=2.5)])
-    assert len(warnings) == (abs(sigmas) > 5.0)
-    assert all(f"axis.mass (2 and 2.5 V/(m/s^2), {abs(sigmas):.2g} sigma)" in warning for warning in warnings)
-
-
-def test_a_fit_that_is_worse_than_what_was_given():
-    worse = [log_fit(residual_before=0.09), log_fit(replay={"position": 2e-4, "command": 0.1}), log_fit(replay={})]
-    better = [log_fit(residual_before=0.0999), log_fit(replay={"position": 1.04e-4, "command": 0.1})]
-    for log in worse:
-        (warning,) = said([log])
-        assert "the fit is worse than the model as given" in warning
-    assert said(better) == ()
-
-
-def test_other_answers_are_told_beside_the_own():
-    others = {"below 40 Hz": {"axis.mass": (2.3, 0.05, 0.1)}}
-    assert moved_beyond("axis.mass", 2.0, 0.15, others, 1.5) == {"below 40 Hz": 2.3}
-    assert moved_beyond("axis.mass", 2.0, 0.25, others, 1.5) == {}  # within its own interval
-    vague = {"below 40 Hz": {"axis.mass": (2.3, 0.15, 0.3)}}
-    assert moved_beyond("axis.mass", 2.0, 0.1, vague, 1.5) == {}  # within the other's
-    assert moved_beyond("axis.viscous", 2.0, 0.1, others, 1.5) == {}
-    (warning,) = said((), [estimate(elsewhere={"below 40 Hz": 2.3})])
-    assert warning == "below 40 Hz, axis.mass is 2.3 instead of 2 V/(m/s^2)"
-
-
-@pytest.mark.parametrize("rows", [8, 9])
-def test_a_thinned_log_has_the_means_of_what_acted(rows):
-    random = np.random.default_rng(rows)
-    log = Log(time=np.arange(rows) * 0.1, position=random.normal(size=rows), command=random.normal(size=rows))
-    fewer = thinned(log)
-    assert np.array_equal(fewer.time, log.time[::2])
-    assert np.array_equal(fewer.position, log.position[::2])
-    means = [log.command[i : i + 2].mean() for i in range(0, rows, 2)]
-    assert fewer.command == pytest.approx(means, abs=1e-15)
+@pytest.mark.parametrize(
+    ("log", "parameter", "words"),
+    [
+        ({"residual_free": 0.09 * 1.9, "residual_after": 0.09}, {}, ""),
+        ({"residual_free": 0.09 * 2.1, "residual_after": 0.09}, {}, "2.1 times the noise (0.09 V)"),
+        ({"residual_free": 0.09 * 300.0}, {}, "something is missing"),
+        ({"explained": 0.51}, {}, ""),
+        ({"explained": 0.49}, {}, "explains only 49 %"),
+        ({}, {"difference": -4.9, "output_error": 2.5}, ""),
+        ({}, {"difference": -5.1, "output_error": 2.5}, "axis.mass (2 and 2.5 V/(m/s^2), 5.1 sigma)"),
+        ({"residual_before": 0.0999}, {}, ""),
+        ({"residual_before": 0.09}, {}, "the fit is worse than the model as given"),
+        ({"replay": {"position": 1.04e-4, "command": 0.1}}, {}, ""),
+        ({"replay": {"position": 2e-4, "command": 0.1}}, {}, "the fit is worse than the model as given"),
+        ({"replay": {}}, {}, "its replay diverges"),
+        ({}, {"elsewhere": {"below 40 Hz": 2.3}}, "below 40 Hz, axis.mass is 2.3 instead of 2 V/(m/s^2)"),
+    ],
+)
+def test_what_is_said_when(log, parameter, words):
+    warnings = said([log_fit(**log)], [estimate(**parameter)])
+    assert len(warnings) == bool(words)
+    assert all(words in warning for warning in warnings)
+    assert "run diagnose" in "".join(warnings) or "something" not in words
 
 
 # On drawn machines (those of which nothing is to be said: test_coverage.py) -----------------------------------------
@@ -145,15 +114,3 @@ def test_warnings_and_shares_stand_in_text_and_json():
     assert found.explained == pytest.approx(log.explained)  # of one log
     assert f"share of the command explained: {percent(found.explained)}" in found.text()
     assert f"explains {percent(log.explained)} of a command of {log.command:.4g} V" in found.text()
-
-
-def test_the_true_model_as_given_is_no_worse():
-    case = cut(draw(830), 6.0)
-    truth = case.truth.replace(noise=case.nominal.noise)
-    found = outcome_of(Case(case.truth, truth, case.log))
-    assert found.warnings == ()
-
-
-@pytest.mark.parametrize(("share", "words"), [(0.99987, "99.987 %"), (0.93, "93.0 %"), (0.5, "50 %"), (-1.0, "-100 %")])
-def test_shares_in_words(share, words):
-    assert percent(share) == words

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
-from cogging.cli.next_command import command_line, free_name, option
+from cogging.cli.next_command import can_predict, command_line, experiment, free_name, option
 from cogging.cli.parser import (
     Commands,
     add_command,
@@ -52,8 +52,12 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
     options = {"samples": arguments.samples, "seed": arguments.seed}
     with naming_files(arguments), status_line(arguments, "predict"):
-        prediction = predict_error(run_model(arguments), arguments.reference, **options)
-    following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))
+        model = run_model(arguments)
+        prediction = predict_error(model, arguments.reference, **options)
+    if can_predict(model):
+        following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))
+    else:  # a motion that determines what is not known
+        following = experiment(arguments.model, "--goal", "fit")
     print_result(
         arguments,
         f"{run_controller(arguments)}{prediction.text()}",

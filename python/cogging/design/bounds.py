@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -85,59 +86,43 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
     if not (np.isfinite(velocity_max) and velocity_max > 0):
         raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
     low, high, guess, left_out = 0.0, 0.0, 0.0, []
+    known = parameters_of(model)
     for place, (prefix, effect) in enumerate(effect_paths(model.effects)):
-        if not _pushes(effect):
+        if "force" not in effect.HOOKS and "friction_level" not in effect.HOOKS:
             left_out.append(f"{prefix}: acts on command or reading or has a state, not within the disturbance")
             continue
         points = _points(model, effect, velocity_max)
-        forces = _forces(_filled(model, effect), points)
+        forces = _forces(model, effect, points)
         low, high = low + forces.min(), high + forces.max()
         guess += float(forces[0])
-        for path in (p for p in parameters_of(model) if p.startswith(f"{prefix}.")):
-            interval = intervals.of(path)
-            if interval is not None:
-                changes = [0.0, *(c for end in interval for c in _changes(model, place, path, end, points, forces))]
-                low, high = low + min(changes), high + max(changes)
+        for path in (p for p in known if p.startswith(f"{prefix}.")):
+            changes = [0.0]
+            for end in intervals.of(path) or ():
+                value = valid_end(known[path].value, end, partial(_is_valid, model, path))
+                change = _forces(model, with_values(model, {path: value}).effects[place], points) - forces
+                changes += [float(change.min()), float(change.max())]
+            low, high = low + min(changes), high + max(changes)
     noise = SIGMAS_95 * model.noise.force
     return (float(low - noise), float(high + noise)), guess, left_out
 
 
-def _pushes(effect: Effect) -> bool:
-    return "force" in effect.HOOKS or "friction_level" in effect.HOOKS
+def _is_valid(model: Model, path: str, value: float) -> bool:
+    """Return whether the model takes this value of a parameter."""
+    try:
+        with_values(model, {path: value})
+    except ValueError:
+        return False
+    return True
 
 
-def _filled(model: Model, effect: Effect) -> Effect:
-    """The effect with the fields that stand for those of the axis filled in."""
-    return effect.resolved(model.axis, model.cogging)
-
-
-def _changes(
-    model: Model, place: int, path: str, end: float, points: FloatArray, forces: FloatArray
-) -> tuple[float, float]:
-    """The smallest and largest change of force that the end of a field's interval makes, V."""
-
-    def allowed(value: float) -> bool:
-        try:
-            with_values(model, {path: value})
-        except ValueError:
-            return False
-        return True
-
-    value = valid_end(parameters_of(model)[path].value, end, allowed)
-    effect = with_values(model, {path: value}).effects[place]
-    change = _forces(_filled(model, effect), points) - forces
-    return float(change.min()), float(change.max())
-
-
-def _forces(effect: Effect, points: FloatArray) -> FloatArray:
+def _forces(model: Model, effect: Effect, points: FloatArray) -> FloatArray:
     """Force at (position, velocity, time) rows, V; of a friction level the largest force on either side."""
+    effect = effect.resolved(model.axis, model.cogging)
     laws = laws_of(effect)
     if "force" in effect.HOOKS:
         return np.array([laws.force_at(position=x, velocity=v, time=t) for x, v, t in points])
     levels = [laws.friction_level_at(position=x, velocity=v, time=t) for x, v, t in points]
-    moving = np.sign(points[:, 1])
-    largest: FloatArray = -moving * np.array(levels, dtype=float)
-    return largest
+    return np.asarray(-np.sign(points[:, 1]) * np.array(levels, dtype=float))
 
 
 def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
@@ -163,11 +148,11 @@ def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
                 time.append(np.linspace(0.0, 1.0 / size, 65))
     axes = [np.concatenate(position), np.concatenate([-speeds, [0.0], speeds]), np.concatenate(time)]
     rest = np.array([0.5 * (start + stop), 0.0, 0.0])
-    probe, used = _filled(model, effect), []
+    used = []
     for column, values in enumerate(axes):
         line = np.tile(np.array([rest[0], 0.37 * velocity_max, 0.0]), (len(values), 1))
         line[:, column] = values
-        used.append(bool(np.ptp(_forces(probe, line)) > 0.0))
+        used.append(bool(np.ptp(_forces(model, effect, line)) > 0.0))
     # Two or three coordinates at once: fewer points of each.
     step = {0: 1, 1: 1, 2: 4, 3: 16}[sum(used)]
     chosen = [values[::step] if u else rest[i : i + 1] for i, (values, u) in enumerate(zip(axes, used, strict=True))]
@@ -250,6 +235,8 @@ class Bounds(ByValue):
             )
         disturbance, guess, notes = disturbance_range(model, intervals, velocity_max)
         width = disturbance[1] - disturbance[0]
+        amplitudes = [path for path in intervals.paths if path.startswith("cogging.")]
+        ends = [intervals.of(path) or (intervals.value(path),) * 2 for path in amplitudes]
         if default and "disturbance" in default:
             disturbance = (disturbance[0] + default["disturbance"][0], disturbance[1] + default["disturbance"][1])
         elif width <= (1.0 + 1e-9) * 2.0 * SIGMAS_95 * model.noise.force:
@@ -260,7 +247,7 @@ class Bounds(ByValue):
             model,
             **axis,
             disturbance=disturbance,
-            cogging=_cogging_interval(model, intervals),
+            cogging=(min(end[0] for end in ends), max(end[1] for end in ends)) if ends else None,
             disturbance_estimate=guess,
             fallbacks=intervals.notes,
             notes=tuple(notes),
@@ -284,7 +271,9 @@ class Bounds(ByValue):
         """
         axis, rate = self.model.axis, self._sample_rate(AdaptiveRobustParameters, overrides)
         w = _bandwidth(bandwidth, rate)
-        feedback = max(2.0 * w * axis.mass, 1.1 * self._smallest_feedback_gain(w))
+        # k_s1 at which (29) without slopes turns positive everywhere: k_s1 - k M + B = B^2 / (2 k M).
+        smallest = max(w * m - b + b * b / (2.0 * w * m) for m in self.mass for b in self.viscous)
+        feedback = max(2.0 * w * axis.mass, 1.1 * smallest)
         adaptation = 0.1 * w * feedback
         fields: dict[str, Any] = {
             "sample_rate": rate,
@@ -478,10 +467,6 @@ class Bounds(ByValue):
         own = struct() if self.model.controller is None else self.model.controller
         return float(overrides.get("sample_rate", own.sample_rate))
 
-    def _smallest_feedback_gain(self, k: float) -> float:
-        """k_s1 at which (29) without slopes turns positive everywhere: k_s1 - k M + B = B^2 / (2 k M)."""
-        return max(k * m - b + b * b / (2.0 * k * m) for m in self.mass for b in self.viscous)
-
 
 def _axis_interval(intervals: Intervals, name: str) -> Interval:
     interval = intervals.of(f"axis.{name}")
@@ -491,15 +476,6 @@ def _axis_interval(intervals: Intervals, name: str) -> Interval:
             "got none of them"
         )
     return max(interval[0], 0.0), interval[1]
-
-
-def _cogging_interval(model: Model, intervals: Intervals) -> Interval | None:
-    """From the smallest to the largest end of the intervals of all amplitudes."""
-    if model.cogging is None:
-        return None
-    paths = [path for path in intervals.paths if path.startswith("cogging.")]
-    ends = [intervals.of(path) or (intervals.value(path),) * 2 for path in paths]
-    return min(end[0] for end in ends), max(end[1] for end in ends)
 
 
 def _bandwidth(bandwidth: float | None, sample_rate: float) -> float:

@@ -27,7 +27,7 @@ from cogging.shown import nearest
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs
-from cogging.simulation.reference import read_reference, reference_from
+from cogging.simulation.reference import motion_of
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -47,32 +47,34 @@ class DrawnMachine(NamedTuple):
 
 def drawn_machines(
     intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
-) -> list[tuple[Model, int]]:
-    """Draw machines from the intervals of a model, each with the seed of its noise (see drawn_samples)."""
-    return [(drawn.model, drawn.seed) for drawn in drawn_samples(intervals, samples, seed, covariance)]
-
-
-def drawn_samples(
-    intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
-) -> list[DrawnMachine]:
-    """Draw machines from the intervals of a model.
+) -> tuple[list[DrawnMachine], list[str]]:
+    """Draw machines from the intervals of a model, and return them with the parameters that are held, in words.
 
     Each parameter is normal around the model's value, jointly where a covariance is given; a machine with a value that
     breaks its field's rule is drawn again. Machine i does not depend on the number of machines.
 
     Args:
-        intervals: of the model; a parameter without one is held.
+        intervals: of the model; a parameter without one is held, as is one with an infinite interval.
         samples: number of machines.
         seed: of the draws.
         covariance: paths (p) and covariance (p, p), in place of their intervals.
 
     Raises:
-        ValueError: an infinite interval, an invalid covariance, or intervals with hardly a valid machine.
+        ValueError: an invalid covariance or interval, or intervals with hardly a valid machine.
     """
     model = intervals.model
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
-    alone = {path: intervals.of(path) for path in intervals.paths if path not in joint}
-    spread = {path: interval for path, interval in alone.items() if interval is not None and interval[0] < interval[1]}
+    spread, held = {}, []
+    for path in (path for path in intervals.paths if path not in joint):
+        try:
+            interval = intervals.of(path)
+        except ValueError as error:
+            if np.isfinite(model.intervals.get(path, (0.0, 0.0))).all():
+                raise
+            held.append(f"{path} held at {intervals.value(path):g}: the interval of the error is unbounded. {error}")
+            continue
+        if interval is not None and interval[0] < interval[1]:
+            spread[path] = interval
     require_machines("samples", samples, len(joint) + len(spread))
     machines = []
     for place in range(samples):
@@ -91,7 +93,7 @@ def drawn_samples(
                 reason = error
         else:
             raise ValueError(f"bounds: {DRAWS_MAX} draws gave no valid machine; the last: {reason}")
-    return machines
+    return machines, held
 
 
 def draw(value: float, interval: Interval, normal: float) -> float:
@@ -155,7 +157,13 @@ def chosen_controllers(
         return dict(controllers), []
     if controllers is not None and not isinstance(controllers, Iterable):
         raise TypeError(f"controllers: must be names, or controllers by name, got {type(controllers).__name__}")
-    wanted = _wanted(controllers)
+    known = (OWN, *DESIGNED)
+    wanted = list(known if controllers is None else controllers)
+    if isinstance(controllers, str) or not wanted or len(set(wanted)) != len(wanted):
+        raise ValueError(f"controllers: must be a list of different names, got {controllers!r}")
+    if wrong := [name for name in wanted if name not in known]:
+        rule = f"each must be one of {', '.join(known)}"
+        raise ValueError(f"controllers: {rule}, got {wrong[0]!r}{nearest(str(wrong[0]), known)}")
     velocity = float(np.abs(motion.sample(np.linspace(0.0, duration, 4001))[1]).max())
     chosen: dict[str, AnyController] = {}
     notes: list[str] = []
@@ -181,32 +189,20 @@ def chosen_controllers(
     return chosen, notes
 
 
-def _wanted(controllers: Sequence[str] | None) -> list[str]:
-    """The requested names, checked; all by default."""
-    wanted = list(controllers) if controllers is not None else [OWN, *DESIGNED]
-    if isinstance(controllers, str) or not wanted or len(set(wanted)) != len(wanted):
-        raise ValueError(f"controllers: must be a list of different names, got {controllers!r}")
-    for name in wanted:
-        if name not in (OWN, *DESIGNED):
-            known = (OWN, *DESIGNED)
-            rule = f"each must be one of {', '.join(known)}"
-            raise ValueError(f"controllers: {rule}, got {name!r}{nearest(str(name), known)}")
-    return wanted
-
-
 def _designed(name: str, bounds: Bounds, velocity: float, bandwidth: float | None) -> ListedController:
-    if name == "pid":
-        return Pid(bounds.pid(bandwidth=bandwidth))
-    if name == "cascade":
-        return Cascade(bounds.cascade(bandwidth=bandwidth))
-    if name == "arc":
-        return Arc(bounds.adaptive_robust(bandwidth=bandwidth))
-    if name == "dcarc":
-        return Dcarc(bounds.adaptive_robust(bandwidth=bandwidth))
-    if name == "output_feedback_arc":
-        return OutputFeedbackArc(bounds.output_feedback(bandwidth=bandwidth))
-    problem = bounds.observer_problem(VELOCITY_RATIO * velocity, velocity, bandwidth=bandwidth)
-    return ObserverBased(bounds.observer_based(problem, design_observer(problem)))
+    """Return a controller of DESIGNED for a motion of this largest velocity (m/s)."""
+    if name == "observer_based":
+        problem = bounds.observer_problem(VELOCITY_RATIO * velocity, velocity, bandwidth=bandwidth)
+        return ObserverBased(bounds.observer_based(problem, design_observer(problem)))
+    kind, design = {
+        "pid": (Pid, bounds.pid),
+        "cascade": (Cascade, bounds.cascade),
+        "arc": (Arc, bounds.adaptive_robust),
+        "dcarc": (Dcarc, bounds.adaptive_robust),
+        "output_feedback_arc": (OutputFeedbackArc, bounds.output_feedback),
+    }[name]
+    made: ListedController = kind(design(bandwidth=bandwidth))
+    return made
 
 
 #: Indexes of a prediction: over the window, and the largest of the whole run.
@@ -277,8 +273,8 @@ class ErrorPrediction(ByValue):
     units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
-        told = [f"{one.name} {1e6 * one.rms.median:.3g} {self.units.of('um')} rms" for one in self.controllers]
-        return f"{', '.join(told)}; {self.samples} machines"
+        errors = [f"{one.name} {1e6 * one.rms.median:.3g} {self.units.of('um')} rms" for one in self.controllers]
+        return f"{', '.join(errors)}; {self.samples} machines"
 
     def __getitem__(self, name: str) -> ControllerPrediction:
         """The prediction of a controller.
@@ -337,7 +333,10 @@ class ErrorPrediction(ByValue):
             f"    {'controller':<{width}}" + "".join(f"{title:>30}" for title in titles) + f"{'diverged':>10}",
         ]
         for controller in self.controllers:
-            cells = [_cell(getattr(controller, index)) for index in INDEXES]
+            cells = []
+            for index in (controller.rms, controller.max, controller.max_whole):
+                low, high = (f"{1e6 * end:.3g}" for end in index.interval)
+                cells.append(f"{f'{1e6 * index.median:.3g} [{low}, {high}]':>30}")
             lines.append(f"    {controller.name:<{width}}" + "".join(cells) + f"{controller.diverged:>10.0%}")
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
@@ -348,7 +347,7 @@ class ErrorPrediction(ByValue):
             entry: dict[str, Any] = {"controller": controller.name, "diverged": controller.diverged}
             for name in INDEXES:
                 index: PredictedIndex = getattr(controller, name)
-                numbers = [_finite(value) for value in (index.median, *index.interval)]
+                numbers = [value if np.isfinite(value) else None for value in (index.median, *index.interval)]
                 entry[name] = {"unit": self.units.of("m"), "median": numbers[0], "interval": numbers[1:]}
             controllers.append(entry)
         return {
@@ -359,15 +358,6 @@ class ErrorPrediction(ByValue):
             "coverage": self.coverage,
             "notes": list(self.notes),
         }
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
-def _cell(index: PredictedIndex) -> str:
-    low, high = (f"{1e6 * end:.3g}" for end in index.interval)
-    return f"{f'{1e6 * index.median:.3g} [{low}, {high}]':>30}"
 
 
 COVERAGE = 0.95
@@ -410,15 +400,16 @@ def predict_error(
         duration: s; 0 = that of the reference file, or the motion's own end.
         threads: 0 = all cores.
         bandwidth: of the designed controllers, 1/s (see Bounds).
-        default: 95 % intervals for parameters without a finite one (see Bounds.of).
+        default: 95 % intervals for parameters without a finite one (see Bounds.of); without a default, a parameter
+            with an infinite interval keeps its value, and a note says that the interval of the error is unbounded.
         covariance: paths (p) and covariance (p, p) of parameters that are drawn jointly.
 
     Returns:
         Median and interval of rms and largest error by controller.
 
     Raises:
-        ValueError: an argument breaks its rule, an interval is infinite without a default, a named controller cannot
-            be designed, none is left, the reference leaves the travel or has no end.
+        ValueError: an argument breaks its rule, a named controller cannot be designed, none is left, the reference
+            leaves the travel or has no end.
         InputError: a file cannot be used.
 
     Example:
@@ -431,20 +422,34 @@ def predict_error(
             raise ValueError(f"{name}: must be a whole number of at least {least}, got {value!r}")
     if not isinstance(model, Model):
         model = Model.read(model)
-    motion, duration = _motion(reference, duration)
-    window = _window(motion, duration)
+    motion, own = motion_of(reference)
+    if not (np.isfinite(duration) and duration >= 0.0):
+        raise ValueError(f"duration: must be finite and at least 0, got {duration!r}")
+    duration = float(duration) or own or motion.end
+    if not np.isfinite(duration):
+        raise ValueError("duration: must be given for a motion without an end, got none")
+    period, last = motion.period, min(duration, motion.end)
+    repeats = np.isfinite(period) and last >= 1.999 * period
+    window = (last - period if repeats else 0.0, duration)
     intervals = Intervals(model, default, beside=("disturbance",))
-    machines = drawn_samples(intervals, samples, int(seed), covariance)
+    machines, held = drawn_machines(intervals, samples, int(seed), covariance)
     chosen, left_out = chosen_controllers(model, motion, duration, controllers, bandwidth, default)
     found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count() or 1)
     predictions = []
     for name, values in zip(chosen, found, strict=True):
         indexes = {index: _index(values[:, i]) for i, index in enumerate(INDEXES)}
         predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
-    coverage = min(COVERAGE, (samples - 1) / (samples + 1))
-    notes = (*intervals.notes, *left_out)
-    told = (tuple(predictions), window, int(samples), int(seed), coverage, notes)
-    return ErrorPrediction(*told, machines=_drawn(machines), units=model.units)
+    drawn = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
+    return ErrorPrediction(
+        controllers=tuple(predictions),
+        window=window,
+        samples=int(samples),
+        seed=int(seed),
+        coverage=min(COVERAGE, (samples - 1) / (samples + 1)),
+        notes=(*held, *intervals.notes, *left_out),
+        machines={**drawn, "seed": np.array([one.seed for one in machines])},
+        units=model.units,
+    )
 
 
 def _errors(
@@ -459,7 +464,8 @@ def _errors(
     # The error outside the window is computed from columns, with as many runs at a time as memory allows.
     whole = window[0] <= 0.0
     jobs = [(controller, place) for controller in controllers for place in range(len(plants))]
-    rows = window[1] * max(map(_rate, controllers)) + 1.0
+    rates = [getattr(controller, "sample_rate", 0.0) for controller in controllers]  # an invalid one the run refuses
+    rows = window[1] * max(float(rate) if is_number(rate) else 0.0 for rate in rates) + 1.0
     size = len(jobs) if whole else max(threads, int(ROWS_MOST / rows))
     found = np.full((len(jobs), len(INDEXES)), np.inf)
     for first in range(0, len(jobs), size):
@@ -488,42 +494,8 @@ def _errors(
     return found.reshape(len(controllers), len(plants), len(INDEXES))
 
 
-def _rate(controller: AnyController) -> float:
-    """Its sample rate, Hz, or 0; the run itself refuses an invalid controller."""
-    rate = getattr(controller, "sample_rate", 0.0)
-    return float(rate) if is_number(rate) else 0.0
-
-
-def _drawn(machines: Sequence[DrawnMachine]) -> dict[str, Any]:
-    """The drawn parameters by path, and the seeds of the noise."""
-    drawn: dict[str, Any] = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
-    return {**drawn, "seed": np.array([one.seed for one in machines])}
-
-
-def _motion(reference: Any, duration: float) -> tuple[Reference, float]:
-    if isinstance(reference, Mapping):
-        motion, own = reference_from(reference)
-    elif isinstance(reference, Reference):
-        motion, own = reference, 0.0
-    else:
-        motion, own = read_reference(reference)
-    if not (np.isfinite(duration) and duration >= 0.0):
-        raise ValueError(f"duration: must be finite and at least 0, got {duration!r}")
-    end = float(duration) or own or motion.end
-    if not np.isfinite(end):
-        raise ValueError("duration: must be given for a motion without an end, got none")
-    return motion, end
-
-
-def _window(motion: Reference, end: float) -> Interval:
-    """The last period of a motion of two or more, else the whole run, s."""
-    period, last = motion.period, min(end, motion.end)
-    if not np.isfinite(period):
-        return 0.0, end
-    return (last - period if last >= 1.999 * period else 0.0), end
-
-
 def _index(values: FloatArray) -> PredictedIndex:
+    """Return the median and interval of one index over the machines."""
     tail = 0.5 * (1.0 - COVERAGE)
     return PredictedIndex(_quantile(values, 0.5), (_quantile(values, tail), _quantile(values, 1.0 - tail)), values)
 

@@ -118,18 +118,6 @@ class Goal(NamedTuple):
     expectations: Callable[[Run], list[Expectation]]
 
 
-class Pair(NamedTuple):
-    """Columns of two rivals at their shapes and of all other names, what each rival does (m,), and blocks of motion."""
-
-    name: str
-    alternative: str
-    first: list[FloatArray]
-    second: list[FloatArray]
-    rest: list[FloatArray]
-    signals: tuple[FloatArray, FloatArray]
-    blocks: int
-
-
 def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mapping[str, Effect], survey: Run) -> Goal:
     """Effects against their alternatives: noncentrality of the one beside the other refitted, either way round.
 
@@ -139,7 +127,8 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
     """
     alike: dict[tuple[str, str], tuple[FloatArray, int, FloatArray]] = {}
 
-    def pairs(run: Run) -> Iterator[Pair]:
+    def pairs(run: Run) -> Iterator[tuple[str, str, list[FloatArray], list[FloatArray], list[FloatArray], Any]]:
+        """Two rivals, their columns at their shapes, those of all other names, and what each rival does (m,)."""
         for one in (one for one in found if one.alternatives):
             given = whole = one.added_to(model)
             for other in found:
@@ -163,35 +152,39 @@ def separate(machine: Machine, model: Model, found: Sequence[Found], laws: Mappi
                         a = first[1].sum(axis=0)
                         scale = np.full(len(first[1]), np.sqrt(LOUD) / max(float(np.linalg.norm(a)), 1e-300))
                         a = scale @ first[1]
-                    taken, number, amplitudes = explained(second, a)
-                    amplitudes *= np.sqrt(float(a @ a) / max(taken, 1e-12))
+                    power, number, amplitudes = explained(second, a)
+                    amplitudes *= np.sqrt(float(a @ a) / max(power, 1e-12))
                     alike[one.name, name] = scale, number, amplitudes
                 scale, number, amplitudes = alike[one.name, name]
                 signals = scale @ first[1] if len(scale) else first[0][0], amplitudes @ second[number]
-                blocks = max(2, round(run.motion.end / BLOCK))
-                yield Pair(one.name, name, first, second, aside, signals, blocks)
+                yield one.name, name, first, second, aside, signals
 
     def worth(run: Run) -> float:
         def likeness_of(groups: Sequence[FloatArray], signal: FloatArray) -> float:
             return 1.0 / (1.0 + max(float(signal @ signal) - explained(groups, signal)[0], 0.0))
 
         likeness = []
-        for p in pairs(run):
-            likeness += [likeness_of(p.second, p.signals[0]), likeness_of(p.first, p.signals[1])]
+        for _, _, first, second, rest, (signal, rival) in pairs(run):
+            likeness += [likeness_of(second, signal), likeness_of(first, rival)]
             # names that the old logs have ruled out are not to come back: all together count as one
-            likeness.append(float(np.mean([likeness_of([group], p.signals[0]) for group in p.rest])))
+            likeness.append(float(np.mean([likeness_of([group], signal) for group in rest])))
         return -float(np.log(np.mean(likeness)))  # the weakest counts most, a hopeless one not alone
 
     def expectations(run: Run) -> list[Expectation]:
-        told = []
-        for p in pairs(run):
-            right = frequency(p.first, p.second, p.signals[0], p.blocks, machine.seed)
-            right += frequency(p.second, p.first, p.signals[1], p.blocks, machine.seed + 1)
-            told.append(Expectation(p.name, p.alternative, "", "1", round(0.5 * right, 3)))
-        return told
+        entries = []
+        for name, alternative, first, second, _, (signal, rival) in pairs(run):
+            right = frequency(first, second, signal, blocks_of(run), machine.seed)
+            right += frequency(second, first, rival, blocks_of(run), machine.seed + 1)
+            entries.append(Expectation(name, alternative, "", "1", round(0.5 * right, 3)))
+        return entries
 
     list(pairs(survey))
     return Goal(worth, expectations)
+
+
+def blocks_of(run: Run) -> int:
+    """Number of blocks of motion of a run, which penalise amplitudes."""
+    return max(2, round(run.motion.end / BLOCK))
 
 
 def explained(groups: Sequence[FloatArray], signal: FloatArray) -> tuple[float, int, FloatArray]:
@@ -237,9 +230,8 @@ def detect(machine: Machine, model: Model, laws: Mapping[str, Effect], survey: R
     def limits(run: Run) -> dict[str, tuple[str, float]]:
         look = Look(machine, run, model, model)
         columns = iter(look.columns([shape for groups in wanted.values() for shape in groups]))
-        blocks = max(2, round(run.motion.end / BLOCK))
         return {
-            name: smallest(laws[name], [(shape, next(columns)) for shape in groups], blocks)
+            name: smallest(laws[name], [(shape, next(columns)) for shape in groups], blocks_of(run))
             for name, groups in wanted.items()
         }
 
@@ -251,13 +243,13 @@ def detect(machine: Machine, model: Model, laws: Mapping[str, Effect], survey: R
         return float(np.mean(np.log(np.clip(gains, np.exp(-FAR), np.exp(FAR)))))
 
     def expectations(run: Run) -> list[Expectation]:
-        told = []
+        entries = []
         for name, (size, limit) in limits(run).items():
             known = today.get(name) or {}
             before = known.get("value") if known.get("parameter") == size else None
             value = float(f"{limit:.4g}") if limit < np.inf else None
-            told.append(Expectation(name, "", size, model.units.of(laws[name].FIELDS[size][0]), value, before))
-        return sorted(told, key=lambda one: (one.expected is not None, one.name))
+            entries.append(Expectation(name, "", size, model.units.of(laws[name].FIELDS[size][0]), value, before))
+        return sorted(entries, key=lambda one: (one.expected is not None, one.name))
 
     return Goal(worth, expectations)
 
@@ -273,7 +265,7 @@ def smallest(law: Effect, seen: Sequence[tuple[Shape, FloatArray]], blocks: int)
     roles = law.ROLES
     sized = [f for f, r in roles.items() if r["role"] == "amplitude"]
     sized += [f for neutral in (0.0, np.inf) for f, r in roles.items() if r["neutral"] == neutral]
-    told = []
+    found = []
     for shape, columns in seen:
         k = len(columns)
         least = brentq(lambda ratio, k=k: score_of(ratio, k, TRIALS, blocks) - THRESHOLD, 1e-3, 1e4)
@@ -283,8 +275,8 @@ def smallest(law: Effect, seen: Sequence[tuple[Shape, FloatArray]], blocks: int)
         if roles[sized[0]]["role"] != "amplitude":
             value = float(getattr(shape.parts[0], sized[0]))
             size = value * factor if roles[sized[0]]["neutral"] == 0.0 else value / max(factor, 1.0)
-        told.append(size if factor < BEYOND * float(np.max(shape.units)) else np.inf)
-    return sized[0], float(np.median(told))
+        found.append(size if factor < BEYOND * float(np.max(shape.units)) else np.inf)
+    return sized[0], float(np.median(found))
 
 
 def fit(machine: Machine, given: Model, model: Model, survey: Run) -> Goal:
@@ -298,8 +290,8 @@ def fit(machine: Machine, given: Model, model: Model, survey: Run) -> Goal:
         own = np.array([path in known for path in evidence.paths])
         gram = rows @ rows.T + np.diag(np.where(own, 0.0, evidence.prior_sigma**-2.0))
         beside = np.linalg.lstsq(gram[np.ix_(~own, ~own)], gram[np.ix_(~own, own)], rcond=None)[0]
-        told = gram[np.ix_(own, own)] - gram[np.ix_(own, ~own)] @ beside
-        return [path for path in evidence.paths if path in known], np.asarray(told)
+        schur = gram[np.ix_(own, own)] - gram[np.ix_(own, ~own)] @ beside
+        return [path for path in evidence.paths if path in known], np.asarray(schur)
 
     paths, first = information(survey)
     ends = np.array([model.intervals.get(path, (-np.inf, np.inf)) for path in paths]).reshape(-1, 2)
@@ -308,18 +300,18 @@ def fit(machine: Machine, given: Model, model: Model, survey: Run) -> Goal:
     size = np.sqrt(np.diag(first + before))
 
     def worth(run: Run) -> float:
-        told, gram = information(run)
-        return float(np.linalg.slogdet((gram + before) / np.outer(size, size))[1]) if told == paths else -np.inf
+        seen, gram = information(run)
+        return float(np.linalg.slogdet((gram + before) / np.outer(size, size))[1]) if seen == paths else -np.inf
 
     def expectations(run: Run) -> list[Expectation]:
         scaled = (information(run)[1] + before) / np.outer(size, size)
         variance = np.diag(np.linalg.inv(scaled)) / size**2
-        told = []
+        entries = []
         for path, square, one, prior in zip(paths, variance, stated, np.diag(before), strict=True):
             half = float(f"{HALF * np.sqrt(square):.4g}") if one or square < 0.1 / prior else None
             today = float(f"{HALF * one**-0.5:.4g}") if one else None
-            told.append(Expectation(path, "", "", known[path].unit, half, today))
-        return told
+            entries.append(Expectation(path, "", "", known[path].unit, half, today))
+        return entries
 
     return Goal(worth, expectations)
 
@@ -515,18 +507,19 @@ def plan_experiment(
             raise NoMotion(f"{why}: {reached or 'it does not move, or leaves its travel'}")
         machine = machine.listening(whole, survey)
         if goal == "separate":
-            told = separate(machine, model, found, vocabulary, survey)
+            plan = separate(machine, model, found, vocabulary, survey)
         elif goal == "detect":
-            told = detect(machine, whole, vocabulary, survey, (document or {}).get("limits") or {})
+            plan = detect(machine, whole, vocabulary, survey, (document or {}).get("limits") or {})
         else:
-            told = fit(machine, model.replace(effects=()), whole, survey)
-        best = _best(machine, whole, told.worth, logs, begin)
+            plan = fit(machine, model.replace(effects=()), whole, survey)
+        best = _best(machine, whole, plan.worth, logs, begin)
         if best is None:
             raise NoMotion("no drawn motion keeps them, or none lets the axis move for long enough")
         begin("what is to be expected")
-        expected = tuple(told.expectations(best))
-    plan = goal, best.elements, best.motion, limits, best.taken, expected, tuple(notes), seed, model.units
-    return ExperimentPlan(*plan)
+        expected = tuple(plan.expectations(best))
+    return ExperimentPlan(
+        goal, best.elements, best.motion, limits, best.taken, expected, tuple(notes), seed, model.units
+    )
 
 
 def _best(
@@ -645,8 +638,8 @@ def _values(table: Any, place: str, name: str, fields: Sequence[str]) -> dict[st
     if not isinstance(table, Mapping):
         raise FieldError("", place, f"must be a table, got {quoted(table)}")
     values: dict[str, Any] = {}
-    for key, told in table.items():
-        value = told.get("value") if isinstance(told, Mapping) else told
+    for key, entry in table.items():
+        value = entry.get("value") if isinstance(entry, Mapping) else entry
         if key not in fields:
             raise FieldError(place, key, f"is no field of {name}{nearest(key, fields)}")
         if value is None:

@@ -79,23 +79,46 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     known = [one.resolved(axis, model.cogging) for one in model.effects]
     if speed is not None and axis.coulomb_width == 0.0 and speed == 0.0:
         raise ValueError("speed: must be other than 0 where coulomb_width is 0: sticking has no slope, got 0")
-    stiffness = _stiffness(model, known, speed or 0.0, position)
-    if speed is None:
-        damping = axis.viscous
+    if position is None:
+        stiffness = sum(one.stiffness for one in known if isinstance(one, effects.CableSpring))
     else:
+        above, below = (_friction(model, known, position + way * STEP, speed or 0.0) for way in (1.0, -1.0))
+        stiffness = (above - below) / (2.0 * STEP)
+        stiffness += float(model.cogging.slope(position)) if model.cogging is not None else 0.0
+    damping = axis.viscous
+    if speed is not None:
         there = [one for one in known if position is not None or isinstance(one, OF_SPEED)]
-        damping = _damping(model, there, speed, position or 0.0)
-    a, c = _rigid(axis.mass, stiffness, damping, _reading_slope(known, position))
+        step = STEP * max(abs(speed), axis.coulomb_width)
+        above, below = (_friction(model, there, position or 0.0, speed + way * step) for way in (1.0, -1.0))
+        damping = (above - below) / (2.0 * step)
     gain = 1.0 / axis.mass
+    a = np.array([[0.0, 1.0], [-stiffness / axis.mass, -damping / axis.mass]])
+    c = np.array([[_reading_slope(known, position), 0.0]])
     for one in known:
         if isinstance(one, effects.FlexibleMode) and one.mass_ratio > 0.0 and math.isfinite(one.frequency):
-            a, c, gain = _flexible(one, axis.mass, stiffness, damping, c)
-    gain *= _command_gain(known, position)
+            # Motor and load on a spring: m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'.
+            w, motor, load = (
+                2.0 * math.pi * one.frequency,
+                (1.0 - one.mass_ratio) * axis.mass,
+                one.mass_ratio * axis.mass,
+            )
+            reduced = motor * load / axis.mass
+            spring, damper = w * w * reduced, 2.0 * one.damping_ratio * w * reduced
+            motor_row = np.array([-stiffness, -damping, spring, damper]) / motor
+            load_row = np.array([0.0, 0.0, -spring, -damper]) / load - motor_row
+            a = np.array([[0.0, 1.0, 0.0, 0.0], motor_row, [0.0, 0.0, 0.0, 1.0], load_row])
+            c, gain = np.hstack([c[:, :2], np.zeros((1, 2))]), 1.0 / motor
+    if position is not None:
+        gains = (laws_of(one).gain_at(position=position) for one in known if "command_gain" in one.HOOKS)
+        gain *= 1.0 + sum(map(float, gains))
     b = np.zeros((a.shape[0], 1))
     b[1:, 0] = [gain, *([0.0, -gain] if a.shape[0] == 4 else [])]
     for one in known:
         if isinstance(one, effects.ActuatorLag) and one.time_constant > 0.0:
-            a, b, c = _behind_lag(a, b, c, one.time_constant)
+            # Behind one more current loop, T u' = command - u, whose u is the last state.
+            a = np.block([[a, b], [np.zeros((1, a.shape[0])), -1.0 / one.time_constant]])
+            b = np.append(np.zeros((len(b), 1)), [[1.0 / one.time_constant]], axis=0)
+            c = np.hstack([c, np.zeros((1, 1))])
     delay = sum(one.delay for one in known if isinstance(one, effects.CommandDelay))
     return LinearPlant(a, b, c, delay, _left_out(model, speed, position))
 
@@ -109,49 +132,14 @@ def held(plant: LinearPlant, sample_time: float) -> HeldPlant:
     """
     from scipy.linalg import expm
 
-    whole, part = divmod(plant.delay / sample_time, 1.0)
-    late, early = (_held(plant.a, plant.b, share * sample_time) for share in (1.0 - part, part))
-    # The command of the sample before acts for the first part of a sample, that of the sample for the rest.
-    before = expm(plant.a * (1.0 - part) * sample_time) @ early
-    return HeldPlant(expm(plant.a * sample_time), late, before, plant.c, int(whole))
-
-
-def _held(a: FloatArray, b: FloatArray, time: float) -> FloatArray:
-    """The state after a command of 1 held for a time."""
-    from scipy.linalg import expm
-
-    size = a.shape[0]
+    size = plant.a.shape[0]
     both = np.zeros((size + 1, size + 1))
-    both[:size, :size], both[:size, size:] = a, b
-    left: FloatArray = expm(both * time)[:size, size:]
-    return left
-
-
-def _rigid(mass: float, stiffness: float, damping: float, reading: float) -> tuple[FloatArray, FloatArray]:
-    return np.array([[0.0, 1.0], [-stiffness / mass, -damping / mass]]), np.array([[reading, 0.0]])
-
-
-def _flexible(
-    mode: effects.FlexibleMode, mass: float, stiffness: float, damping: float, c: FloatArray
-) -> tuple[FloatArray, FloatArray, float]:
-    """Motor and load on a spring: m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'; its a, c and 1/m1."""
-    w, motor, load = 2.0 * math.pi * mode.frequency, (1.0 - mode.mass_ratio) * mass, mode.mass_ratio * mass
-    reduced = motor * load / mass
-    spring, damper = w * w * reduced, 2.0 * mode.damping_ratio * w * reduced
-    motor_row = np.array([-stiffness, -damping, spring, damper]) / motor
-    load_row = np.array([0.0, 0.0, -spring, -damper]) / load - motor_row
-    a = np.array([[0.0, 1.0, 0.0, 0.0], motor_row, [0.0, 0.0, 0.0, 1.0], load_row])
-    return a, np.hstack([c, np.zeros((1, 2))]), 1.0 / motor
-
-
-def _behind_lag(a: FloatArray, b: FloatArray, c: FloatArray, time: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The plant behind one more current loop, T u' = command - u, whose u is the last state."""
-    size = a.shape[0]
-    longer = np.zeros((size + 1, size + 1))
-    longer[:size, :size], longer[:size, size:], longer[size, size] = a, b, -1.0 / time
-    into = np.zeros((size + 1, 1))
-    into[size, 0] = 1.0 / time
-    return longer, into, np.hstack([c, np.zeros((1, 1))])
+    both[:size, :size], both[:size, size:] = plant.a, plant.b
+    whole, part = divmod(plant.delay / sample_time, 1.0)
+    # The command of the sample before acts for the first part of a sample, that of the sample for the rest.
+    now, early = (expm(both * (share * sample_time))[:size, size:] for share in (1.0 - part, part))
+    before = expm(plant.a * (1.0 - part) * sample_time) @ early
+    return HeldPlant(expm(plant.a * sample_time), now, before, plant.c, int(whole))
 
 
 def _friction(model: Model, known: list[Effect], position: float, velocity: float) -> float:
@@ -166,21 +154,6 @@ def _friction(model: Model, known: list[Effect], position: float, velocity: floa
     return model.axis.viscous * velocity + level * sign - force
 
 
-def _damping(model: Model, known: list[Effect], speed: float, position: float) -> float:
-    step = STEP * max(abs(speed), model.axis.coulomb_width)
-    above, below = (_friction(model, known, position, speed + way * step) for way in (1.0, -1.0))
-    return (above - below) / (2.0 * step)
-
-
-def _stiffness(model: Model, known: list[Effect], speed: float, position: float | None) -> float:
-    """Stiffness, V/m."""
-    if position is None:
-        return sum(one.stiffness for one in known if isinstance(one, effects.CableSpring))
-    above, below = (_friction(model, known, position + way * STEP, speed) for way in (1.0, -1.0))
-    slope = (above - below) / (2.0 * STEP)
-    return slope + (float(model.cogging.slope(position)) if model.cogging is not None else 0.0)
-
-
 def _reading_slope(known: list[Effect], position: float | None) -> float:
     """Slope of the reading over the position."""
     slope = 1.0
@@ -191,14 +164,6 @@ def _reading_slope(known: list[Effect], position: float | None) -> float:
             above, below = (float(laws_of(one).reading_at(position=position + way * STEP)) for way in (1.0, -1.0))
             slope += (above - below) / (2.0 * STEP) - 1.0
     return slope
-
-
-def _command_gain(known: list[Effect], position: float | None) -> float:
-    """Gain of the command there."""
-    if position is None:
-        return 1.0
-    gains = (laws_of(one).gain_at(position=position) for one in known if "command_gain" in one.HOOKS)
-    return 1.0 + sum(map(float, gains))
 
 
 def _left_out(model: Model, speed: float | None, position: float | None) -> tuple[str, ...]:

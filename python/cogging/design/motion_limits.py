@@ -151,22 +151,22 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
             )
         low, high = (end(one.travel[i] for one in found) for i, end in enumerate((min, max)))
     velocity, acceleration = STROKE * (high - low), STROKE * (high - low) / RAMP
-    told, command = f"assumed: the travel in {1.0 / STROKE:g} s", None
+    source, command = f"assumed: the travel in {1.0 / STROKE:g} s", None
     if found:
         velocity, acceleration, command = (
             max(max(map(abs, getattr(one, name))) for one in found) for name in ("speed", "acceleration", "command")
         )
-        told = "found: the largest in these logs"
-    ramp = told if found else f"assumed: {RAMP:g} s to that velocity"
+        source = "found: the largest in these logs"
+    ramp = source if found else f"assumed: {RAMP:g} s to that velocity"
     rows = [
-        ("velocity", f"{velocity:.3g}", f"m/s; {told}"),
+        ("velocity", f"{velocity:.3g}", f"m/s; {source}"),
         ("acceleration", f"{acceleration:.3g}", f"m/s^2; {ramp}"),
         ("duration", "20.0", "s, of the whole motion; assumed"),
         ("travel", f"[{low:.6g}, {high:.6g}]", "m; of the model" if not found else "m; of the model or these logs"),
         ("# jerk", f"{acceleration / JERK_RISE:.3g}", "m/s^3; what counts if it is not given"),
     ]
     if command:
-        rows.append(("command", f"{command:.3g}", f"V; {told}"))
+        rows.append(("command", f"{command:.3g}", f"V; {source}"))
     lines = []
     for key, value, meaning in rows:
         unit, _, rest = meaning.partition(";")
@@ -180,15 +180,15 @@ def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float
     The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes
     the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
     """
-    asked = motion.samples
+    planned = motion.samples
     position = log.true_position if log.true_position is not None else log.position
     velocity = log.true_velocity if log.true_velocity is not None else np.gradient(position, log.time)
     window = max(1, round(LASTING / float(np.median(np.diff(log.time)))))
     rows = {
-        "velocity": (asked["reference_velocity"], velocity),
-        "acceleration": (asked["reference_acceleration"], moving_average(np.gradient(velocity, log.time), window)),
-        "duration": (asked["time"],),
-        "jerk": (np.diff(asked["reference_acceleration"]) / np.diff(asked["time"]),),
+        "velocity": (planned["reference_velocity"], velocity),
+        "acceleration": (planned["reference_acceleration"], moving_average(np.gradient(velocity, log.time), window)),
+        "duration": (planned["time"],),
+        "jerk": (np.diff(planned["reference_acceleration"]) / np.diff(planned["time"]),),
         "command": (log.command,),
     }
     stated = {name: getattr(limits, name) for name in rows if getattr(limits, name) is not None}

@@ -114,9 +114,18 @@ class ObserverProblem(ByValue):
             value = getattr(self, name)
             _require(np.isfinite(value) and value > 0, name, "must be above 0", value)
         _require(self.decay_rate >= 0, "decay_rate", "must be at least 0", self.decay_rate)
-        slowest = -float(np.roots([1.0, 2 * self.damping * self.omega, self.omega**2]).real.max())
-        rule = f"must be below {slowest:g} 1/s, the position loop's slowest pole"
-        _require(self.decay_rate < slowest, "decay_rate", rule, self.decay_rate)
+        rule = f"must be below {self.slowest:g} 1/s, the position loop's slowest pole"
+        _require(self.decay_rate < self.slowest, "decay_rate", rule, self.decay_rate)
+
+    @property
+    def slowest(self) -> float:
+        """Decay rate of the position loop's slowest pole, 1/s."""
+        return -float(np.roots([1.0, 2 * self.damping * self.omega, self.omega**2]).real.max())
+
+    @property
+    def velocity_gain(self) -> float:
+        """Gain of the position loop on the velocity, 1/s."""
+        return 2 * self.damping * self.omega - self.viscous
 
     def _brief(self) -> str:
         return (
@@ -130,9 +139,6 @@ class ObserverProblem(ByValue):
         s = 1j * scale - self.decay_rate
         return float(np.abs(s / (s**2 + 2 * self.damping * self.omega * s + self.omega**2)).max())
 
-    def _velocity_gain(self) -> float:
-        return 2 * self.damping * self.omega - self.viscous
-
     def matrices(self, velocity: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """A(nu*), C, C_o, B_o of (5), (9), (11) in the time unit 1/r, where z_o is r^2 and u_o r^3 times smaller."""
         size, r = 3 + 2 * len(self.periods), self.pole_radius
@@ -143,7 +149,7 @@ class ObserverProblem(ByValue):
             a[1, i], a[i, i + 1], a[i + 1, i] = 1.0, w, -w
         c, c_o, b_o = np.zeros((1, size)), np.zeros((1, size)), np.zeros((size, size - 3))
         c[0, 0] = 1.0
-        c_o[0, 1], c_o[0, 2], c_o[0, 3::2] = self._velocity_gain() / r, 1.0, 1.0
+        c_o[0, 1], c_o[0, 2], c_o[0, 3::2] = self.velocity_gain / r, 1.0, 1.0
         b_o[3:] = np.eye(size - 3)  # the first row of M_N is zero: lambda_0 is not driven
         return a, c, c_o, b_o
 
@@ -186,8 +192,7 @@ def design_observer(problem: ObserverProblem) -> ObserverDesign:
 
 def largest_decay_rate(problem: ObserverProblem) -> float:
     """The largest alpha (1/s) for which a gain was found, to 2 %; 0 if there is none."""
-    slowest = -float(np.roots([1.0, 2 * problem.damping * problem.omega, problem.omega**2]).real.max())
-    low, high = 0.0, 0.999 * slowest
+    low, high = 0.0, 0.999 * problem.slowest
     while high - low > max(0.02 * high, 1e-3):
         middle = 0.5 * (low + high)
         if _solve(replace(problem, decay_rate=middle)) is None:
@@ -209,21 +214,34 @@ def _solve(problem: ObserverProblem) -> ObserverDesign | None:
     return None
 
 
-def _attempt(cp: Any, problem: ObserverProblem, margin: float) -> ObserverDesign | None:
-    vertices = [problem.matrices(velocity) for velocity in (problem.velocity_min, problem.velocity_max)]
-    size = vertices[0][0].shape[0]
-    alpha = problem.decay_rate / problem.pole_radius
-    p, gamma_square = cp.Variable((size, size), symmetric=True), cp.Variable()
-    q = [cp.Variable((size, 1)) for _ in vertices] if problem.affine else [cp.Variable((size, 1))] * 2
-    constraints = [p >> margin * np.eye(size)]
-    for (a, c, c_o, b_o), gain in zip(vertices, q, strict=True):
+def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_square: Any, block: Any) -> list[Any]:
+    """The matrices of (15) and of the pole disk at both velocities, which must be negative.
+
+    Args:
+        problem: what is designed for.
+        p: Lyapunov matrix, a variable of cvxpy or an array, as the others.
+        gains: P K at both velocities.
+        gamma_square: square of gamma_o, in the time unit 1/r.
+        block: makes a matrix of blocks (cvxpy.bmat or numpy.block).
+    """
+    alpha, found = problem.decay_rate / problem.pole_radius, []
+    for velocity, gain in zip((problem.velocity_min, problem.velocity_max), gains, strict=True):
+        a, c, c_o, b_o = problem.matrices(velocity)
         closed = p @ a - gain @ c
         corner = closed + closed.T + c_o.T @ c_o + 2 * alpha * p
-        for block in (
-            cp.bmat([[corner, p @ b_o], [b_o.T @ p, -gamma_square * np.eye(size - 3)]]),
-            cp.bmat([[-p, closed], [closed.T, -p]]),
-        ):
-            constraints.append(-(block + block.T) / 2 >> margin * np.eye(block.shape[0]))
+        found.append(block([[corner, p @ b_o], [b_o.T @ p, -gamma_square * np.eye(b_o.shape[1])]]))
+        found.append(block([[-p, closed], [closed.T, -p]]))
+    return found
+
+
+def _attempt(cp: Any, problem: ObserverProblem, margin: float) -> ObserverDesign | None:
+    """Solve the inequalities, kept by a margin, for the smallest gamma_o; None if that fails or is not certified."""
+    size = 3 + 2 * len(problem.periods)
+    p, gamma_square = cp.Variable((size, size), symmetric=True), cp.Variable()
+    q = [cp.Variable((size, 1)) for _ in range(2)] if problem.affine else [cp.Variable((size, 1))] * 2
+    constraints = [p >> margin * np.eye(size)]
+    for matrix in inequalities(problem, p, q, gamma_square, cp.bmat):
+        constraints.append(-(matrix + matrix.T) / 2 >> margin * np.eye(matrix.shape[0]))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # an inaccurate solution is judged below, by its eigenvalues
         try:
@@ -232,16 +250,16 @@ def _attempt(cp: Any, problem: ObserverProblem, margin: float) -> ObserverDesign
             return None
     if p.value is None or q[0].value is None or q[1].value is None:
         return None
-    return _certify(problem, vertices, p.value, [gain.value for gain in q], float(gamma_square.value))
+    return _certify(problem, p.value, [gain.value for gain in q], float(gamma_square.value))
 
 
 def _certify(
-    problem: ObserverProblem, vertices: list[Any], p: FloatArray, q: list[FloatArray], gamma_square: float
+    problem: ObserverProblem, p: FloatArray, q: list[FloatArray], gamma_square: float
 ) -> ObserverDesign | None:
     """Check a solution by eigenvalues; None if one inequality or the frozen poles fail."""
     if np.linalg.eigvalsh(p).min() <= 0 or gamma_square <= 0:
         return None
-    margin = _inequality_margin(problem, vertices, p, q, gamma_square)
+    margin = max(np.linalg.eigvalsh(m).max() for m in inequalities(problem, p, q, gamma_square, np.block))
     r = problem.pole_radius
     units = np.array([r, r**2] + [r**3] * (p.shape[0] - 2))
     low, high = (np.linalg.solve(p, gain)[:, 0] * units for gain in q)
@@ -264,7 +282,7 @@ def _certify(
         observer_gain=at_rest,
         observer_gain_slope=slope if problem.affine else np.empty(0),
         position_gain=problem.omega**2,
-        velocity_gain=2 * problem.damping * problem.omega - problem.viscous,
+        velocity_gain=problem.velocity_gain,
         gamma_c=gamma_c,
         gamma_o=float(gamma_o),
         gamma_n=float(gamma_n),
@@ -275,20 +293,6 @@ def _certify(
         slowest_pole=slowest,
         slowest_pole_at_rest=poles(0.0, 3),
     )
-
-
-def _inequality_margin(
-    problem: ObserverProblem, vertices: list[Any], p: FloatArray, q: list[FloatArray], gamma_square: float
-) -> float:
-    """The largest eigenvalue of the inequalities of Theorem 3 and of the pole disk at both velocities."""
-    alpha, margin = problem.decay_rate / problem.pole_radius, -np.inf
-    for (a, c, c_o, b_o), gain in zip(vertices, q, strict=True):
-        closed = p @ a - gain @ c
-        corner = closed + closed.T + c_o.T @ c_o + 2 * alpha * p
-        first = np.block([[corner, p @ b_o], [b_o.T @ p, -gamma_square * np.eye(b_o.shape[1])]])
-        disk = np.block([[-p, closed], [closed.T, -p]])
-        margin = max(margin, np.linalg.eigvalsh(first).max(), np.linalg.eigvalsh(disk).max())
-    return margin
 
 
 def _require(holds: Any, name: str, rule: str, value: Any) -> None:

@@ -11,7 +11,7 @@ from cogging._core import DivergedError, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
-from cogging.estimation.statistics import SINGULAR, jackknife, student
+from cogging.estimation.statistics import SINGULAR, jackknife
 from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
@@ -50,11 +50,6 @@ class Estimate:
     def deviation(self) -> FloatArray:
         """1-sigma of each value, (p,)."""
         return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
-
-    @property
-    def half_width(self) -> FloatArray:
-        """Half of each 95 % interval, (p,)."""
-        return np.asarray(self.deviation * [student(float(freedom)) for freedom in self.freedom])
 
 
 def columns_of(
@@ -140,14 +135,12 @@ def _normal_equations(paths: Sequence[str], seen: Sequence[Whitened]) -> tuple[F
         curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
         gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
     if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
-        raise DivergedError(_unbounded(paths, curvature, gradient))
+        bad = ~(np.isfinite(np.diag(curvature)) & np.isfinite(gradient))
+        worst = paths[int(np.argmax(bad))]
+        raise DivergedError(
+            f"{worst}: the change that it makes in the motion has no bound: the log is not of this model"
+        )
     return curvature, gradient
-
-
-def _unbounded(paths: Sequence[str], curvature: FloatArray, gradient: FloatArray) -> str:
-    bad = ~(np.isfinite(np.diag(curvature)) & np.isfinite(gradient))
-    worst = paths[int(np.argmax(bad))]
-    return f"{worst}: what it changes in the motion leaves all bounds: the logs cannot be of this model"
 
 
 def _move(

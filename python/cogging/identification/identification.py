@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from cogging.logs.log import Log, read_log, require_sizes
 from cogging.logs.pauses import running_time
 from cogging.logs.repeated_rows import counted_once
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, parameters_of, role_of
+from cogging.model.parameters import parameters_of, role_of
 from cogging.model.units import Units
 from cogging.progress import Progress
 from cogging.resources import on_one_blas_thread, require_rows
@@ -44,7 +44,7 @@ def identify(
     names: Sequence[str] | None = None,
     progress: Progress = False,
 ) -> Identification:
-    """Fit the parameters of a model to one or several logs together. Rows that stand in several of them count once.
+    """Fit the parameters of a model to one or several logs together. Rows that several of them share count once.
 
     Two estimators are used. Inverse dynamics with instruments from a simulated run is reported: it weighs all motion
     below the cut-off alike and is robust against model errors. The whitened output error of the closed-loop replay
@@ -94,14 +94,20 @@ def identify(
     given = [logs] if isinstance(logs, Log | str | os.PathLike) else list(logs)
     if not given:
         raise ValueError("logs: must be at least 1, got 0")
-    called, added = _one_each(given, names, added_commands)
+    called = list(names or [f"log {i + 1}" if isinstance(g, Log) else os.fspath(g) for i, g in enumerate(given)])
+    added: list[npt.ArrayLike | None] = list(added_commands or [None] * len(given))
+    for field, entries in (("names", called), ("added_commands", added)):
+        if len(entries) != len(given):
+            raise ValueError(f"{field}: must be one for each of {len(given)} logs, got {len(entries)}")
     paths = _paths(model, free)
     read = [log if isinstance(log, Log) else read_log(log) for log in given]
     require_rows("identify", read, len(paths))
     for name, log in zip(called, read, strict=True):
         _require_motion(name, log, model.units)
     rate = 1.0 / max(float(np.median(np.diff(log.time))) for log in read)
-    _require_lengths(called, read, added)
+    for name, log, entry in zip(called, read, added, strict=True):
+        if entry is not None and np.shape(entry) != (len(log),):
+            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {np.shape(entry)}")
     read, kept, notes = counted_once(read, called, FEWEST_ROWS)
     added = [e if e is None else np.asarray(e)[rows] for e, rows in zip(added, kept, strict=True) if rows.any()]
     called = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
@@ -116,26 +122,6 @@ def identify(
     return replace(ParameterFit(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 
-def _one_each(
-    logs: Sequence[Log | str | os.PathLike[str]],
-    names: Sequence[str] | None,
-    added_commands: Sequence[npt.ArrayLike | None] | None,
-) -> tuple[list[str], list[npt.ArrayLike | None]]:
-    """A name and an added command for each log."""
-    called = list(names or [f"log {i + 1}" if isinstance(g, Log) else os.fspath(g) for i, g in enumerate(logs)])
-    added = list(added_commands or [None] * len(logs))
-    for field, entries in (("names", called), ("added_commands", added)):
-        if len(entries) != len(logs):
-            raise ValueError(f"{field}: must be one for each of {len(logs)} logs, got {len(entries)}")
-    return called, added
-
-
-def _require_lengths(names: Sequence[str], logs: Sequence[Log], added: Sequence[npt.ArrayLike | None]) -> None:
-    for name, log, entry in zip(names, logs, added, strict=True):
-        if entry is not None and np.shape(entry) != (len(log),):
-            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {np.shape(entry)}")
-
-
 def _cutoffs(cutoff: float | None, rate: float) -> list[float]:
     """The cut-offs to try, Hz, for logs with `rate` rows a second."""
     if cutoff is None:
@@ -146,14 +132,29 @@ def _cutoffs(cutoff: float | None, rate: float) -> list[float]:
 
 
 def _paths(model: Model, free: Sequence[str] | None) -> list[str]:
-    """The free parameters, checked."""
+    """Return the paths of the free parameters, checked."""
     known = parameters_of(model)
-    paths = _free_by_default(model, known) if free is None else list(dict.fromkeys(free))
-    for path in paths:
-        _require_free(path, model, known)
-    if not paths:
+    if free is None:
+        exact = {f"axis.{name}" for name, sigma in model.uncertainty.items() if sigma == 0.0}
+        exact |= {"axis.coulomb_width"} if model.axis.coulomb_width == 0.0 else set()
+        free = [
+            path
+            for path, parameter in known.items()
+            if path not in exact and role_of(model, path) != "setting" and np.isfinite(parameter.value)
+            if not (role_of(model, path) == "shape" and path.endswith("]"))  # node positions are a choice
+        ]
+    for path in free:
+        if path not in known:
+            raise ValueError(f"free: {path}: must be one of {', '.join(known)}{nearest(path, known)}")
+        if role_of(model, path) == "setting":
+            raise ValueError(f"free: {path}: must be a parameter that a fit may move, got a setting")
+        if not np.isfinite(known[path].value):
+            raise ValueError(f"free: {path}: must start from a finite value, got {known[path].value:g}")
+        if path == "axis.coulomb_width" and known[path].value == 0.0:
+            raise ValueError(f"free: {path}: must start above 0 to be fitted, got 0, which is another friction law")
+    if not free:
         raise ValueError("free: must name at least one parameter, got none")
-    return paths
+    return list(dict.fromkeys(free))
 
 
 def _require_motion(name: str, log: Log, units: Units) -> None:
@@ -168,27 +169,3 @@ def _require_motion(name: str, log: Log, units: Units) -> None:
         running_time(log.time)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
-
-
-def _free_by_default(model: Model, known: Mapping[str, Parameter]) -> list[str]:
-    exact = {f"axis.{name}" for name, sigma in model.uncertainty.items() if sigma == 0.0}
-    if model.axis.coulomb_width == 0.0:
-        exact.add("axis.coulomb_width")
-    paths = []
-    for path, parameter in known.items():
-        role = role_of(model, path)
-        place = role == "shape" and path.endswith("]")  # node positions are a choice
-        if path not in exact and role != "setting" and not place and np.isfinite(parameter.value):
-            paths.append(path)
-    return paths
-
-
-def _require_free(path: str, model: Model, known: Mapping[str, Parameter]) -> None:
-    if path not in known:
-        raise ValueError(f"free: {path}: must be one of {', '.join(known)}{nearest(path, known)}")
-    if role_of(model, path) == "setting":
-        raise ValueError(f"free: {path}: must be a parameter that a fit may move, got a setting")
-    if not np.isfinite(known[path].value):
-        raise ValueError(f"free: {path}: must start from a finite value, got {known[path].value:g}")
-    if path == "axis.coulomb_width" and known[path].value == 0.0:
-        raise ValueError(f"free: {path}: must start above 0 to be fitted, got 0, which is a law of its own")

@@ -23,6 +23,13 @@ EXPLAINED = 0.5  # share of the command's power below which the model is said to
 CHECK = 5.0  # difference of the two estimators, in standard deviations, from which they contradict each other
 WORSE = 1.05  # residual or replay error over that of the model as given, from which the fit is worse
 SHOWN = 3  # parameters that one sentence names
+RENAMED = {  # in JSON
+    "difference": "difference_sigma",
+    "spread": "spread_between_logs",
+    "single_sigma": "sigma_of_single_logs",
+    "replay_before": "replay_relative_error_before",
+    "replay": "replay_relative_error",
+}
 
 
 @dataclass(frozen=True)
@@ -60,21 +67,9 @@ class ParameterEstimate:
     elsewhere: Mapping[str, float]
 
     def to_dict(self) -> dict[str, Any]:
-        """All but the path for JSON; an infinite interval is null."""
-        return {
-            "unit": self.unit,
-            "prior": self.prior,
-            "value": self.value,
-            "ci95": list(self.ci95) if self.determined else None,
-            "determined": self.determined,
-            "inverse_dynamics": self.inverse_dynamics,
-            "output_error": self.output_error,
-            "difference_sigma": self.difference,
-            "spread_between_logs": self.spread,
-            "sigma_of_single_logs": self.single_sigma,
-            "note": self.note,
-            "elsewhere": dict(self.elsewhere),
-        }
+        """Return all but the path for JSON; an infinite interval is null."""
+        fields = {RENAMED.get(name, name): value for name, value in vars(self).items() if name != "path"}
+        return {**fields, "ci95": list(self.ci95) if self.determined else None, "elsewhere": dict(self.elsewhere)}
 
 
 @dataclass(frozen=True)
@@ -112,21 +107,9 @@ class LogFit:
     instruments: bool
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it for JSON."""
-        return {
-            "name": self.name,
-            "rows": self.rows,
-            "residual_before": self.residual_before,
-            "residual_after": self.residual_after,
-            "residual_free": self.residual_free,
-            "floor": self.floor,
-            "noise": self.noise,
-            "command": self.command,
-            "explained": self.explained,
-            "replay_relative_error_before": dict(self.replay_before),
-            "replay_relative_error": dict(self.replay),
-            "instruments": self.instruments,
-        }
+        """Return all of it for JSON."""
+        fields = {RENAMED.get(name, name): value for name, value in vars(self).items()}
+        return {name: dict(value) if isinstance(value, Mapping) else value for name, value in fields.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

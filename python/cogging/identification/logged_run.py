@@ -100,11 +100,8 @@ class LoggedRun:
 
         Raises:
             InputError: units that cannot be those of the model.
-            ValueError: added_command is not as long as the log.
         """
         added = None if added_command is None else real_array("added_command", added_command)
-        if added is not None and added.shape != log.time.shape:
-            raise ValueError(f"added_commands: {name}: must have shape ({len(log)},), got {added.shape}")
         check_against_model(log, model, name)
         own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
         found = audit(own, model)
@@ -144,8 +141,8 @@ class LoggedRun:
         reference = self.log.reference
         if reference is None or np.std(self.log.position - reference) > FOLLOWED * np.std(reference):
             return None
-        asked = Log(time=self.log.time, position=reference, command=self.log.command)
-        return lambda model: asked
+        noise_free = Log(time=self.log.time, position=reference, command=self.log.command)
+        return lambda model: noise_free
 
     def relative_errors(self, model: Model) -> dict[str, float]:
         """Relative error of the replay in position, velocity and command (norms); empty without a replay.

@@ -76,11 +76,11 @@ class ParameterFit:
                 self.balances = [ForceBalance(r.log, cutoff=cutoff, hold=r.hold, rest=self.rest) for r in self.runs]
                 self._require_rows()
                 self.scales = Scales.largest(balance.scales for balance in self.balances)
-                self.told = self._determine(self.model)
+                self.seen = self._determine(self.model)
                 self.estimate = self._fit_balance(self.model)
                 again = self._determine(self.estimate.model)
-                if again.classes != self.told.classes:  # a prior far off hid a sensitivity
-                    self.told = again
+                if again.classes != self.seen.classes:  # a prior far off hid a sensitivity
+                    self.seen = again
                     self.estimate = self._fit_balance(self.estimate.model)
                 self.floors = [noise_floor(balance, self.estimate.model) for balance in self.balances]
                 left = zip(self.floors, self.estimate.residual_rms, strict=True)
@@ -124,20 +124,20 @@ class ParameterFit:
         """The parameters that the force balance moves: more than it determines, so that priors do not bias the rest."""
         return [
             path
-            for path, sigma in zip(self.told.paths, self.told.sigma, strict=True)
-            if self.told.seen_by_balance(path) and (self._is_linear(path) or sigma < SHAPELESS)
+            for path, sigma in zip(self.seen.paths, self.seen.sigma, strict=True)
+            if self.seen.seen_by_balance(path) and (self._is_linear(path) or sigma < SHAPELESS)
         ]
 
     def _loose(self, paths: Sequence[str]) -> FloatArray:
         """1-sigma of the prior about the start, (p,): the size of a parameter that is not determined, else infinite."""
         sizes = [size_of(self.model, self.prior[path], self.scales) for path in paths]
-        return np.array([np.inf if self.told.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
+        return np.array([np.inf if self.seen.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
 
     def _fit_balance(self, start: Model) -> BalanceEstimate:
         """Fit the force balance, from the best of several starts where the law is nonlinear."""
         paths, known = self.moving, parameters_of(start)
         loose = self._loose(paths)
-        nonlinear = [path for path in paths if self.told.determined(path) and not self._is_linear(path)]
+        nonlinear = [path for path in paths if self.seen.determined(path) and not self._is_linear(path)]
         nonlinear = [path for path in nonlinear if path != "axis.coulomb_width"]
         starts, random = [start], np.random.default_rng(0)
         for _ in range(STARTS if nonlinear else 0):
@@ -155,12 +155,12 @@ class ParameterFit:
 
         As a mere check of a model that lacks much, a few iterations from the first start suffice.
         """
-        paths = [path for path in self.paths if self.told.determined(path)]
+        paths = [path for path in self.paths if self.seen.determined(path)]
         if not paths:
             return None
         starts = [start, with_values(start, {path: self.prior[path].value for path in paths})]
         iterations = ITERATIONS
-        is_check = not has_states(self.model) and all(self.told.seen_by_balance(path) for path in paths)
+        is_check = not has_states(self.model) and all(self.seen.seen_by_balance(path) for path in paths)
         if is_check and any(left.is_strong for left in self.left):
             starts, iterations = starts[:1], FEW_ITERATIONS
         fits: list[Estimate] = []
@@ -175,7 +175,7 @@ class ParameterFit:
         """Standard deviation of the values of logs fitted one by one, and the rms of their own, by path."""
         found: dict[str, list[tuple[float, float]]] = {}
         logs = zip(self.balances, self.simulate, strict=True) if len(self.balances) > 1 else ()
-        paths = [p for p in self.paths if self.told.determined(p) and self.told.seen_by_balance(p)]
+        paths = [p for p in self.paths if self.seen.determined(p) and self.seen.seen_by_balance(p)]
         for balance, run in logs:
             alone = determinability(model, self.paths, [balance], self.scales, [run])
             sizes = [size_of(model, self.prior[path], self.scales) for path in paths]
@@ -240,12 +240,12 @@ class ParameterFit:
 
     def _result(self) -> Identification:
         """Report the output error's values where the force balance does not see all parameters, else the balance's."""
-        told, prior, estimate, output = self.told, self.model, self.estimate, self.output
+        seen, prior, estimate, output = self.seen, self.model, self.estimate, self.output
         inside = self.moving
         self.by_balance = answer_of(inside, estimate.values, estimate.covariance, estimate.freedom)
         self.by_output = answer_of(output.paths, output.values, output.covariance, output.freedom) if output else {}
         is_whole = not has_states(prior)  # whether the balance contains the whole model
-        hidden = any(told.determined(path) and path not in inside for path in told.paths)
+        hidden = any(seen.determined(path) and path not in inside for path in seen.paths)
         if output is not None and (hidden or not is_whole):
             name, reported, full, order = "output_error", self.by_output, output.covariance, list(output.paths)
         else:
@@ -254,7 +254,7 @@ class ParameterFit:
         missing = is_whole and any(left.is_missing for left in self.left)
         entries = [
             self._entry(self.prior[path], note, reported, strong=strong, missing=missing)
-            for path, note in zip(told.paths, told.notes, strict=True)
+            for path, note in zip(seen.paths, seen.notes, strict=True)
         ]
         fitted = {entry.path: entry.value for entry in entries if entry.determined and entry.value != entry.prior}
         model = with_values(prior, fitted)
@@ -273,7 +273,7 @@ class ParameterFit:
         size[size == 0.0] = 1.0
         power = [log.rows * log.command**2 for log in logs]
         unexplained = sum((1.0 - log.explained) * one for log, one in zip(logs, power, strict=True))
-        held = [e.path for e in entries if strong and told.determined(e.path) and e.value == e.prior]
+        held = [e.path for e in entries if strong and seen.determined(e.path) and e.value == e.prior]
         sparse = [run.sparse for run in self.runs if run.sparse]
         return Identification(
             model=model.replace(intervals={**model.intervals, **{entry.path: entry.ci95 for entry in entries}}),
@@ -295,7 +295,7 @@ class ParameterFit:
     ) -> ParameterEstimate:
         """One parameter of the result; `strong`, `missing`: see Unmodelled."""
         path, balance, output = prior.path, self.by_balance, self.by_output
-        spread, seen = self.spread.get(path, (None, None)), self.told.determined(path)
+        spread, seen = self.spread.get(path, (None, None)), self.seen.determined(path)
         difference = None
         if path in balance and path in output:
             (one, one_sigma, _), (other, other_sigma, _) = balance[path], output[path]
@@ -313,8 +313,9 @@ class ParameterFit:
                 determined = sigma <= UNDETERMINED * size_of(self.estimate.model, prior, self.scales)
             if determined:
                 left_out = (AS_NOISE,) if missing else (AS_NOISE, WITH_FORCES)
-                others = {way: other for way, other in self.others.items() if way not in left_out}
-                elsewhere = moved_beyond(path, settled, 0.5 * (wide[1] - wide[0]), others)
+                half = 0.5 * (wide[1] - wide[0])
+                others = {way: a[path] for way, a in self.others.items() if way not in left_out and path in a}
+                elsewhere = {way: a[0] for way, a in others.items() if abs(a[0] - settled) > MOVED * max(half, a[2])}
                 value, interval = settled, (max(wide[0], 0.0) if prior.positive else wide[0], wide[1])
             if doubted:
                 known = "not determined" if not determined else "as given" if value == prior.value else "moved"
@@ -340,16 +341,18 @@ class ParameterFit:
         """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
 
         The interval covers those of both estimators and those of the balance with unmodelled forces beside the model
-        and biased by them. The prior stands unless these exclude it; then the answer beside those forces is taken.
+        and biased by them. The prior is kept unless these exclude it, with its stated uncertainty; then the answer
+        beside those forces replaces it.
         """
         path = prior.path
         others = [other[path] for other in list(self.others.values())[:2] if path in other]
         if not others:
             return prior.value, (-np.inf, np.inf)
         answers = [one[path] for one in (self.by_balance, self.by_output) if path in one] + others
-        low, high = widened_interval([(value, half) for value, _, half in answers])
-        sigma = self.model.uncertainty.get(path.removeprefix("axis."), 0.0)
-        value = others[0][0] if is_refuted(prior, sigma, (low, high)) else prior.value
+        values, _, halves = np.array(answers).T
+        low, high = float(np.min(values - halves)), float(np.max(values + halves))
+        stated = SIGMAS_95 * self.model.uncertainty.get(path.removeprefix("axis."), 0.0) * abs(prior.value)
+        value = prior.value if low - stated <= prior.value <= high + stated else others[0][0]
         reach = max(value - low, high - value)
         return value, (value - reach, value + reach)
 
@@ -410,27 +413,5 @@ def thinned(log: Log) -> Log:
 
 
 def _thinned_run(run: Simulator) -> Simulator:
+    """Return a simulator whose logs have every second row."""
     return lambda model: thinned(run(model))
-
-
-def moved_beyond(
-    path: str, value: float, half_width: float, others: Mapping[str, Answer], share: float = MOVED
-) -> dict[str, float]:
-    """Other answers of a parameter that lie beyond `share` times the larger half interval, by their way."""
-    beyond = {}
-    for way, other in others.items():
-        if path in other and abs(other[path][0] - value) > share * max(half_width, other[path][2]):
-            beyond[way] = other[path][0]
-    return beyond
-
-
-def widened_interval(answers: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """The interval that covers all answers, each a value and half of its 95 % interval."""
-    values, halves = np.array(answers).T
-    return float(np.min(values - halves)), float(np.max(values + halves))
-
-
-def is_refuted(prior: Parameter, sigma: float, interval: tuple[float, float]) -> bool:
-    """Whether a prior with its stated relative uncertainty lies outside an interval altogether."""
-    reach = SIGMAS_95 * sigma * abs(prior.value)
-    return not interval[0] - reach <= prior.value <= interval[1] + reach

@@ -1,0 +1,207 @@
+"""The result of tune: what the present and the tuned gains reach, and the trade-off."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cogging.file_schema import TUNE_INDEXES
+from cogging.model.model import Model
+from cogging.model.units import Units
+from cogging.outputs import write_bytes
+from cogging.plot.canvas import grid_to_write, plot_method
+from cogging.plot.results import WHOLE_TUNING, whole_tuning
+from cogging.tables import frame_of
+from cogging.values import ByValue
+
+MARGINS = ("delay_margin", "gain_margin", "modulus_margin")
+ROWS = ("error_rms", *TUNE_INDEXES)
+SCALED = {"error_rms": (1e6, "um"), "error_max": (1e6, "um"), "delay_margin": (1e3, "ms")}  # for the screen
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What gains reach on a set of machines.
+
+    Attributes:
+        error_rms: m, the quantile over the machines; infinite where a run did not complete.
+        error_max: m, the largest of all machines, as are the command's indexes.
+        command_max, command_rms: V.
+        command_chatter: of the command (see Performance).
+        failed: number of machines on which the run did not complete.
+        delay_margin: s, the smallest over the machines, as the other margins; None: not measured.
+        gain_margin: factor.
+        modulus_margin: None also for a controller without a linear part.
+    """
+
+    error_rms: float
+    error_max: float
+    command_max: float
+    command_rms: float
+    command_chatter: float
+    failed: int = 0
+    delay_margin: float | None = None
+    gain_margin: float | None = None
+    modulus_margin: float | None = None
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Gains and what they reach.
+
+    Attributes:
+        gains: by path.
+        drawn: on the machines tuned with.
+        held_out: on machines held out.
+    """
+
+    gains: Mapping[str, float]
+    drawn: Reached
+    held_out: Reached
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tuning(ByValue):
+    """Tuned gains for an uncertain machine, with the present ones.
+
+    Attributes:
+        present: the present gains.
+        tuned: the best gains that keep all limits on every machine tuned with (the present ones, if none is better);
+            None if no trial keeps them.
+        improved: whether they differ from the present ones.
+        model: the model with the tuned gains; None if there are none, or for a user's own controller.
+        trials: arrays by name, one entry a trial: the gains by path, the indexes, `kept` (all limits).
+        front: the trade-off: arrays by name, one entry a point: `trial`, rms error, the index it is traded against,
+            the gains, command_chatter and delay_margin; no trial is better than a point in both.
+        against: the index of the trade-off.
+        limits: in words.
+        machines, held_out: how many.
+        quantile: of rms error over machines.
+        seed: of machines, noise and trials.
+        notes: limits that no trial keeps, gains at the end of their range, and the like.
+        units: labels of the model's units.
+
+    Example:
+        >>> few = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}
+        >>> tuning = cogging.tune(model, move, {"controller.kp": {"from": 5e3, "to": 2e4}}, **few)
+        >>> len(tuning.trials["kept"]), tuning.present.gains
+        (2, {'controller.kp': 9600.0})
+    """
+
+    present: Setting
+    tuned: Setting | None
+    improved: bool
+    model: Model | None
+    trials: Mapping[str, Any]
+    front: Mapping[str, Any]
+    against: str
+    limits: tuple[str, ...]
+    machines: int
+    held_out: int
+    quantile: float
+    seed: int
+    notes: tuple[str, ...] = ()
+    units: Units = field(default_factory=Units)
+
+    def _brief(self) -> str:
+        before, unit = 1e6 * self.present.drawn.error_rms, self.units.of("um")
+        if self.tuned is None:
+            return f"no gains keep the limits, present {before:.3g} {unit} rms"
+        return f"{before:.3g} to {1e6 * self.tuned.drawn.error_rms:.3g} {unit} rms over {self.machines} machines"
+
+    def text(self) -> str:
+        """The result for the screen."""
+        trials, kept = len(self.trials["kept"]), int(np.sum(self.trials["kept"]))
+        lines = [
+            f"{trials} trials on {self.machines} drawn machines, {kept} within the limits; checked on "
+            f"{self.held_out} machines held out (rms: {100 * self.quantile:g} % quantile; others: the worst machine)"
+        ]
+        lines += [f"    limit {limit}" for limit in self.limits]
+        after = self.tuned
+        width = max(len(path) for path in (*self.present.gains, *ROWS)) + 6
+        lines.append(f"    {'gain':<{width}}{'present':>12}" + f"{'tuned':>12}" * (after is not None))
+        for path, value in self.present.gains.items():
+            lines.append(f"    {path:<{width}}{value:>12.5g}" + (f"{after.gains[path]:>12.5g}" if after else ""))
+        settings = [self.present, *([after] if after is not None else [])]
+        names = ["present", "tuned"][: len(settings)]
+        titles = [f"{name}{kind}" for kind in ("", ", held out") for name in names]
+        lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in titles))
+        for row in ROWS:
+            cells = [getattr(setting.drawn, row) for setting in settings]
+            cells += [getattr(setting.held_out, row) for setting in settings]
+            factor, unit = SCALED.get(row) or (1.0, TUNE_INDEXES[row][0])
+            name = row if unit == "1" else f"{row}, {self.units.of(unit)}"
+            if any(cell is not None for cell in cells):
+                shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
+                lines.append(f"    {name:<{width}}" + "".join(f"{cell:>19}" for cell in shown))
+        if after is not None and self.improved:
+            pairs = {
+                name: (getattr(self.present.drawn, name), getattr(after.drawn, name))
+                for name in ("error_rms", "command_chatter", *MARGINS)
+            }
+            changes = [
+                f"{name} {100 * (new / old - 1):+.0f} %"
+                for name, (old, new) in pairs.items()
+                if old is not None and new is not None and np.isfinite([old, new]).all() and old > 0.0
+            ]
+            lines.append(f"    tuned against present: {', '.join(changes or ['the present gains do not run'])}")
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_frame(self, what: str = "trials") -> Any:
+        """The trials or the front as a pandas DataFrame, with units in `attrs["units"]`.
+
+        Args:
+            what: `trials` or `front`.
+
+        Raises:
+            ValueError: `what` is neither.
+            ImportError: pandas is not there; names the extra that brings it.
+        """
+        if what not in ("trials", "front"):
+            raise ValueError(f"what: must be trials or front, got {what!r}")
+        units = {"error_rms": "m", "error_max": "m", "command_max": "V", "command_rms": "V", "delay_margin": "s"}
+        labels = {name: self.units.of(unit) for name, unit in units.items()}
+        return frame_of(self.trials if what == "trials" else self.front, labels)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `cogging tune --json` writes; null stands for infinite and for not measured."""
+
+        def entry_of(setting: Setting) -> dict[str, Any]:
+            drawn, held_out = dict(vars(setting.drawn)), dict(vars(setting.held_out))
+            return {"gains": dict(setting.gains), "drawn": drawn, "held_out": held_out}
+
+        return {
+            "present": entry_of(self.present),
+            "tuned": None if self.tuned is None else entry_of(self.tuned),
+            "improved": self.improved,
+            "against": self.against,
+            "front": dict(self.front),
+            "trials": dict(self.trials),
+            "limits": list(self.limits),
+            "machines": self.machines,
+            "held_out": self.held_out,
+            "quantile": self.quantile,
+            "seed": self.seed,
+            "notes": list(self.notes),
+        }
+
+    plot = plot_method(
+        whole_tuning,
+        "Draw the trade-off: rms error over its index with all trials, and its points over the delay margin.",
+        "two axes",
+    )
+
+    def write_figure(self, path: str | os.PathLike[str]) -> None:
+        """Write the trade-off as PNG.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        picture = io.BytesIO()
+        self.plot(ax=grid_to_write(1, 2, WHOLE_TUNING)).savefig(picture, format="png", dpi=120)
+        write_bytes(path, picture.getvalue())
