@@ -124,7 +124,7 @@ def test_under_the_commands_of_a_run_it_does_what_the_run_did(effect):
     assert_the_same(got, expected)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(12))
 def test_a_delay_of_any_length_has_the_bits_of_the_run(seed):
     """Behind a delay that is no whole number of samples the first ones were integrated in other steps than in a run."""
     rng = np.random.default_rng(seed)
