@@ -128,17 +128,18 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
     course = PointToPoint(
         PointToPointParameters(distance=abs(distance), velocity=velocity, acceleration=acceleration, jerk=jerk)
     )
-    middles = [_middle(t, x, move) for move in moves]
-    for (a, b), middle in zip(moves, middles, strict=True):  # every move has this profile, about its own middle
+    middles = np.array([_middle(t, x, move) for move in moves])
+    # Every move must have this profile, about its own middle.
+    for (a, b), middle in zip(moves, middles.tolist(), strict=True):
         rows = np.unique(np.linspace(a, b, ROWS_OF_MOVE).astype(int))
         times = np.clip(t[rows] - middle + 0.5 * course.move_time, 0.0, course.move_time)
         off = course.sample(times)[0] - np.abs(x[rows] - x[a])
         if float(np.sqrt(np.mean(off**2))) > left + SHAPE * abs(distance):
             return None
     # The rest: from middle to middle less the move time; of one move, to the end of the log.
-    times = np.diff(middles) if len(moves) > 1 else t[-1:]
-    between = float(np.median(times))
-    if np.abs(times - between).max() > SAME * between:
+    passed = np.diff(middles) if len(moves) > 1 else t[-1:]
+    between = float(np.median(passed))
+    if np.abs(passed - between).max() > SAME * between:
         return None
     dwell = max(between - course.move_time, 0.0)
     fields = {"start": _round(levels[0], distance), "distance": _round(distance, distance)}

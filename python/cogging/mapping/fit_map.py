@@ -413,11 +413,11 @@ def fit_map(
         nuisance = nuisance_columns(scan, pitch, odd, trend=False)
         fit = fit_splines(fit.basis, scan.position, scan.force, nuisance)
         noise = Noise.of(spectrum, scan, fit, terms, chosen, odd)
-    p, unexcited = 0, np.empty(0)
+    p, unexcited = 0, list[int]()
     if fit.basis is not None:  # control points that the scan determines by less than half on average
         p = fit.basis.coefficients
         decided = fit.determined[:p].reshape(fit.basis.spline.control_points, -1).mean(axis=1)
-        unexcited = np.flatnonzero(decided < 0.5)
+        unexcited = np.flatnonzero(decided < 0.5).tolist()
     basis = fit.basis or SplineHarmonics(pitch=pitch, harmonics=[1])  # no harmonic: the map is zero
     values, errors = (a[:p] if p else np.zeros(2) for a in (fit.coefficients, noise.standard_errors))
     sine_error, cosine_error = rows_of(basis, errors)
@@ -440,7 +440,7 @@ def fit_map(
         residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
         noise=float(np.sqrt(np.median(noise.level[spectrum.present]))),
         cross_validation=tuple(scores),
-        unexcited=tuple(unexcited.tolist()),
+        unexcited=tuple(unexcited),
         notes=(),
         position=scan.position,
         force=scan.force,
