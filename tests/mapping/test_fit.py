@@ -138,6 +138,9 @@ def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
         force = two_way_scan(seed, truth(seed, order=order), correlation=correlation)
         fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, origin=0.0)
         orders.append(fit.order)
+        best = min(fit.cross_validation, key=lambda score: score.rms)
+        alike = [score for score in fit.cross_validation if score.rms <= best.rms + best.standard_error]
+        assert fit.order == min(alike, key=lambda score: score.coefficients).order
         if order == 0:
             continue
         assert [score.order for score in fit.cross_validation] == [0, 1, 2, 3, 4]
