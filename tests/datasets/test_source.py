@@ -1,6 +1,5 @@
 """Where the public data sets are looked for, and what is said where they are not there."""
 
-import importlib
 import sys
 
 import pytest
@@ -79,9 +78,3 @@ def test_what_the_caller_names_is_not_replaced_by_the_variable(tmp_path, monkeyp
     assert {path.parent for path in laas.files(there).values()} == {there}
     with pytest.raises(InputError):
         laas.files(tmp_path)
-
-
-def test_nothing_is_looked_for_when_a_set_is_imported(tmp_path, monkeypatch):
-    monkeypatch.setenv("COGGING_DATA", str(tmp_path / "nowhere"))
-    for data in SETS:
-        assert importlib.import_module(data.__name__) is data

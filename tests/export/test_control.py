@@ -83,18 +83,16 @@ def linear_at(loop, multiple, window=800):
     return loop.plant(z), loop.controller(z)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_simulator_answers_a_small_sine_as_the_linear_loop_does(kind, seed):
     model, loop = stable(np.random.default_rng([seed, len(kind)]), kind, speed=0.0)
     assert loop.left_out == ()
-    for multiple in (12, 60, 300):
-        measured, linear = response_at(model, multiple), linear_at(loop, multiple)
-        assert abs(measured[0] / linear[0] - 1) < 1e-5, multiple
-        assert abs(measured[1] / linear[1] - 1) < 1e-5, multiple
+    for multiple in (12, 300):
+        np.testing.assert_allclose(response_at(model, multiple), linear_at(loop, multiple), rtol=1e-5)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_friction_is_taken_at_the_speed(seed):
     """Falling friction and drag change the damping by more than the bounds: a wrong speed would show."""
     rng = np.random.default_rng(seed)
@@ -111,10 +109,8 @@ def test_friction_is_taken_at_the_speed(seed):
         ],
     )
     loop, resting = (model.to_control(speed=one) for one in (speed, 0.0))
-    measured, linear = response_at(model, 4, speed=speed), linear_at(loop, 4)
-    assert abs(measured[0] / linear[0] - 1) < 2e-4
-    assert abs(measured[1] / linear[1] - 1) < 2e-4
-    other = linear_at(resting, 4)
+    linear, other = linear_at(loop, 4), linear_at(resting, 4)
+    np.testing.assert_allclose(response_at(model, 4, speed=speed), linear, rtol=2e-4)
     assert max(abs(one / right - 1) for one, right in zip(other, linear, strict=True)) > 0.03
 
 
@@ -137,29 +133,9 @@ def test_cogging_is_a_spring_at_the_place():
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_margins_are_those_of_the_tuning_and_of_python_control(kind):
-    rng = np.random.default_rng([7, len(kind)])
-    for _ in range(4):
-        model, loop = stable(rng, kind, rigid=True)
-        margins = loop.margins()
-        assert margins.modulus == pytest.approx(modulus_margin(model), rel=2e-3)
-        if kind == "speed":  # a pole and a zero at 1, which python-control finds frequencies of
-            continue
-        # From a frequency response: its polynomials do not bear poles at 1.
-        w = 2 * np.pi / loop.loop.dt * np.geomspace(1e-4, 0.5, 1500)
-        magnitude, phase, _ = control.frequency_response(loop.loop, w)
-        gain, phase, modulus, _, crossover, _ = control.stability_margins((magnitude, np.degrees(phase), w))
-        if gain > 1.0:
-            assert margins.gain == pytest.approx(gain, rel=5e-3)
-        assert margins.phase == pytest.approx(phase, rel=5e-3)
-        assert margins.modulus == pytest.approx(modulus, rel=5e-3)
-        assert margins.crossover == pytest.approx(crossover / (2 * np.pi), rel=2e-3)
-
-
-@pytest.mark.parametrize("kind", KINDS)
 def test_the_loop_is_lost_just_beyond_its_margins(kind):
     rng = np.random.default_rng([9, len(kind)])
-    for _ in range(3):
+    for _ in range(2):
         model, loop = stable(rng, kind, speed=0.0)
         margins = loop.margins()
         for factor, holds in ((0.98, True), (1.02, False)):
@@ -181,7 +157,19 @@ def test_the_sensitivities_are_those_of_the_loop():
     assert loop.plant.dt == loop.loop.dt == 1 / model.controller.sample_rate
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("kind", KINDS)
+def test_margins_are_read_off_the_frequency_response(kind):
+    model, loop = stable(np.random.default_rng([7, len(kind)]), kind, rigid=True)
+    margins, period = loop.margins(), loop.plant.dt
+    total = loop.loop(np.exp(2j * np.pi * np.geomspace(1e-4, 0.5, 20_000)))
+    assert margins.modulus == pytest.approx(np.abs(1 + total).min(), rel=2e-3)
+    assert margins.modulus == pytest.approx(modulus_margin(model), rel=2e-3)
+    (crossing,) = loop.loop(np.exp(2j * np.pi * np.array([margins.crossover * period])))
+    assert abs(crossing) == pytest.approx(1.0, rel=2e-3)
+    assert margins.phase == pytest.approx(180.0 + np.degrees(np.angle(crossing)), rel=5e-3)
+
+
+@pytest.mark.parametrize("seed", range(2))
 def test_in_continuous_time_the_delay_is_approximated(seed):
     model, loop = stable(np.random.default_rng([3, seed]), "pid", speed=0.0)
     delay = sum(one.delay for one in model.effects if isinstance(one, effects.CommandDelay))

@@ -21,7 +21,6 @@ TRUTH = {
     "stribeck_friction.velocity": 0.02,
     "stribeck_friction.exponent": 1.5,
 }
-SHAPE = ("stribeck_friction.velocity", "stribeck_friction.exponent")
 
 
 def law(v, **changes):
@@ -99,7 +98,7 @@ def test_intervals_cover_where_noise_grows_with_speed():
     rng = np.random.default_rng(4)
     paths = list(TRUTH)[:4]
     covered = np.zeros(4)
-    runs, direction = 1000, Law(direction=True, bow=False, exponent=None)
+    runs, direction = 400, Law(direction=True, bow=False, exponent=None)
     for _ in range(runs):
         force = law(BOTH, **NEUTRAL["direction"]) + rng.normal(size=32) * 0.2 * np.abs(BOTH)
         found, _ = direction.intervals(direction.fit(BOTH, force), BOTH, force, 0.95, cogging.Units())

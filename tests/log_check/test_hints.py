@@ -18,10 +18,6 @@ def log():
     return moving_axis.record(moving_axis.machine(), 3)
 
 
-def cut(log, rows):
-    return Log.of({name: column[rows] for name, column in log.columns().items()})
-
-
 def said(log, model=None):
     return hints(cogging.audit(log), model or moving_axis.machine())
 
@@ -42,7 +38,7 @@ def resting(log, share):
 CASES = {
     "limit": (lambda log, much: replace(log, command=np.clip(log.command, -much, much)), 2.0, 50.0),
     "at rest": (resting, 0.8, 0.1),
-    "missing": (lambda log, much: cut(log, np.arange(len(log)) % 100 >= much), 8, 0),
+    "missing": (lambda log, much: log[np.arange(len(log)) % 100 >= much], 8, 0),
     "uneven": (jittered, 0.2, 0.001),
     "if the time is in ms": (lambda log, much: replace(log, time=much * log.time), 1000.0, 10.0),
     "step by": (lambda log, much: replace(log, position=much * np.round(log.position / much)), 1e-6, 1e-7),

@@ -76,29 +76,25 @@ def test_the_command_runs_nothing_from_the_current_folder(tmp_path):
     assert not mark.exists(), mark.read_text()
 
 
-@pytest.mark.parametrize("found_through", ["PYTHONPATH", "a .pth file", "the current folder", "the folder of the log"])
+@pytest.mark.parametrize("found_through", ["a .pth file", "the current folder"])
 def test_cogging_is_found_where_its_parent_found_it(found_through, tmp_path):
     """An interpreter of its own, without any library, so that only what is handed on is found."""
-    home = tmp_path / "home"
+    home, library = tmp_path / "home", tmp_path / "library"
     venv.create(home, symlinks=True)
     python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    library = tmp_path / "library"
     library.mkdir()
     for package in (cogging, cogging_command):
         (library / package.__name__).symlink_to(Path(package.__file__).parent)
-    installed = [str(Path(module.__file__).parents[1]) for module in (np, __import__("scipy"), __import__("tqdm"))]
-    folder = library if found_through.startswith("the") else tmp_path
-    made("a.mat", folder if found_through.endswith("log") else tmp_path)
-    path = installed if found_through == "the current folder" else [str(library), *installed]
+    path = [str(Path(module.__file__).parents[1]) for module in (np, __import__("scipy"), __import__("tqdm"))]
+    folder = library if found_through == "the current folder" else tmp_path
+    made("a.mat", tmp_path)
     if found_through == "a .pth file":
-        path, lines = [], "".join(f"{folder}\n" for folder in path)
-        site = subprocess.run(
-            [python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"], capture_output=True, text=True
-        )
-        Path(site.stdout.strip(), "cogging.pth").write_text(lines)
-    log = (folder if found_through.endswith("log") else tmp_path) / "a.mat"
+        words = [python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+        site = subprocess.run(words, capture_output=True, text=True).stdout.strip()
+        Path(site, "cogging.pth").write_text("".join(f"{folder}\n" for folder in [library, *path]))
+        path = []
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path)}
-    code = f"import cogging; print(cogging.__file__, len(cogging.read_log({str(log)!r})))"
+    code = f"import cogging; print(cogging.__file__, len(cogging.read_log({str(tmp_path / 'a.mat')!r})))"
     done = subprocess.run([python, "-c", code], cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == [str(library / "cogging" / "__init__.py"), "200"]
@@ -145,6 +141,9 @@ def values_to_texts(inner, place, kind="TABX"):
     return conversion4(kind, ref_param_nr=2, **bounds, **links)
 
 
+RAW = np.random.default_rng(5).integers(500, 30000, 200).astype(np.int16)
+
+
 def payload(mark, name):
     return f"__import__('os').system('touch {mark}')*0+{name}"
 
@@ -156,12 +155,17 @@ EXPLOITS = {
         "conversion": conversion3("FORMULA", formula=payload(mark, "X1").encode()),
         "version": "3.30",
     },
-    "2.14, harmless": lambda mark: {"conversion": conversion3("FORMULA", formula=b"X1*2"), "version": "2.14"},
-    "of a value": lambda mark: {
-        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "text_0")
-    },
-    "of other values": lambda mark: {
-        "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "default_addr")
+    "of other values, 3.30": lambda mark: {
+        "conversion": conversion3(
+            "RTABX",
+            ref_param_nr=2,
+            lower_0=0.0,
+            upper_0=100.0,
+            text_0=b"low",
+            default_addr=b'"2*{X}*{X}+1"',
+        ),
+        "version": "3.30",
+        "raw": RAW,
     },
     "of a range": lambda mark: {
         "conversion": values_to_texts(conversion4("ALG", formula=payload(mark, "X")), "text_0", kind="RTABX")
@@ -197,12 +201,6 @@ from cogging.logs.readers.mdf import Formulas
 formulas = Formulas()
 from asammdf.blocks import v4_blocks as v4, v4_constants as c4, v2_v3_blocks as v3, v2_v3_constants as c3
 X = np.arange(-5, 6, dtype=np.int16) * 6001
-P = dict(P1=0.25, P2=-2.0, P3=3.0, P4=1e-3, P5=0.5, P6=7.25)
-rational = v4.ChannelConversion(conversion_type=c4.CONVERSION_TYPE_RAT, **P).convert(X)
-x = X.astype(float)
-expected = (0.25 * x**2 - 2.0 * x + 3.0) / (1e-3 * x**2 + 0.5 * x + 7.25)
-np.testing.assert_allclose(rational, expected, rtol=1e-14)
-assert not formulas.refused
 v4.ChannelConversion(conversion_type=c4.CONVERSION_TYPE_ALG, formula="X*2+print(7)").convert(X)
 v3.ChannelConversion(conversion_type=c3.CONVERSION_TYPE_FORMULA, formula="X1*3").convert(X)
 assert formulas.refused == ["X*2+print(7)", "X1*3"], formulas.refused
@@ -216,7 +214,6 @@ except ImportError:
     assert done.stdout == "blocked\n"
 
 
-RAW = np.random.default_rng(5).integers(500, 30000, 200).astype(np.int16)
 P = {"P1": 0.25, "P2": -2.0, "P3": 3.0, "P4": 1e-3, "P5": 0.5, "P6": 7.25}
 KNOTS = np.array([-100.0, 10.0, 5000.0, 20000.0, 31000.0])
 TABLE = {f"raw_{i}": knot for i, knot in enumerate(KNOTS)} | {f"phys_{i}": i**2 - 3.0 for i in range(5)}
@@ -236,25 +233,11 @@ def rational(x):
     return (P["P1"] * x**2 + P["P2"] * x + P["P3"]) / (P["P4"] * x**2 + P["P5"] * x + P["P6"])
 
 
-def polynomial(x):
-    rest = x - P["P5"] - P["P6"]
-    return (P["P2"] - P["P4"] * rest) / (P["P3"] * rest - P["P1"])
-
-
-def nearest(x):
-    return np.arange(5)[np.abs(x[:, None] - KNOTS).argmin(axis=1)] ** 2 - 3.0
-
-
 PHYSICAL = {
     "4.10": {
         "none": (lambda: None, lambda x: x),
         "linear": (lambda: conversion4("LIN", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
         "rational": (lambda: conversion4("RAT", **P), rational),
-        "rational, linear": (
-            lambda: conversion4("RAT", **dict.fromkeys(P, 0.0) | {"P2": 3.0, "P6": 8.0}),
-            lambda x: 3 * x / 8,
-        ),
-        "table": (lambda: conversion4("TAB", val_param_nr=10, **TABLE), nearest),
         "interpolated table": (
             lambda: conversion4("TABI", val_param_nr=10, **TABLE),
             lambda x: np.interp(x, KNOTS, np.arange(5) ** 2 - 3.0),
@@ -264,11 +247,6 @@ PHYSICAL = {
     "3.30": {
         "linear": (lambda: conversion3("LINEAR", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
         "rational": (lambda: conversion3("RAT", **P), rational),
-        "polynomial": (lambda: conversion3("POLY", **P), polynomial),
-        "exponential": (
-            lambda: conversion3("EXPO", P1=9000.0, P2=2.0, P3=1.0, P4=0.0, P5=0.0, P6=1.5, P7=4.0),
-            lambda x: np.exp(((x - 4.0) * 1.5 - 1.0) / 9000.0) / 2.0,
-        ),
     },
 }
 
@@ -287,20 +265,8 @@ def test_conversions_give_physical_numbers(version, tmp_path):
         np.testing.assert_allclose(read[name], law(RAW.astype(float)), rtol=1e-12, err_msg=name)
 
 
-def test_ranges_of_floats(tmp_path):
-    raw = np.random.default_rng(6).uniform(0.0, 30000.0, 200)
-    law = np.where(raw < 9999.0, 1.5, np.where(raw < 10000.0, 9.0, np.where(raw < 20000.0, -2.5, 9.0)))
-    path = mdf_with(tmp_path / "a.mf4", conversion4("RTAB", **RANGES), raw=raw)
-    np.testing.assert_array_equal(cogging.read_log(path).command, law)
-
-
-def v4_block(content, kind, last=True):
-    """Where the (last) block of a kind begins."""
-    return content.rfind(kind) if last else content.find(kind)
-
-
 def with_unknown_kind(content):
-    at = v4_block(content, b"##CC")
+    at = content.rfind(b"##CC")
     links = int.from_bytes(content[at + 16 : at + 24], "little")
     place = at + 24 + 8 * links
     assert content[place] == 1, "a linear conversion"
@@ -316,9 +282,9 @@ RAW_COUNTS = {
     "a conversion beyond the end": (
         lambda: conversion4("LIN", a=1e-3, b=0.0),
         lambda content: (
-            content[: v4_block(content, b"##CC") + 8]
+            content[: content.rfind(b"##CC") + 8]
             + (1 << 40).to_bytes(8, "little")
-            + content[v4_block(content, b"##CC") + 16 :]
+            + content[content.rfind(b"##CC") + 16 :]
         ),
         r"command: must have a whole conversion, got one that cannot be read",
     ),
@@ -327,20 +293,10 @@ RAW_COUNTS = {
         with_unknown_kind,
         r"command: must have a (whole conversion|conversion of numbers to numbers that is read rightly), got ",
     ),
-    "bits to texts": (
-        lambda: conversion4("BITFIELD", val_param_nr=1, ref_param_nr=1, mask_0=1, text_0=b"on"),
-        lambda content: content,
-        r"command: must have a conversion of numbers to numbers that is read rightly, got number 11 of MDF 4",
-    ),
     "ranges of whole numbers": (  # which asammdf 8.8 takes for their neighbours
         lambda: conversion4("RTAB", **RANGES),
         lambda content: content,
         r"command: must have a conversion of numbers to numbers that is read rightly, got number 6 of MDF 4",
-    ),
-    "values to texts": (
-        lambda: values_to_texts(b"other", "default_addr"),
-        lambda content: content,
-        r"command: must be real numbers, got text",
     ),
     "some values to texts": (
         lambda: conversion4(
@@ -365,13 +321,6 @@ def test_a_time_that_the_library_leaves_in_counts(tmp_path):
     """asammdf applies no conversion but a linear one to the time of version 3."""
     path = mdf_with(tmp_path / "a.mdf", None, "3.30", time_conversion=conversion3("RAT", **P))
     with pytest.raises(InputError, match=r"time \(time\): must be converted linearly, got conversion 9"):
-        cogging.read_log(path)
-
-
-def test_a_formula_of_ranges_of_version_3(tmp_path):
-    fields = {"lower_0": 0.0, "upper_0": 100.0, "text_0": b"low", "default_addr": b'"2*{X}*{X}+1"'}
-    path = mdf_with(tmp_path / "a.mdf", conversion3("RTABX", ref_param_nr=2, **fields), "3.30", raw=RAW)
-    with pytest.raises(InputError, match=r"command: must be converted without a formula, .* got '\"2\*\{X\}"):
         cogging.read_log(path)
 
 
@@ -551,8 +500,8 @@ def test_a_reader_ends_with_its_parent_where_the_system_does_not_end_it(tmp_path
         reader.stdout.close()
 
 
-@pytest.mark.parametrize("name", FORMATS)
-def test_no_room_for_temporary_files_is_told_as_such_or_no_matter(name, tmp_path):
+@pytest.mark.parametrize("name", ["a.mat", "a.mf4"])
+def test_without_room_for_temporary_files_a_reader_needs_none_or_says_so(name, tmp_path):
     """A limit of no bytes a file is what a full disk is: every write to a file fails, whatever the folder."""
     pytest.importorskip("resource")
     path = made(name, tmp_path)

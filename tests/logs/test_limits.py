@@ -4,7 +4,6 @@ import os
 import re
 import struct
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,14 +12,10 @@ import cogging
 from cogging import files
 from cogging.cli.main import main
 from cogging.files import InputError
-from cogging.logs.columns import read_columns
 from cogging.logs.readers import column_request as requests
-from cogging.logs.readers import isolate
-from cogging.logs.readers.column_request import Request
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
 ROWS = 863_000_000  # 6.9 GB a column
-DOCUMENT = Path(__file__).parents[2] / "docs" / "reading_files.md"
 
 
 def hdf5_of(folder, rows, **storage):
@@ -93,53 +88,15 @@ def test_a_small_file_that_asks_for_much_is_refused_by_what_it_states(name, tmp_
     path = BOMBS[name](tmp_path, ROWS)
     assert path.stat().st_size < 20_000
     assert main(["audit", str(path)]) == 2
-    told = capsys.readouterr().err
+    refused = capsys.readouterr().err
     most = requests.numbers_most(path.stat().st_size) // 8
     assert re.fullmatch(
         rf"cogging: .*: \w+: must ask for at most {most} numbers in a file of \d+ bytes, got {ROWS} rows, .* numbers\n",
-        told,
-    ), told
-
-
-@pytest.mark.parametrize("name", ["MATLAB 5", "MDF", "Parquet"])
-def test_the_same_file_that_states_what_it_has_is_read(name, tmp_path):
-    log = cogging.read_log(BOMBS[name](tmp_path, len(TIME)))
-    np.testing.assert_array_equal(log.position, COLUMNS["position"])
-
-
-def test_what_is_not_stored_is_read_where_it_is_little(tmp_path):
-    path = hdf5_of(tmp_path, 1000)
-    assert not read_columns(path, ["position"])["position"].any()
-
-
-def test_a_file_may_ask_for_as_much_as_its_size_allows(tmp_path):
-    path = tmp_path / "a"
-    path.write_bytes(b"0" * 1000)
-    most = (requests.SMALL + 1000 * requests.EXPANSION) // 8
-    request = Request(path, ("position",))
-    request.require_room("position", most, float(most))
-    with pytest.raises(InputError, match=rf"a: position: must ask for at most {most} numbers in a file of 1000 bytes"):
-        request.require_room("position", most + 1, most + 1.0)
-
-
-@pytest.mark.parametrize("size", [0, 10**6, 10**12])
-def test_a_reading_process_gets_no_more_than_is_left(size):
-    assert isolate.memory_most(size, 1e8) == isolate.ADDRESSES + 10**8
-    assert isolate.memory_most(size, np.inf) == isolate.LIBRARIES + isolate.COPIES * requests.numbers_most(size)
-
-
-@pytest.mark.parametrize(
-    ("columns", "taken"), [(requests.COLUMNS, True), (requests.COLUMNS + 1, False), (100_000, False)]
-)
-def test_a_header_of_many_columns(columns, taken, tmp_path):
-    names = ["time", "position", "command", *"x" * (columns - 3)]
-    path = tmp_path / "a.csv"
-    path.write_text("\n".join(",".join(row) for row in (names, ["0"] * columns, ["1"] * columns)) + "\n")
-    if taken:
-        assert len(cogging.read_log(path)) == 2
-    else:
-        with pytest.raises(InputError, match=f"header: must have at most {requests.COLUMNS} columns, got {columns}$"):
-            cogging.read_log(path)
+        refused,
+    ), refused
+    if "HDF5" not in name:  # whose numbers are not stored
+        log = cogging.read_log(BOMBS[name](tmp_path, len(TIME)))
+        np.testing.assert_array_equal(log.position, COLUMNS["position"])
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a file with holes takes its whole length there")
@@ -172,76 +129,38 @@ def test_keys_tables_and_lists_are_counted_before_they_are_made(text, tmp_path, 
             files.read_toml(path)
 
 
-@pytest.mark.parametrize("kind", ["a.mat", "hdf5.mat", "a.parquet", "a.csv"])
-def test_truth_values_in_a_column_are_no_numbers(kind, tmp_path):
-    name, values = "command", COLUMNS["command"] > 0.0
-    columns = {**COLUMNS, name: values}
-    path = tmp_path / kind
-    if kind == "a.csv":
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        path.write_text(",".join(columns) + "\n" + "".join(",".join(map(str, row)).lower() + "\n" for row in rows))
-    else:
-        path.write_bytes({"a.mat": mat_bytes, "hdf5.mat": hdf5_bytes, "a.parquet": parquet_bytes}[kind](columns))
-    with pytest.raises(
-        InputError, match=rf"{name}: must be (real numbers, got (truth values|bool)|a finite number, got)"
-    ):
-        cogging.read_log(path)
+TRUTH, WHOLE = COLUMNS["command"] > 0.0, np.arange(len(TIME), dtype=np.uint8)
+KINDS = {
+    "MATLAB": (".mat", mat_bytes),
+    "MATLAB 7.3": (".mat", hdf5_bytes),
+    "Parquet": (".parquet", parquet_bytes),
+    "struct": (".mat", lambda columns: mat_bytes({"log": columns})),
+    "logical of MATLAB": (".mat", lambda columns: hdf5_bytes(columns, [("command", "logical")])),
+}
 
 
-@pytest.mark.parametrize("make", [mat_bytes, hdf5_bytes, parquet_bytes])
-def test_whole_numbers_in_a_column_are_numbers(make, tmp_path):
-    path = tmp_path / ("a.parquet" if make is parquet_bytes else "a.mat")
-    path.write_bytes(make({**COLUMNS, "command": np.arange(len(TIME), dtype=np.int16)}))
-    np.testing.assert_array_equal(cogging.read_log(path).command, np.arange(200.0))
+@pytest.mark.parametrize("kind", KINDS)
+def test_whole_numbers_are_numbers_and_truth_values_are_not(kind, tmp_path):
+    suffix, make = KINDS[kind]
+    path = tmp_path / f"a{suffix}"
+    named = {name: f"log.{name}" for name in ("time", "position", "command")} if kind == "struct" else None
+    for command in (WHOLE, TRUTH.astype(np.uint8) if "logical" in kind else TRUTH):
+        path.write_bytes(make({**COLUMNS, "command": command}))
+        if command is WHOLE and "logical" not in kind:
+            np.testing.assert_array_equal(cogging.read_log(path, columns=named).command, WHOLE)
+            continue
+        with pytest.raises(InputError, match=r"command: must be real numbers, got (truth values|bool|logical)"):
+            cogging.read_log(path, columns=named)
 
 
-def test_logical_values_of_matlab_are_no_numbers(tmp_path):
-    path = tmp_path / "a.mat"
-    columns = {**COLUMNS, "command": (COLUMNS["command"] > 0.0).astype(np.uint8)}
-    path.write_bytes(hdf5_bytes(columns, [("command", "uint8")]))
-    assert set(cogging.read_log(path).command) == {0.0, 1.0}
-    path.write_bytes(hdf5_bytes(columns, [("command", "logical")]))
-    with pytest.raises(InputError, match="command: must be real numbers, got logical"):
-        cogging.read_log(path)
-
-
-def test_logical_values_in_a_struct_are_no_numbers(tmp_path):
-    path = tmp_path / "a.mat"
-    path.write_bytes(mat_bytes({"log": {**COLUMNS, "command": np.arange(len(TIME), dtype=np.uint8)}}))
-    named = {name: f"log.{name}" for name in ("time", "position", "command")}
-    assert cogging.read_log(path, columns=named).command[-1] == 199.0
-    path.write_bytes(mat_bytes({"log": {**COLUMNS, "command": COLUMNS["command"] > 0.0}}))
-    with pytest.raises(InputError, match="command: must be real numbers, got truth values"):
-        cogging.read_log(path, columns=named)
-
-
-@pytest.mark.parametrize("header", ["x" + " " * 200_000 + "[", "x [" + " " * 200_000 + "m", "[" * 200_000])
-def test_a_header_of_blanks_without_end_is_answered(header, tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text(f"time,{header}\n0,1\n1,2\n")
-    with pytest.raises(InputError) as told:
-        cogging.read_log(path)
-    assert len(str(told.value)) < 4000
-
-
-def test_a_unit_without_end_is_shortened(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text(f"time [{'x' * 5000}],position,command\n0,1,2\n1,2,3\n")
-    with pytest.raises(
-        InputError, match=r"column time.*: must be in s, got the unit 'x+ \.\.\. x+'; give --scale time=FACTOR"
-    ) as told:
-        cogging.read_log(path)
-    assert len(str(told.value)) < 1000
-
-
-@pytest.mark.parametrize("name", ["time\n", "ti\x1bme", "t\u202eime", "t\r\nx", "\x00\x01\n\x02"])
+@pytest.mark.parametrize("name", ["time\n", "ti\x1bme", "t\u202eime", "0\x01\r\n\x02"])
 def test_an_error_is_one_line_whatever_names_a_file_holds(name, tmp_path):
     import h5py
 
     path = tmp_path / "log.mat"
     with h5py.File(path, "w") as file:
-        for column in (name.replace("\x00", "0"), "position", "command"):
+        for column in (name, "position", "command"):
             file[column] = np.arange(9.0)
-    with pytest.raises(InputError, match="column time") as told:
+    with pytest.raises(InputError, match="column time") as refused:
         cogging.read_log(path)
-    assert str(told.value).isprintable()
+    assert str(refused.value).isprintable()

@@ -3,8 +3,6 @@
 import errno
 import os
 import re
-import struct
-import zlib
 
 import numpy as np
 import pytest
@@ -24,80 +22,41 @@ def csv_bytes(columns=COLUMNS):
     return (",".join(columns) + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows)).encode()
 
 
-def without(name):
-    return {key: value for key, value in COLUMNS.items() if key != name}
-
-
 def changed(name, values):
     return {**COLUMNS, name: values}
-
-
-def png():
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 0, 0, 0, 0))
-    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(b"\0\0")) + chunk(b"IEND", b"")
-
-
-def with_bad(row, value, column="position"):
-    values = COLUMNS[column].copy()
-    values[row] = value
-    return changed(column, values)
 
 
 #: What a log holds, and what the answer must say.
 CSV = {
     "missing column": (b"time,position,torque\n0,1,2\n", "column command: .* which has time, position, torque"),
-    "column given twice": (b"time,position,command,command\n0,1,2,3\n", "command: must stand once"),
     "text in a number": (HEAD + b"0,1,2\n1,abc,2\n", "line 3: position: .* got 'abc'"),
     "an empty field": (HEAD + b"0,1,2\n1,,2\n", "line 3: position: .* got ''"),
-    "two points in a number": (HEAD + b"0,1.2.3,2\n", "line 2: position: .* got '1.2.3'"),
-    "decimal commas": (HEAD + b"0,1,1,5,2,5\n", "line 2: must have 3 columns as the header, got 6"),
     "commas of thousands or of decimals": (
         b"time;position;command\n0;1,500;2\n",
         "line 2: must show whether a comma is a decimal mark or parts thousands: .* got numbers like '1,500' alone",
-    ),
-    "commas of thousands": (b"time;position;command\n0;1,500,000;2\n", "line 2: .*'1,500,000' alone"),
-    "commas and points": (
-        b"time;position;command\n0;1,5;2\n1;1.5;2\n",
-        "line 3: must have one decimal mark in all numbers, got '1,5' and '1.5'",
     ),
     "a point far below commas": (
         b"time;position;command\n" + b"".join(b"%d;0,5;2\n" % k for k in range(40_000)) + b"40000;1.5;2\n",
         "line 40002: position: must be a finite number, got '1.5'",
     ),
-    "a comma far below points": (
-        b"time;position;command\n" + b"".join(b"%d;0.5;2\n" % k for k in range(40_000)) + b"40000;1,5;2\n",
-        "line 40002: position: must be a finite number, got '1,5'",
-    ),
     "thousands and decimals": (b"time;position;command\n0;1.234,5;2\n", "line 2: position: .* '1.234,5'"),
-    "hexadecimal": (HEAD + b"0,0x1F,2\n", "line 2: position: .* got '0x1F'"),
     "too large a number": (HEAD + b"0,1e999,2\n", "line 2: position: .* finite"),
     "NaN": (HEAD + b"0,1,2\n1,2,nan\n", "line 3: command: must be a finite number, got 'nan'"),
-    "infinite": (HEAD + b"0,1,2\n1,-inf,0\n", "line 3: position: .* got '-inf'"),
-    "half a line": (HEAD + b"0,1,2\n1,2", "line 3: command: must be there, got 2 columns"),
     "half a line behind what is wanted": (
         b"time,position,command,extra,more\n0,1,2,3,4\n1,2,3,4",
         "line 3: must have 5 columns as the header, got 4",
     ),
     "repeated time": (HEAD + b"0,1,2\n0,1,2\n", "row 1: time: must be strictly increasing, got 0"),
     "time runs back": (HEAD + b"0,1,2\n2,1,2\n1,1,2\n", "row 2: time: .* got 1 after 2"),
-    "nearly repeated time": (HEAD + b"0,1,2\n1.00000001,1,2\n1.0,1,2\n", "row 2: time: .* got 1.0 after 1.00000001"),
     "empty": (b"", "column time: must be in the header, which has none"),
     "only a header": (HEAD, "rows: must be at least 1, got 0"),
-    "one row": (HEAD + b"0,1,2\n", "rows: must be at least 2, got 1"),
     "no header": (b"0,1,2\n1,2,3\n", "column time: must be in the header, which has 0, 1, 2"),
     "UTF-16": (HEAD.decode().encode("utf-16"), "must be UTF-8 text"),
     "binary": (bytes(range(256)) * 4, "must be UTF-8 text"),
-    "zeros": (bytes(5000), "must be UTF-8 text, got a zero"),
     "old line ends": (csv_bytes().replace(b"\n", b"\r"), "must end with LF or CR LF"),
-    "picture": (png(), "must be a log .* got a PNG picture"),
     "zip archive": (b"PK\x03\x04" + bytes(40), "must be a log .* got a ZIP archive"),
-    "gzip": (b"\x1f\x8b\x08" + bytes(40), "must be a log .* got a gzip"),
     "directory": (None, "must be a file, got a directory"),
     "millimetres": (b"time,position [mm],command\n0,1,2\n1,2,3\n", r"unit 'mm'; give --scale position=0.001"),
-    "milliseconds": (b"time (ms),position,command\n0,1,2\n1,2,3\n", r"unit 'ms'; give --scale time=0.001"),
     "percent of what": (b"time;position;command\ns;m;%\n0;1;2\n1;2;3\n", r"command: must be in V, A, N or Nm, got .*%"),
     "degrees": (b"time,position [deg],command\n0,1,2\n1,2,3\n", r"unit 'deg'; give --scale position=0.0174533"),
     "turns a minute": (
@@ -119,19 +78,12 @@ CSV_READ_WITH = {
 }
 MATLAB = {
     "MATLAB: not one": (b"hello", "must be a MATLAB file as its name says, got b'hello'"),
-    "MATLAB: empty": (b"", "must be a MATLAB file .* got an empty file"),
-    "MATLAB: missing column": (
-        lambda _: mat_bytes(without("command")),
-        "command: must be in the file, which has .*position",
-    ),
     "MATLAB: cut": (lambda _: mat_bytes()[:3000], "must be a whole MATLAB file"),
-    "MATLAB: cut, compressed": (lambda _: mat_bytes(compress=True)[:-300], "must be a whole MATLAB file"),
     "MATLAB: struct": (lambda _: mat_bytes({"log": COLUMNS}), "column time: .* which has log.time, log.position"),
     "MATLAB: struct as a column": (
         lambda _: mat_bytes(changed("command", np.array([[(1.0,)], [(2.0,)]], dtype=[("x", "O")]))),
         "command: must be real numbers, got a struct of x",
     ),
-    "MATLAB: text": (lambda _: mat_bytes(changed("command", "hello")), "command: must be real numbers, got text"),
     "MATLAB: cells": (
         lambda _: mat_bytes(changed("command", np.array([1.0, "a"], dtype=object))),
         "command: must be real numbers, got objects",
@@ -145,34 +97,17 @@ MATLAB = {
         lambda _: mat_bytes(changed("command", np.ones((200, 3)))),
         "must be one column, got an array of 200 x 3",
     ),
-    "MATLAB: NaN": (lambda _: mat_bytes(with_bad(7, np.nan)), "row 7: position: must be a finite number, got nan"),
     "MATLAB 7.3: cut": (lambda _: hdf5_bytes()[:4000], r"must be a whole MATLAB 7.3 \(HDF5\) file"),
-    "MATLAB 7.3: struct": (
-        lambda _: hdf5_bytes({f"log/{name}": column for name, column in COLUMNS.items()}),
-        "column time: .* which has log.command",
-    ),
     "MATLAB 7.3: text": (
         lambda _: hdf5_bytes(changed("command", np.arange(200, dtype=np.uint16)), [("command", "char")]),
         "command: must be real numbers, got char",
     ),
-    "MATLAB 7.3: complex": (
-        lambda _: hdf5_bytes(changed("command", TIME + 1j)),
-        "command: must be real numbers, got complex",
-    ),
 }
 MDF = {
-    "MDF: not one": (b"hello", "must be a ASAM MDF file as its name says"),
-    "MDF: cut": (lambda folder: mdf_bytes(folder)[:2000], "must be a whole ASAM MDF file"),
-    "MDF: missing column": (
-        lambda folder: mdf_bytes(folder, without("command")),
-        "column command: must be in the file",
-    ),
     "MDF: millimetres": (lambda folder: mdf_bytes(folder, unit="mm"), "unit 'mm'; give --scale position=0.001"),
     "MDF: two time bases": (lambda folder: mdf_bytes(folder, groups=3), "must stand in one channel group"),
 }
 PARQUET = {
-    "Parquet: not one": (b"hello", "must be a Parquet file as its name says"),
-    "Parquet: cut": (lambda _: parquet_bytes()[:1500], "must be a whole Parquet file"),
     "Parquet: text": (
         lambda _: parquet_bytes(changed("command", ["a"] * 200)),
         "command: must be real numbers, got string",
@@ -192,7 +127,7 @@ CASES = {
     "missing file": ("b.csv", ..., "", "cannot be read: No such file"),
     "MATLAB: NaN, rows counted in the file": (
         "a.mat",
-        mat_bytes(with_bad(7, np.nan)),
+        mat_bytes(changed("position", np.where(np.arange(200) == 7, np.nan, COLUMNS["position"]))),
         "--rows 5:50",
         "row 7: position: must be a finite number",
     ),
@@ -293,20 +228,8 @@ def test_units_that_cannot_be_the_models(columns, message, tmp_path, capsys):
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_mutated_log_is_read_or_refused_in_one_line(kind):
     """The first cases of `python -m tests.attack`, read as a user reads them."""
-    found = [run_case(seed, kind, whole=True) for seed in range(100 if kind == "csv" else 4)]
+    found = [run_case(seed, kind, whole=True) for seed in range(60 if kind == "csv" else 3)]
     assert not [one for one in found if one is not None and not one.startswith("~")]
-
-
-@pytest.fixture(scope="module")
-def originals(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("originals")
-    return {
-        "a.mat": mat_bytes(),
-        "compressed.mat": mat_bytes(compress=True),
-        "hdf5.mat": hdf5_bytes(),
-        "a.mf4": mdf_bytes(folder),
-        "a.parquet": parquet_bytes(),
-    }
 
 
 @pytest.mark.parametrize(
@@ -323,9 +246,9 @@ def originals(tmp_path_factory):
         ),
     ],
 )
-def test_a_reader_that_fails_in_any_way(behaviour, message, originals, tmp_path, monkeypatch):
+def test_a_reader_that_fails_in_any_way(behaviour, message, tmp_path, monkeypatch):
     path = tmp_path / "a.mat"
-    path.write_bytes(originals["a.mat"])
+    path.write_bytes(mat_bytes())
     reader = f"('MATLAB file', 'matlab', lambda request: exec({behaviour!r}))"
     start = f"import cogging.logs.readers.isolate as isolate; isolate.FORMATS['matlab'] = {reader}; "
     if "sleep" in behaviour:  # the others need their time to start, where the machine is busy
@@ -335,20 +258,3 @@ def test_a_reader_that_fails_in_any_way(behaviour, message, originals, tmp_path,
         cogging.read_log(path)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_header_that_is_longer_than_the_head(tmp_path):
-    path = tmp_path / "wide.csv"
-    path.write_text(",".join(["time", "position", "command", *(f"column_{i}" for i in range(100_000))]) + "\n")
-    with pytest.raises(InputError, match=r"wide\.csv: must have its header row in the first 262144 bytes"):
-        cogging.read_log(path)
-
-
-def test_a_name_without_end_is_shortened(tmp_path):
-    path = tmp_path / "long.csv"
-    path.write_text("time,position," + "x" * 5000 + "\n0,1,2\n1,2,3\n")
-    with pytest.raises(
-        InputError, match="column command: must be in the header, which has time, position, xxx"
-    ) as told:
-        cogging.read_log(path)
-    assert len(str(told.value)) < 400

@@ -8,7 +8,7 @@ from cogging.datasets import laas
 from cogging.mapping.fit_map import fit_map
 from tests.fixtures.measured import FOLDER
 
-DRAWN = range(20)
+DRAWN = range(12)
 
 
 class Drawn:
@@ -57,7 +57,7 @@ def deviations(fit, drawn):
 # --- a closed turn ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("turns", [1, 2, 5])
+@pytest.mark.parametrize("turns", [1, 5])
 def test_a_closed_turn_is_a_whole_pitch(turns):
     apart, errors = [], []
     for seed in DRAWN:
@@ -73,22 +73,12 @@ def test_a_closed_turn_is_a_whole_pitch(turns):
     assert np.std(errors) < 1.5  # the mean of a whole turn, not of the turn and a bit
 
 
-@pytest.mark.parametrize("seed", DRAWN)
-def test_a_turn_with_a_piece_missing_is_still_refused(seed):
-    drawn = Drawn(seed)
-    points = int(drawn.rng.integers(40, 400))
-    x = drawn.turn(points)[: points - 3]
-    with pytest.raises(ValueError, match="must travel at least one pitch"):
-        fit_map(x, drawn.map(x), pitch=drawn.pitch)
-
-
-def test_degrees_of_a_turn():
-    x = np.arange(360.0)
-    rng = np.random.default_rng(0)
-    force = 0.3 * np.sin(np.radians(7 * x)) + 0.1 * np.cos(np.radians(12 * x)) + 0.01 * rng.normal(size=360)
-    fit = fit_map(x, force, pitch=360.0)
-    assert [entry.harmonic for entry in fit.amplitudes] == [7, 12]
-    assert [entry.amplitude for entry in fit.amplitudes] == pytest.approx([0.3, 0.1], abs=0.003)
+def test_a_turn_with_a_piece_missing_is_still_refused():
+    for seed in DRAWN:
+        drawn = Drawn(seed)
+        x = drawn.turn(int(drawn.rng.integers(40, 400)))[:-3]
+        with pytest.raises(ValueError, match="must travel at least one pitch"):
+            fit_map(x, drawn.map(x), pitch=drawn.pitch)
 
 
 # --- there and back over one pitch ------------------------------------------------------------------------------------
@@ -126,7 +116,7 @@ def scan_with(drawn, odd, turns=2):
     return fit_map(x, drawn.measured(clean), pitch=drawn.pitch, order=0)
 
 
-@pytest.mark.parametrize("turns", [1, 2, 6])
+@pytest.mark.parametrize("turns", [1, 6])
 def test_friction_that_ripples_is_told_with_its_size(turns):
     apart, maps = [], []
     for seed in DRAWN:
@@ -149,7 +139,7 @@ def test_friction_that_ripples_is_told_with_its_size(turns):
 
 
 def test_nothing_is_said_where_nothing_changes_sign():
-    alarms, runs = 0, 120
+    alarms, runs = 0, 60
     for seed in range(runs):
         fit = scan_with(Drawn(100 + seed), np.zeros_like, turns=1 + seed % 4)
         alarms += bool(fit.direction_amplitudes)
@@ -170,13 +160,6 @@ def test_a_map_that_lags_is_told_from_friction_that_ripples():
         ripple = scan_with(drawn, lambda x, d=drawn: d.wave(x, d.harmonics[0], 0.3 * d.size, d.phases[0]))
         assert ripple.direction_lag is None  # in phase with the map, where a lag would stand a quarter off
         assert "friction that ripples" in ripple.text()
-
-
-def test_one_way_tells_nothing_of_directions():
-    drawn = Drawn(3)
-    x = drawn.turn(200, 3)
-    fit = fit_map(x, drawn.measured(drawn.map(x)), pitch=drawn.pitch)
-    assert (fit.coulomb, fit.direction_amplitudes, fit.direction_lag, fit.direction_rms) == (None, (), None, 0.0)
 
 
 # --- real scans -------------------------------------------------------------------------------------------------------
@@ -212,18 +195,6 @@ def odrive(which):
     entries = np.load(FOLDER / "odrive" / f"cogging_measure_final_{which}_16.npy")
     filled = np.flatnonzero(entries)
     return filled * (2.0 * np.pi / entries.size), entries[filled]
-
-
-@pytest.mark.data
-def test_one_of_sixteen_counts_of_a_turn():
-    fit = fit_map(*odrive("a"), pitch=2.0 * np.pi)
-    table = {entry.harmonic: entry.amplitude for entry in fit.amplitudes}
-    expected = {7: 0.86, 28: 0.56, 14: 0.35, 36: 0.29, 12: 0.26, 84: 0.12}  # README of the data
-    assert list(dict(sorted(table.items(), key=lambda entry: -entry[1])))[:6] == list(expected)
-    assert [table[h] for h in expected] == pytest.approx(list(expected.values()), rel=0.04)
-    assert fit.coulomb is None
-    assert fit.offset == pytest.approx(0.122, abs=0.003)
-    assert fit.residual_rms < 0.06
 
 
 @pytest.mark.data

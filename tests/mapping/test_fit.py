@@ -1,8 +1,6 @@
 """The cogging map against known truth, plain numpy and scipy, and a real scan (72 detents a turn)."""
 
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -12,10 +10,7 @@ from scipy.signal import lfilter
 
 import cogging
 from cogging.files import read_toml
-from cogging.mapping.cogging_spectrum import FOLDS, HarmonicSpectrum, cross_validate, fit_splines
-from cogging.mapping.fit_map import _simplest, fit_map
-from cogging.mapping.map_fit import CrossValidation
-from cogging.mapping.scan import read_scan
+from cogging.mapping.fit_map import fit_map
 from tests.fixtures.measured import FOLDER
 
 PITCH = 0.05
@@ -95,30 +90,6 @@ def test_real_scan_over_one_turn(laas):
     assert any("rows averaged" in note for note in fit.notes)
 
 
-@pytest.mark.data
-def test_real_scan_over_one_detent(laas):
-    position, current = laas
-    fit = fit_map(position, current, pitch=2.0 * np.pi / 72)
-    entry = fit.amplitudes[0]
-    assert found(fit)[:2] == [1, 2]
-    assert entry.amplitude == pytest.approx(0.184, rel=0.03)
-    assert entry.standard_error > 5e-4  # the residual is structure, ten times the noise
-    assert fit.coulomb == pytest.approx(0.053, abs=0.003)
-    # 18 a turn, a quarter of a detent's frequency, is no harmonic of this pitch, and said so.
-    assert any(note.startswith("not in the map: 0.03") for note in fit.notes)
-    turn = fit_map(position, current, pitch=2.0 * np.pi, harmonics=[72, 144])
-    assert entry.phase == pytest.approx(turn.amplitudes[0].phase, abs=0.02)
-
-
-@pytest.mark.data
-def test_real_scan_is_one_way_when_cut_at_the_turn(laas):
-    position, current = laas
-    turn = int(np.argmax(position))
-    fit = fit_map(position[:turn], current[:turn], pitch=2.0 * np.pi / 72, harmonics=[1, 2, 3], order=0)
-    assert fit.coulomb is None
-    assert fit.offset == pytest.approx(0.053, abs=0.004)
-
-
 # --- known truth ------------------------------------------------------------------------------------------------------
 
 
@@ -126,7 +97,7 @@ def test_real_scan_is_one_way_when_cut_at_the_turn(laas):
 def test_modulated_truth_is_found_within_its_standard_errors(correlation):
     """Noise white, and correlated over 2 and 5 mm: errors must be honest about it."""
     deviations, amplitude_deviations, coulomb, orders = [], [], [], []
-    for seed in range(12):
+    for seed in range(8):
         model = truth(seed)
         fit = fit_map(THERE_AND_BACK, two_way_scan(seed, model, correlation=correlation), pitch=PITCH, origin=0.0)
         assert found(fit) == HARMONICS, seed
@@ -139,60 +110,52 @@ def test_modulated_truth_is_found_within_its_standard_errors(correlation):
                 (entry.amplitude - a) / entry.standard_error for entry, a in zip(fit.amplitudes, true, strict=True)
             ]
         coulomb.append((fit.coulomb - 0.15) / fit.coulomb_standard_error)
-    assert orders.count(3) >= 10
+    assert orders.count(3) >= 7
     assert 0.91 <= np.mean(np.abs(deviations) < 1.96) <= 0.995  # 95 % stated; 0.96 seen
     assert np.std(deviations) < 1.1
-    # Of 1,560: the noise level of red noise is itself an estimate, which widens the tails (6.4 seen).
+    # The noise level of red noise is itself an estimate, which widens the tails.
     assert max(np.abs(deviations)) < (8.0 if correlation else 4.5)
     assert 0.3 < np.sqrt(np.mean(np.square(amplitude_deviations))) < 1.3
     assert np.sqrt(np.mean(np.square(coulomb))) < 1.6
 
 
-def test_standard_errors_are_not_too_wide_in_white_noise():
-    deviations = []
+@pytest.mark.parametrize(("points", "correlation", "low", "high"), [(511, 0.0, 0.85, 1.15), (201, 0.78, 0.4, 1.3)])
+def test_standard_errors_fit_white_noise_and_short_scans_of_correlated_noise(points, correlation, low, high):
+    """Neighbouring points of two pitches are alike: errors that assume white noise would be 2.5 times too small."""
+    x, deviations = np.linspace(0.0, 0.51 if points == 511 else 0.1, points), []
     for seed in range(40):
         model = truth(seed, order=0)
-        force = model.force(GRID) + noise(np.random.default_rng(seed), GRID.size)
-        fit = fit_map(GRID, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-        assert fit.sine_standard_error == pytest.approx(NOISE * np.sqrt(2.0 / GRID.size), rel=0.35)
-        deviations += list(((fit.cogging.sine - model.sine) / fit.sine_standard_error).ravel())
-        deviations.append(fit.offset / fit.offset_standard_error)
-    assert 0.85 < np.std(deviations) < 1.15
-
-
-def test_standard_errors_of_a_short_scan_know_that_neighbours_are_alike():
-    deviations = []
-    x = np.arange(201) * 0.5 * STEP  # two pitches
-    for seed in range(40):
-        model = truth(seed, order=0)
-        force = model.force(x) + noise(np.random.default_rng(seed), x.size, np.exp(-1 / 4))
+        force = model.force(x) + noise(np.random.default_rng(seed), points, correlation)
         fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
         deviations += list(((fit.cogging.sine - model.sine) / fit.sine_standard_error).ravel())
-    assert 0.4 < np.std(deviations) < 1.3  # were the noise taken to be white: 2.5
+    assert low < np.std(deviations) < high
 
 
-@pytest.mark.parametrize("correlation", [0.0, np.exp(-1 / 5)])
-def test_periodic_truth_is_called_periodic(correlation):
-    orders = []
-    for seed in range(20):
-        force = two_way_scan(seed, truth(seed, order=0), correlation=correlation)
-        orders.append(fit_map(THERE_AND_BACK, force, pitch=PITCH).order)
-    assert orders.count(0) >= 18
-
-
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_cross_validation_tells_the_orders_apart(order):
+@pytest.mark.parametrize(("order", "correlation"), [(0, 0.0), (0, 0.82), (1, 0.0), (2, 0.0), (3, 0.0)])
+def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
     orders = []
     for seed in range(8):
-        force = two_way_scan(seed, truth(seed, order=order))
+        force = two_way_scan(seed, truth(seed, order=order), correlation=correlation)
         fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, origin=0.0)
+        orders.append(fit.order)
+        if order == 0:
+            continue
         assert [score.order for score in fit.cross_validation] == [0, 1, 2, 3, 4]
         assert [score.coefficients for score in fit.cross_validation] == [10, 110, 120, 130, 140]
         table = {score.order: score.rms for score in fit.cross_validation}
         assert table[0] > 2.0 * table[order]  # the change along the travel is ten times the noise
         assert NOISE * 0.95 < table[order] < NOISE * 2.0  # 120 coefficients of 1,022 points
-        orders.append(fit.order)
     assert orders.count(order) >= 7
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_simplest_order_within_one_standard_error_of_the_best_is_chosen(seed):
+    force = two_way_scan(seed, truth(seed, order=3, spread=0.1))
+    fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, origin=0.0)
+    best = min(fit.cross_validation, key=lambda score: score.rms)
+    alike = [score.order for score in fit.cross_validation if score.rms <= best.rms + best.standard_error]
+    assert best.order == 2
+    assert fit.order == min(alike) == 1
 
 
 def test_modulation_with_no_line_at_the_harmonic_is_found():
@@ -221,10 +184,10 @@ def test_short_and_irregular_scans():
 # --- noise ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("correlation", "false_alarm"), [(0.0, 0.01), (0.95, 0.01), (0.0, 0.1)])
+@pytest.mark.parametrize(("correlation", "false_alarm"), [(0.95, 0.01), (0.0, 0.1)])
 def test_noise_alone_yields_harmonics_no_more_often_than_stated(correlation, false_alarm):
     rng = np.random.default_rng(7)
-    runs, alarms = 200, 0
+    runs, alarms = 120, 0
     for _ in range(runs):
         fit = fit_map(GRID, noise(rng, GRID.size, correlation), pitch=PITCH, false_alarm=false_alarm)
         alarms += bool(fit.amplitudes)
@@ -238,11 +201,11 @@ def test_noise_alone_yields_harmonics_no_more_often_than_stated(correlation, fal
 
 def test_a_harmonic_little_above_its_threshold_is_found():
     hits, amplitude = 0, 6.0 * NOISE * np.sqrt(2.0 / GRID.size)
-    for seed in range(40):
+    for seed in range(20):
         rng = np.random.default_rng(seed)
         force = amplitude * np.sin(2.0 * np.pi * 7.0 * GRID / PITCH + seed) + noise(rng, GRID.size)
         hits += found(fit_map(GRID, force, pitch=PITCH)) == [7]
-    assert hits >= 30
+    assert hits >= 15
 
 
 def test_a_strong_harmonic_lends_no_leakage():
@@ -275,7 +238,7 @@ def test_one_way_scan_says_that_friction_is_unknown():
         force = model.force(x) + 0.2 + 0.15 * direction + noise(rng, x.size)
         fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0)
         assert fit.coulomb is None
-        assert fit.coulomb_standard_error is None
+        assert (fit.coulomb_standard_error, fit.direction_amplitudes, fit.direction_lag) == (None, (), None)
         assert fit.offset == pytest.approx(0.2 + 0.15 * direction, abs=5.0 * fit.offset_standard_error)
         assert any("one way" in note for note in fit.notes)
         assert "coulomb" not in fit.text()
@@ -300,25 +263,15 @@ def test_direction_is_that_of_the_motion_and_not_of_the_encoder_noise():
     model = truth(4, order=0)
     force = model.force(x) + 0.15 * direction + noise(rng, x.size)
     assert np.mean(np.sign(np.diff(x)) != direction[1:]) > 0.4  # what the raw sign would say
-    scan = read_scan(x, force, cogging.Units(), pitch=PITCH, force_sign=1, highest_harmonic=20)
-    assert np.count_nonzero(np.diff(scan.direction)) == 1
     fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
     assert fit.coulomb == pytest.approx(0.15, abs=5.0 * fit.coulomb_standard_error)
     assert fit.coulomb_standard_error < 0.002
     assert fit.cogging.sine == pytest.approx(model.sine, abs=0.004)
 
 
-def test_jitter_does_not_make_points_look_dense():
-    """Both ways with 1 um of jitter there are points 1 um apart, but they resolve no more than one every mm."""
-    x = THERE_AND_BACK + 1e-6 * np.random.default_rng(5).normal(size=THERE_AND_BACK.size)
-    scan = read_scan(x, np.zeros(x.size), cogging.Units(), pitch=PITCH, force_sign=1, highest_harmonic=200)
-    assert scan.resolvable == scan.highest == 19
-    assert scan.travel == pytest.approx(0.51, abs=1e-5)
-
-
 def test_friction_that_wanders_differently_in_each_direction_widens_the_error_of_its_level():
     deviations = []
-    for seed in range(30):
+    for seed in range(20):
         rng = np.random.default_rng(seed)
         wander = noise(rng, GRID.size, 0.98)  # of the friction level along the travel, the same in both directions
         friction = DIRECTION * np.concatenate([0.15 + wander, 0.15 + wander[::-1]])
@@ -326,15 +279,6 @@ def test_friction_that_wanders_differently_in_each_direction_widens_the_error_of
         fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, order=0)
         deviations.append((fit.coulomb - 0.15) / fit.coulomb_standard_error)
     assert 0.3 < np.sqrt(np.mean(np.square(deviations))) < 1.5
-
-
-def test_several_strokes():
-    x = np.concatenate([THERE_AND_BACK, THERE_AND_BACK, GRID])
-    direction = np.concatenate([DIRECTION, DIRECTION, np.ones(GRID.size)])
-    force = truth(5, order=0).force(x) + 0.15 * direction
-    fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-    assert fit.coulomb == pytest.approx(0.15, abs=1e-9)
-    assert np.sum(fit.direction == -1.0) > 1000
 
 
 def test_rows_just_after_a_reversal_are_left_out():
@@ -398,16 +342,10 @@ def test_knots_before_the_scan_are_listed():
     assert fit.cogging.basis.spline.origin == -0.2
     assert fit.cogging.basis.spline.control_points == 15 + 2
     assert {0, 1, 2, 3} <= set(fit.unexcited)
-    full = fit_map(GRID[:501], truth(0).force(GRID[:501]), pitch=PITCH, harmonics=HARMONICS, order=3)
-    assert full.unexcited == ()
-    assert full.cogging.basis.spline.control_points == 12
-
-
-def test_a_sliver_of_travel_gets_no_span():
-    x = GRID[:503]  # 0.502 m
-    fit = fit_map(x, truth(0).force(x), pitch=PITCH, harmonics=HARMONICS, order=3)
-    assert fit.cogging.basis.spline.control_points == 12
-    assert fit.cogging.basis.spline.origin == 0.0
+    for rows in (501, 503):  # a sliver of travel gets no span
+        full = fit_map(GRID[:rows], truth(0).force(GRID[:rows]), pitch=PITCH, harmonics=HARMONICS, order=3)
+        assert full.unexcited == ()
+        assert (full.cogging.basis.spline.control_points, full.cogging.basis.spline.origin) == (12, 0.0)
 
 
 def test_a_period_that_is_no_harmonic_is_named():
@@ -449,7 +387,7 @@ def scipy_regressor(x, harmonics, order, origin, points):
     return np.stack(columns, axis=1)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("order", [1, 3])
 def test_fit_is_the_least_squares_solution_with_its_prior(order):
     x, points = GRID[:500] + 0.3 * STEP, 9 + order  # no point on a knot, where order 1 jumps
     model = truth(12, order=order)
@@ -495,57 +433,6 @@ def test_fitted_is_the_sum_of_what_the_fit_states():
     assert fit.fitted == pytest.approx(total + fit.trend * (fit.position - centre), abs=1e-9)
 
 
-def test_cross_validation_is_what_leaving_blocks_out_gives():
-    force = two_way_scan(17, truth(17))
-    x, nuisance, block = THERE_AND_BACK, np.column_stack([np.ones(1022), DIRECTION]), PITCH / 8.0
-    basis = cogging.SplineHarmonics(pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0, control_points=13)
-    fit = fit_splines(basis, x, force, nuisance)
-    rms, error = cross_validate(fit, x, force, nuisance, block)
-    # The folds once more, from their description: of eight neighbouring blocks one at random in each of eight folds.
-    number = np.floor(x / block).astype(int)
-    rng = np.random.default_rng(0)
-    fold_of = rng.permuted(np.tile(np.arange(FOLDS), (number.max() // FOLDS + 1, 1)), axis=1).ravel()[number]
-    columns = np.column_stack([scipy_regressor(x, HARMONICS, 3, 0.0, 13), nuisance])
-    root = np.linalg.cholesky(fit.prior + 1e-13 * np.eye(len(fit.prior))).T  # the prior as further rows
-    misses = np.empty(x.size)
-    for fold in range(FOLDS):
-        out = fold_of == fold
-        rows, values = np.vstack([columns[~out], root]), np.concatenate([force[~out], np.zeros(len(root))])
-        misses[out] = force[out] - columns[out] @ np.linalg.lstsq(rows, values, rcond=None)[0]
-    assert rms == pytest.approx(np.sqrt(np.mean(misses**2)), rel=1e-5)
-    assert 0.005 * rms < error < 0.2 * rms
-    for place in np.unique(number):  # both passes of a place are left out together
-        assert np.unique(fold_of[number == place]).size == 1
-
-
-def test_simplest_within_one_standard_error():
-    def score(order, rms, error=0.1):
-        return CrossValidation(order, 10 * (order + 1), rms, error)
-
-    assert _simplest([score(0, 2.0), score(1, 1.15), score(2, 1.09), score(3, 1.0)]) == 2
-    assert _simplest([score(0, 1.09), score(1, 1.0)]) == 0
-    assert _simplest([score(0, 1.05), score(1, 1.0, error=0.01)]) == 1
-    assert _simplest([]) == 0
-
-
-def test_spectrum_power_is_what_each_line_takes_off_the_sum_of_squares():
-    rng = np.random.default_rng(18)
-    x, y = rng.uniform(0.0, 0.51, 200), rng.normal(size=200)
-    spectrum = HarmonicSpectrum(x, PITCH, 4)
-    power = spectrum.power(y)
-    assert spectrum.frequency.shape == (5, 11)
-    assert spectrum.frequency[:, 5] == pytest.approx(np.arange(5) / PITCH)
-    assert np.diff(spectrum.frequency[2]) == pytest.approx(1.0 / np.ptp(x))
-    for (h, s), f in np.ndenumerate(spectrum.frequency):
-        if f <= 0.0:
-            assert power[h, s] == 0.0
-            continue
-        columns = np.column_stack([np.sin(2.0 * np.pi * f * x), np.cos(2.0 * np.pi * f * x)])
-        rest = y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
-        assert power[h, s] == pytest.approx(0.5 * (y @ y - rest @ rest), rel=1e-6)
-    assert spectrum.power(y, slice(2, 3))[0] == pytest.approx(power[2])
-
-
 # --- what is refused --------------------------------------------------------------------------------------------------
 
 WAVE = np.sin(2.0 * np.pi * GRID / PITCH)
@@ -557,7 +444,14 @@ def with_value(values, row, value):
     return changed
 
 
+JITTER = 1e-6 * np.random.default_rng(5).normal(size=THERE_AND_BACK.size)
+FEW = np.concatenate([np.repeat([0.0, 0.05], 5), np.arange(0.0, 0.05, 0.013)])
 REFUSED = [
+    ({"position": FEW, "force": np.sin(FEW)}, r"position: must hold at least 10 points that differ, got \d$"),
+    (  # both ways with jitter there are points 1 um apart, but they resolve no more than one every mm
+        {"position": THERE_AND_BACK + JITTER, "force": np.zeros(JITTER.size), "harmonics": [20]},
+        "harmonics: must be at most 19 with points this far apart, got 20",
+    ),
     ({"position": with_value(GRID, 7, np.nan)}, r"position: must be finite numbers, got nan in row 7"),
     ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
@@ -568,22 +462,13 @@ REFUSED = [
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),
     ({"position": 30.0 * GRID}, r"position: must have a point every 0.0133 m or less, got one every 0.03 m"),
     ({"pitch": 0.0}, r"pitch: must be finite and above 0, got 0.0"),
-    ({"pitch": np.nan}, r"pitch: must be finite and above 0, got nan"),
     ({"pitch": "0.05"}, r"pitch: must be finite and above 0, got 0.05"),
     ({"force_sign": 0}, r"force_sign: must be 1 or -1, got 0"),
-    ({"force_sign": True}, r"force_sign: must be 1 or -1, got True"),
     ({"harmonics": []}, r"harmonics: must list 1 to 32 terms, got 0"),
-    ({"harmonics": list(range(1, 34))}, r"harmonics: must list 1 to 32 terms, got 33"),
     ({"harmonics": [1, 1]}, r"harmonics: each may stand once, got 1"),
     ({"harmonics": [0]}, r"harmonics: must be a list of whole numbers from 1, got \[0\]"),
     ({"harmonics": 3}, r"harmonics: must be a list of whole numbers from 1, got 3"),
-    ({"harmonics": [20]}, r"harmonics: must be at most 19 with points this far apart, got 20"),
     ({"order": 17}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got 17"),
-    ({"order": 2.5}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got 2.5"),
-    (
-        {"harmonics": [1], "order": 3, "origin": -1e9},
-        r"order: must need at most 507 coefficients .*got 4\d+ for order 3",
-    ),
     ({"order": 3, "origin": -1e9}, r"order: must need at most 507 coefficients .*got 4\d+ for order 3"),
     ({"origin": 0.51}, r"origin: must lie below the scan's highest position 0.51 m, got 0.51"),
     ({"origin": np.inf}, r"origin: must be a finite number, got inf"),
@@ -600,12 +485,6 @@ def test_refused(change, message):
     assert "\n" not in str(caught.value)
 
 
-def test_few_points_that_differ_are_refused():
-    x = np.concatenate([np.repeat([0.0, 0.05], 5), np.arange(0.0, 0.05, 0.013)])
-    with pytest.raises(ValueError, match=r"^position: must hold at least 10 points that differ, got \d$"):
-        fit_map(x, np.sin(x), pitch=PITCH)
-
-
 # --- the result -------------------------------------------------------------------------------------------------------
 
 
@@ -617,17 +496,12 @@ def fit():
 def test_plot(fit):
     force, residual, spectrum = fit.plot().axes
     forward = fit.direction == 1.0
-    x, y = force.lines[0].get_data()
-    assert x == pytest.approx(1e3 * fit.position[forward])
-    assert y == pytest.approx((fit.force - fit.fitted)[forward] + fit.cogging.force(fit.position[forward]))
     x, y = force.lines[2].get_data()
     assert y == pytest.approx(fit.cogging.force(1e-3 * x))
     left = np.asarray(residual.lines[1].get_ydata())
     assert left == pytest.approx(1e3 * (fit.force - fit.fitted)[~forward])
     peak = spectrum.lines[0].get_xdata()[np.argmax(spectrum.lines[0].get_ydata())]
     assert peak == pytest.approx(1.0, abs=1e-9)
-    assert list(spectrum.lines[2].get_xdata()) == [entry.harmonic for entry in fit.amplitudes]
-    assert [panel.get_ylabel() for panel in (force, residual)] == ["cogging force (V)", "residual (mV)"]
 
 
 def test_write_and_read_again(fit, tmp_path):
@@ -659,21 +533,3 @@ def test_a_scan_without_noise_gives_the_truth():
     fit = fit_map(x, model.force(x) + 0.3, pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0)
     assert fit.cogging.force(x) == pytest.approx(model.force(x), abs=1e-5)
     assert fit.notes == ("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both",)
-
-
-def test_its_arguments_stay_as_they_are_and_may_be_lists():
-    x, force = THERE_AND_BACK.copy(), two_way_scan(22, truth(22))
-    before = force.copy()
-    fit = fit_map(x, force, pitch=PITCH, harmonics=np.array(HARMONICS))
-    np.testing.assert_array_equal([x, force], [THERE_AND_BACK, before])
-    listed = fit_map(list(x), list(force), pitch=PITCH, harmonics=HARMONICS)
-    np.testing.assert_array_equal(listed.cogging.coefficients, fit.cogging.coefficients)
-
-
-def test_matplotlib_comes_with_the_plot_and_pyplot_never():
-    program = (
-        "import sys, numpy as np; from cogging.mapping.fit_map import fit_map; x = np.arange(200) * 1e-3;"
-        "fit = fit_map(x, np.sin(2 * np.pi * x / 0.05), pitch=0.05); assert 'matplotlib' not in sys.modules;"
-        "fit.plot(); assert 'matplotlib.pyplot' not in sys.modules; assert 'scipy' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", program], check=True)

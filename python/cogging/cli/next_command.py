@@ -111,11 +111,15 @@ def _identify(arguments: argparse.Namespace, model: AnyPath) -> str:
 
 
 def after_identify(arguments: argparse.Namespace, found: Identification) -> str:
-    """Diagnose what the fit leaves unexplained; if nothing is left, predict with the fitted model."""
+    """Diagnose what the fit leaves unexplained, or plan a longer log; if nothing is left, predict with the fit."""
+    from cogging.diagnosis.preparation import ROWS_MIN
+
     explained = all(log.noise is not None and log.residual_after < NOISE_LEVEL * log.noise for log in found.logs)
     if not explained or found.warnings or not can_predict(found.model):
         use_fit = arguments.out and not found.warnings and found.explained > MOSTLY  # else the gap has biased the fit
         model = arguments.out if use_fit else arguments.model
+        if min(audit.rows for audit in found.audits) < ROWS_MIN:
+            return experiment(model)
         return command_line("diagnose", files(arguments.logs), option("--model", model), log_options(arguments))
     return with_model(arguments.out, found.model) if arguments.out else _identify(arguments, arguments.model)
 

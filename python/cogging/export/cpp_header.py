@@ -1,7 +1,7 @@
 """A controller with its gains as one C++ header that needs nothing but a C++20 compiler.
 
 The header contains the headers of the core that the controller needs, each once, after those it includes. A step
-computes the same bits as the library. Everything is in a namespace of its own, so that several such headers, or one and
+computes the same bits as the library. Everything is in its own namespace, so that several such headers, or one and
 the library, do not conflict.
 """
 
@@ -135,10 +135,10 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
     Args:
         model: with a `[controller]`.
-        name: of the namespace, in which all of the header stands.
+        name: of the namespace that contains the header.
 
     Returns:
-        The header, and what it takes of the model.
+        The header, and a summary of what it contains.
     """
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")

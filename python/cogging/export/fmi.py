@@ -73,7 +73,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
         sample_rate: Hz, at which noise is drawn and the step that is proposed; that of the controller when None.
 
     Returns:
-        The unit, a zip archive, and what it takes of the model.
+        The unit, a zip archive, and a summary of what it contains.
     """
     require_name(name)
     rate = _rate(model, sample_rate)

@@ -36,12 +36,12 @@ class Size:
     Attributes:
         value: V/(m/s^2), V/(m/s) or V; assumed where it is not identifiable.
         uncertainty: relative, 1 sigma; None where it is not identifiable.
-        told: how it was found, or why not.
+        reason: how it was found, or why not.
     """
 
     value: float
     uncertainty: float | None
-    told: str
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,8 @@ def sizes_of(log: Log, units: Units) -> Sizes:
     """
     balance = _balance(log)
     if balance is None:
-        told = "not identifiable: the log hardly moves"
-        sizes = dict.fromkeys(AXIS, Size(0.0, None, told)) | {"mass": Size(1.0, None, told)}
+        reason = "not identifiable: the log hardly moves"
+        sizes = dict.fromkeys(AXIS, Size(0.0, None, reason)) | {"mass": Size(1.0, None, reason)}
         return Sizes(sizes, 0.0, None, False, 0.0, ())
     command = balance.command[balance.taken]
     needs = np.array([balance.needs[name] for name in AXIS])
@@ -107,25 +107,22 @@ def sizes_of(log: Log, units: Units) -> Sizes:
     if sizes["mass"].value <= 0.0:
         top = float(np.quantile(np.abs(needs[0]), 0.99))
         assumed = float(np.sqrt(power)) / top if top > 0.0 and power > 0.0 else 1.0
-        sizes["mass"] = Size(assumed, None, f"{sizes['mass'].told}; assumed: the rms command over the top acceleration")
+        sizes["mass"] = Size(
+            assumed, None, f"{sizes['mass'].reason}; assumed: the rms command over the top acceleration"
+        )
+    residuals = [(balance.position, sign * plain.residual)]
+    share = min(CUTOFFS[0], HIGHEST * float(np.median(np.diff(log.time))))
+    if (wide := _balance(log, share)) is not None:
+        columns = np.array([*(wide.needs[name] for name in AXIS), np.ones(len(wide.taken))])
+        residuals.insert(0, (wide.position, sign * (wide.command[wide.taken] - plain.values @ columns)))
     return Sizes(
         sizes=sizes,
         offset=sign * plain.offset,
         explained=plain.explained,
         reversed=back,
         speed=float(np.quantile(np.abs(balance.speed), 0.99)),
-        residuals=(*_wide(log, sign, plain), (balance.position, sign * plain.residual)),
+        residuals=tuple(residuals),
     )
-
-
-def _wide(log: Log, sign: float, plain: _Fit) -> list[tuple[FloatArray, FloatArray]]:
-    """Position and unexplained command below the highest cut-off."""
-    step = float(np.median(np.diff(log.time)))
-    balance = _balance(log, min(CUTOFFS[0], HIGHEST * step))
-    if balance is None:
-        return []
-    needs = np.array([*(balance.needs[name] for name in AXIS), np.ones(len(balance.taken))])
-    return [(balance.position, sign * (balance.command[balance.taken] - plain.values @ needs))]
 
 
 def _balance(log: Log, share: float | None = None) -> AxisBalance | None:
@@ -227,17 +224,14 @@ def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) 
     power[: 2 * FEWEST_PERIODS] = 0.0
     frequency = float(spectrum.frequency.ravel()[int(np.argmax(power))])
     wave = _refined(x, rest, frequency, 0.5 / travel)
-    worth = wave.share > SHARE and math.hypot(wave.sine, wave.cosine) > LEAST_AMPLITUDE * command_rms
-    return wave if worth and _stays(x, rest, wave) else None
-
-
-def _stays(x: FloatArray, rest: FloatArray, wave: Wave) -> bool:
-    """Whether the first half of the rows has the same wave as the second, as a force of position does."""
-    phase = 2.0 * np.pi * x / wave.period
+    amplitude = math.hypot(wave.sine, wave.cosine)
+    if wave.share <= SHARE or amplitude <= LEAST_AMPLITUDE * command_rms:
+        return None
+    # The first half of the rows has the wave of the second, as a force of position does.
+    phase, half = 2.0 * np.pi * x / wave.period, len(x) // 2
     columns = np.column_stack([np.sin(phase), np.cos(phase)])
-    half = len(x) // 2
     weights = [np.linalg.lstsq(columns[rows], rest[rows], rcond=None)[0] for rows in (slice(half), slice(half, None))]
-    return bool(np.linalg.norm(weights[0] - weights[1]) < ALIKE * math.hypot(wave.sine, wave.cosine))
+    return wave if np.linalg.norm(weights[0] - weights[1]) < ALIKE * amplitude else None
 
 
 def _refined(x: FloatArray, rest: FloatArray, frequency: float, width: float) -> Wave:

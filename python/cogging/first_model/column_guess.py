@@ -39,7 +39,7 @@ class ColumnGuess:
         name: in a log: time, position, command, reference, ...
         label: header in the file.
         unit: factor to the unit of the log, that unit's label, and how it is known.
-        told: why it is this column.
+        reason: why it is this column.
         sure: STATED (by its name or the user), LIKELY or UNKNOWN.
         called: its name in the option `--columns`; the whole header if the name alone is ambiguous.
         scaled: whether `--scale` is needed, also for a factor of 1.
@@ -48,7 +48,7 @@ class ColumnGuess:
     name: str
     label: str
     unit: Unit
-    told: str
+    reason: str
     sure: str
     called: str
     scaled: bool
@@ -56,7 +56,7 @@ class ColumnGuess:
     def text(self) -> str:
         """One line."""
         factor = f" x {self.unit.factor:.6g}" if self.unit.factor != 1.0 else ""
-        return f"{self.name} is {printable(self.label)!r}{factor} ({self.told}); {self.unit.told}"
+        return f"{self.name} is {printable(self.label)!r}{factor} ({self.reason}); {self.unit.reason}"
 
 
 @dataclass(frozen=True)
@@ -84,26 +84,20 @@ class ColumnGuesses:
         return {name: guess.unit.factor for name, guess in self.used.items() if guess.scaled}
 
 
-def placed(name: str, header: Header, headers: Mapping[str, Header], unit: Unit, told: str, sure: str) -> ColumnGuess:
+def placed(name: str, header: Header, headers: Mapping[str, Header], unit: Unit, reason: str, sure: str) -> ColumnGuess:
     """A guess with its names for the options."""
     alike = [h for h in headers.values() if h.label != header.label and name.casefold() == _bare(h).casefold()]
     plain = _bare(header)
     shared = [h for h in headers.values() if h.label != header.label and _bare(h).casefold() == plain.casefold()]
     called = name if plain == name and not alike and not shared else (header.label if shared else plain)
-    bracketed = _stated(header)
+    bracketed = split_unit(header.label)[1] or (header.unit if header.bare == header.label else "")
     scaled = unit.factor != 1.0 or bool(bracketed and not is_si(name, bracketed))
-    return ColumnGuess(name, header.label, unit, told, sure, called.strip(), scaled)
+    return ColumnGuess(name, header.label, unit, reason, sure, called.strip(), scaled)
 
 
 def _bare(header: Header) -> str:
     """The name of a column without a unit in brackets."""
     return split_unit(header.label)[0].strip()
-
-
-def _stated(header: Header) -> str:
-    """The unit in brackets, or stated apart from the name."""
-    inside = split_unit(header.label)[1]
-    return inside or (header.unit if header.bare == header.label else "")
 
 
 GLANCE = slice(0, 64)  # rows tested for numbers
@@ -128,17 +122,13 @@ def numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | N
     try:
         return _columns(path, kept, rows) if kept else {}
     except InputError:  # one that is cut short or has a hole: each by itself
-        tables = [table for label in kept if (table := _whole(path, label, rows)) is not None]
+        tables = []
+        for label in kept:
+            with contextlib.suppress(InputError):
+                tables.append(_columns(path, [label], rows))
     lengths = [len(values) for table in tables for values in table.values()]
     usual = max(lengths, key=lengths.count, default=0)
     return {label: values for table in tables for label, values in table.items() if len(values) == usual}
-
-
-def _whole(path: str | os.PathLike[str], label: str, rows: slice | None) -> Table | None:
-    try:
-        return _columns(path, [label], rows)
-    except InputError:
-        return None
 
 
 def _columns(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
@@ -164,11 +154,11 @@ def references(
     position = used["position"]
     x = position.unit.factor * table[position.label]
     for header in named:
-        unit, told = _unit_of_reference(header, position, x, table[header.label], scale)
+        unit, reason = _unit_of_reference(header, position, x, table[header.label], scale)
         if unit is None:
             notes.append(f"{header.label!r} is named like a reference, but the position does not follow it: not used")
             continue
-        used["reference"] = placed("reference", header, headers, unit, told, STATED)
+        used["reference"] = placed("reference", header, headers, unit, reason, STATED)
         break
     if "reference" not in used:
         return
@@ -202,13 +192,13 @@ def _unit_of_reference(
         for factor in dict.fromkeys(factors):
             off = x - sign * factor * values
             if float(np.std(off)) < ALIKE * float(np.std(x)):
-                told = f"the position follows it{', with the other sign' if sign < 0.0 else ''}"
+                reason = f"the position follows it{', with the other sign' if sign < 0.0 else ''}"
                 said = (
                     f"in {header.unit} as its header says"
                     if stated == STATED
                     else "in the unit in which it is followed"
                 )
-                return Unit(sign * factor, label, said, stated if sign > 0.0 else UNKNOWN), told
+                return Unit(sign * factor, label, said, stated if sign > 0.0 else UNKNOWN), reason
     return None, ""
 
 
@@ -309,7 +299,11 @@ def _required(
         free = [h.label for h in headers.values() if h.label in table and h.label not in taken and not h.kind]
         behaving = _by_behaviour(name, free, table, found)
         if behaving is None:
-            raise _untold(path, name, headers, table)
+            known = [repr(label) for label in headers if label in table]
+            kinds = [f"{h.label!r} looks like a {h.kind}" for h in headers.values() if h.kind in ("velocity", "error")]
+            said = f"; {', '.join(kinds)}" if kinds and name == "position" else ""
+            rule = f"column {name}: cannot be identified among {listed(known)}{said}"
+            raise InputError(f"{path}: {rule}: name it with --columns {name}=NAME")
         found[name] = behaving
 
 
@@ -344,14 +338,6 @@ def _roughness(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.diff(values, 2) ** 2))) / float(np.ptp(values)) if len(values) > 2 else 0.0
 
 
-def _untold(path: str | os.PathLike[str], name: str, headers: Mapping[str, Header], table: Table) -> InputError:
-    numbers = [repr(label) for label in headers if label in table]
-    kinds = [f"{h.label!r} looks like a {h.kind}" for h in headers.values() if h.kind in ("velocity", "error")]
-    said = f"; {', '.join(kinds)}" if kinds and name == "position" else ""
-    rule = f"column {name}: cannot be identified among {listed(numbers)}{said}"
-    return InputError(f"{path}: {rule}: name it with --columns {name}=NAME")
-
-
 def _guess(
     name: str,
     headers: Mapping[str, Header],
@@ -361,7 +347,7 @@ def _guess(
     units: Units | None,
 ) -> ColumnGuess:
     """A column with its unit."""
-    label, told, sure = found[name]
+    label, reason, sure = found[name]
     header = headers[label]
     turns = turning(headers[found["position"][0]], headers[found["command"][0]])
     stated = stated_unit(header)
@@ -377,10 +363,11 @@ def _guess(
         unit = unit_of_command(header, turns)
     else:
         time = table[found["time"][0]]
-        unit = unit_of_position(header, _time(headers[found["time"][0]], time, scale), table[label], turns)
+        second = scale["time"] if "time" in scale else unit_of_time(headers[found["time"][0]], time).factor
+        unit = unit_of_position(header, time * second, table[label], turns)
         if unit.sure != STATED:
             unit = _unit_by_reference(unit, headers, table, label)
-    return placed(name, header, headers, unit, told, sure)
+    return placed(name, header, headers, unit, reason, sure)
 
 
 def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, label: str) -> Unit:
@@ -400,10 +387,6 @@ def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, 
             (known for known in TRIED.get(stated.label, {}).values() if abs(slope / known - 1.0) < NEAR),
             float(f"{slope:.4g}"),
         )
-        told = f"times {factor:.4g} it is as long as {printable(header.label)!r}, whose unit is stated"
-        return Unit(factor, stated.label, told, LIKELY)
+        reason = f"times {factor:.4g} it is as long as {printable(header.label)!r}, whose unit is stated"
+        return Unit(factor, stated.label, reason, LIKELY)
     return unit
-
-
-def _time(header: Header, time: FloatArray, scale: Mapping[str, float]) -> FloatArray:
-    return time * (scale["time"] if "time" in scale else unit_of_time(header, time).factor)

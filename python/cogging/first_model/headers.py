@@ -211,13 +211,13 @@ class Unit:
     Attributes:
         factor: to the unit of the log.
         label: of the log's unit: s, m, rad, V, A, N, Nm, ...
-        told: why, in words.
+        reason: why, in words.
         sure: STATED (in the header), LIKELY or UNKNOWN.
     """
 
     factor: float
     label: str
-    told: str
+    reason: str
     sure: str
 
 
@@ -273,8 +273,8 @@ def unit_of_position(header: Header, time: FloatArray, position: FloatArray, tur
         return stated
     motion, tried = motion_of(time, position), TRIED[label]
     if header.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
-        told = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
-        return Unit(COUNT, label, told, UNKNOWN)
+        reason = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
+        return Unit(COUNT, label, reason, UNKNOWN)
     fitting = [unit for unit, factor in tried.items() if _plausible(motion, factor, label)]
     if header.label == "position" and label in fitting:
         beside = " beside a torque or as an angle" * turns

@@ -6,7 +6,7 @@ import json
 import math
 import os
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -38,58 +38,17 @@ MARGIN = 0.05  # of the logged travel, on either side
 CROSSOVER = 0.01  # of the sample rate: closed-loop poles, rad/s over 2 pi, of the proposed gains
 
 
-def model_lines(
-    name: str,
-    units: Units,
-    told_units: Sequence[str],
-    sizes: Sizes,
-    travel: tuple[float, float],
-    audit: Audit,
-    controller: RecoveredController | None,
-    wave: Wave | None,
-) -> list[str]:
-    """The lines of the file.
-
-    Args:
-        name: of the log.
-        units: labels of command and position.
-        told_units: how they are known, command first.
-        sizes: mass and friction.
-        travel: m, of the axis.
-        audit: of the log.
-        controller: that reproduces the log's command, if one does.
-        wave: that stands out over position, if one does.
-    """
-    lines = [
-        f"## A first model of the axis that made {name}, by `cogging init`.",
-        "## found: from the log. assumed: not measured, replace it where you know better.",
-        "## A line behind a single # is a proposal: remove the # to use it.",
-        "## Check each line, then fit it: cogging identify. (A fitted model keeps these comments.)",
-        "",
-        *_axis(units, sizes, travel, audit),
-        "",
-        "[encoder]",
-        *_encoder(units, audit),
-        "",
-        "[units]                     # labels only: no number is converted by them",
-        _line("command", json.dumps(units.command), told_units[0]),
-        _line("position", json.dumps(units.position), told_units[1]),
-    ]
-    if units.command == "%":
-        lines.append("## % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
-    return [*lines, "", *_cogging(units, wave, travel), "", *_controller(units, sizes, audit, controller)]
-
-
 def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit) -> list[str]:
     law = "mass x'' = command - viscous x' - coulomb S(x') - cogging(x)"
     lines = [f"[axis]                      # {law}"]
     for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
         size = sizes.sizes[name]
-        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {size.told}"))
-    width = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3
+        lines.append(_line(name, number(size.value), f"{units.of(unit)}; {size.reason}"))
+    width, m = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3, units.of("m")
+    seen = f"found: {audit.travel[0]:.5g} to {audit.travel[1]:.5g} {m} in this log, and a margin; fill in the axis' own"
     lines += [
         _line("coulomb_width", number(width), f"{units.of('m/s')}; assumed: {100 * WIDTH:g} % of the top speed"),
-        _line("travel", f"[{number(travel[0], 6)}, {number(travel[1], 6)}]", f"{units.of('m')}; {_seen(units, audit)}"),
+        _line("travel", f"[{number(travel[0], 6)}, {number(travel[1], 6)}]", f"{m}; {seen}"),
         "",
         "[axis.uncertainty]          # relative, 1 sigma; 0 = exact; left out = unknown within a factor of three",
     ]
@@ -99,18 +58,6 @@ def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit)
         else:
             lines.append(_line(name, number(size.uncertainty, 2), "of the first force balance"))
     return lines
-
-
-def _seen(units: Units, audit: Audit) -> str:
-    low, high = audit.travel
-    return f"found: {low:.5g} to {high:.5g} {units.of('m')} in this log, and a margin; fill in the axis' own"
-
-
-def _encoder(units: Units, audit: Audit) -> list[str]:
-    quantum = audit.encoder_quantum
-    found = "found: the readings differ by multiples of it (the last digit of the file, if that is coarser)"
-    none = "no step found in the readings; fill in"
-    return [_line("resolution", number(quantum), f"{units.of('m')}; {found if quantum else none}")]
 
 
 def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> list[str]:
@@ -138,9 +85,9 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
     lines = ["# [controller]              # simulate and predict need it"]
     if found is not None:
         fields = {"type": found.type, **found.parameters.to_dict()}
-        told = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
-        return [*lines, f"## {told}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
-    rate, mass = rounded_rate(audit.rate), sizes.sizes["mass"].value
+        reason = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
+        return [*lines, f"## {reason}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
+    rate, mass = float(f"{audit.rate:.3g}"), sizes.sizes["mass"].value
     pole = 2.0 * math.pi * CROSSOVER * rate
     gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
     lines += [
@@ -152,11 +99,6 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
     for (key, value), unit in zip(gains.items(), ("V/m", "V/(m s)", "V/(m/s)"), strict=True):
         lines.append(f"# {key} = {number(value, 3):<20} # {units.of(unit)}; assumed")
     return lines
-
-
-def rounded_rate(rate: float) -> float:
-    """A rate rounded to three digits."""
-    return float(f"{rate:.3g}")
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -253,20 +195,31 @@ class ModelDraft(ByValue):
 
     def model_text(self) -> str:
         """The model file: TOML with a comment on each number."""
-        told = ("not known: edit it", "not known: edit it")
+        known = ("not known: edit it", "not known: edit it")
         if self.columns is not None:
-            told = (self.columns.used["command"].unit.told, self.columns.used["position"].unit.told)
-        lines = model_lines(
-            printable(Path(self.source).name),
-            self.units,
-            told,
-            self.sizes,
-            self._travel(),
-            self.audit,
-            self.controller,
-            self.wave,
-        )
-        return "\n".join(lines) + "\n"
+            known = (self.columns.used["command"].unit.reason, self.columns.used["position"].unit.reason)
+        units, travel, quantum = self.units, self._travel(), self.audit.encoder_quantum
+        found = "found: the readings differ by multiples of it (the last digit of the file, if that is coarser)"
+        step = found if quantum else "no step found in the readings; fill in"
+        lines = [
+            f"## A first model of the axis that made {printable(Path(self.source).name)}, by `cogging init`.",
+            "## found: from the log. assumed: not measured, replace it where you know better.",
+            "## A line behind a single # is a proposal: remove the # to use it.",
+            "## Check each line, then fit it: cogging identify. (A fitted model keeps these comments.)",
+            "",
+            *_axis(units, self.sizes, travel, self.audit),
+            "",
+            "[encoder]",
+            _line("resolution", number(quantum), f"{units.of('m')}; {step}"),
+            "",
+            "[units]                     # labels only: no number is converted by them",
+            _line("command", json.dumps(units.command), known[0]),
+            _line("position", json.dumps(units.position), known[1]),
+        ]
+        if units.command == "%":
+            lines.append("## % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
+        lines += ["", *_cogging(units, self.wave, travel)]
+        return "\n".join([*lines, "", *_controller(units, self.sizes, self.audit, self.controller)]) + "\n"
 
     def reference_text(self, samples: str = "reference.csv") -> str:
         """The reference file: TOML with a comment on each number.
@@ -275,19 +228,21 @@ class ModelDraft(ByValue):
             samples: file of the samples of a sampled motion.
         """
         head = f"## The motion of {printable(Path(self.source).name)}, by `cogging init`, seen in its {self.seen_in}:"
-        lines = [head, f"## {self.motion.told}", ""]
+        lines = [head, f"## {self.motion.description}", ""]
         if self.motion.kind in ("sampled", "rest"):
-            lines += ['type = "sampled"', f"file = {_quoted(samples)}   # time (s), reference"]
+            lines += ['type = "sampled"', f"file = {json.dumps(samples, ensure_ascii=False)}   # time (s), reference"]
             return "\n".join(lines) + "\n"
         if self.motion.kind == "sine":
             lines.insert(2, "## It begins at the center, moving forward: the log may begin elsewhere in the period.")
         lines.append(f'type = "{self.motion.kind}"')
         units = {"velocity": "m/s", "acceleration": "m/s^2", "jerk": "m/s^3", "dwell": "s", "frequency": "Hz"}
-        told = {key: self.units.of(units.get(key, "m")) for key in self.motion.fields}
-        told["repeats"] = "times there and back" if self.motion.moves > 1 else "the way there alone, in this duration"
+        meaning = {key: self.units.of(units.get(key, "m")) for key in self.motion.fields}
+        meaning["repeats"] = (
+            "times there and back" if self.motion.moves > 1 else "the way there alone, in this duration"
+        )
         for key, value in self.motion.fields.items():
             text = str(value) if isinstance(value, int) else number(value, 8)
-            lines.append(f"{f'{key} = {text}':<27} # {told[key]}; found")
+            lines.append(f"{f'{key} = {text}':<27} # {meaning[key]}; found")
         lines.append(f"{f'duration = {number(self._duration(), 8)}':<27} # s; of the log")
         return "\n".join(lines) + "\n"
 
@@ -318,12 +273,12 @@ class ModelDraft(ByValue):
             if self.columns.unused:
                 lines.append(f"  not used: {', '.join(repr(printable(label)) for label in self.columns.unused[:12])}")
         lines += ["rows:", *(f"  {line}" for line in self.audit.text().splitlines())]
-        lines += [f"motion, seen in the {self.seen_in}: {self.motion.told}", "first force balance:"]
+        lines += [f"motion, seen in the {self.seen_in}: {self.motion.description}", "first force balance:"]
         for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
             size = self.sizes.sizes[name]
             value = f"{size.value:.4g} {self.units.of(unit)}, "
             sure = f"+- {100.0 * size.uncertainty:.0f} %, " if size.uncertainty is not None else ""
-            lines.append(f"  {name} {value if size.value else ''}{sure}{size.told}")
+            lines.append(f"  {name} {value if size.value else ''}{sure}{size.reason}")
         if self.sizes.explained is not None:
             lines.append(
                 f"  together they explain {100.0 * self.sizes.explained:.3g} % of the command's power in motion"
@@ -351,7 +306,7 @@ class ModelDraft(ByValue):
                     "factor": self.scale.get(name, guess.unit.factor),
                     "unit": guess.unit.label,
                     "sure": guess.sure if guess.sure != STATED else guess.unit.sure,
-                    "told": f"{guess.told}; {guess.unit.told}",
+                    "told": f"{guess.reason}; {guess.unit.reason}",
                 }
                 for name, guess in columns.items()
             },
@@ -359,7 +314,10 @@ class ModelDraft(ByValue):
             "motion": {"type": self.motion.kind, **self.motion.fields, "seen_in": self.seen_in},
             "balance": {
                 "explained": self.sizes.explained,
-                **{name: vars(size) for name, size in self.sizes.sizes.items()},
+                **{
+                    name: {"value": size.value, "uncertainty": size.uncertainty, "told": size.reason}
+                    for name, size in self.sizes.sizes.items()
+                },
             },
             "wave": None if self.wave is None else vars(self.wave),
             "units": self.units.to_dict(),
@@ -387,7 +345,12 @@ class ModelDraft(ByValue):
         time = (self.log.time - self.log.time[0])[::every]
         if self.log.reference is not None:
             return {"time": time, "reference": self.log.reference[::every]}
-        return {"time": time, "reference": _smoothed(self.log)[::every]}
+        window = 2 * max(2, round(0.5 * SMOOTHED * len(self.log))) + 1
+        if len(self.log) <= window:
+            return {"time": time, "reference": self.log.position[::every]}
+        from scipy.signal import savgol_filter  # local parabolas
+
+        return {"time": time, "reference": np.asarray(savgol_filter(self.log.position, window, 2))[::every]}
 
 
 def require_new(paths: Iterable[str | os.PathLike[str]]) -> None:
@@ -399,20 +362,6 @@ def require_new(paths: Iterable[str | os.PathLike[str]]) -> None:
     for path in paths:
         if os.path.lexists(path):
             raise InputError(f"{path}: must not exist yet: a draft does not replace files; name another, or remove it")
-
-
-def _smoothed(log: Log) -> FloatArray:
-    """The readings smoothed by local parabolas."""
-    from scipy.signal import savgol_filter
-
-    window = 2 * max(2, round(0.5 * SMOOTHED * len(log))) + 1
-    if len(log) <= window:
-        return log.position
-    return np.asarray(savgol_filter(log.position, window, 2))
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
 
 
 FILE = Kind((Log, *PATH), "a Log or the path of a log file")
@@ -487,7 +436,8 @@ def _drafted(
     found = audit(replace(log, time=stamps))
     seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
     motion = motion_of_log(log.time, seen, quantum, units)
-    controller = recover_controller(_beginning(log))
+    beginning = Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
+    controller = recover_controller(beginning)
     waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
     draft = ModelDraft(
         source=source,
@@ -505,21 +455,14 @@ def _drafted(
         likely=(*_guessed(guesses, LIKELY), *([clock] if clock else ())),
         unsure=(),
     )
-    unsure += [f"{name}: {size.told}" for name, size in sizes.sizes.items() if size.uncertainty is None]
+    unsure += [f"{name}: {size.reason}" for name, size in sizes.sizes.items() if size.uncertainty is None]
     unsure += hints(found, draft.model)
     return replace(draft, unsure=tuple(unsure))
-
-
-def _beginning(log: Log) -> Log:
-    """The rows used to recover the controller."""
-    if len(log) <= ROWS_OF_CONTROLLER:
-        return log
-    return Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
 
 
 def _guessed(guesses: ColumnGuesses | None, sure: str) -> list[str]:
     """Guesses of columns and units of this certainty."""
     if guesses is None:
         return []
-    said = [f"{g.name}: {g.unit.told}" for g in guesses.used.values() if g.unit.sure == sure]
-    return said + [f"{g.name}: it is {g.label!r}, {g.told}" for g in guesses.used.values() if g.sure == sure]
+    said = [f"{g.name}: {g.unit.reason}" for g in guesses.used.values() if g.unit.sure == sure]
+    return said + [f"{g.name}: it is {g.label!r}, {g.reason}" for g in guesses.used.values() if g.sure == sure]

@@ -31,13 +31,13 @@ class Motion:
     Attributes:
         kind: rest, sine, point_to_point or sampled.
         fields: of the reference file's type.
-        told: in words.
+        description: in words.
         left: rms residual of the motion with these fields, m.
         moves: number of moves between rests.
     """
 
     kind: str
-    told: str
+    description: str
     fields: Mapping[str, float] = field(default_factory=dict)
     left: float = 0.0
     moves: int = 0
@@ -52,8 +52,7 @@ def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units:
         quantum: m, of the readings; 0 of a reference.
         units: labels of the position's unit.
     """
-    t = time - time[0]
-    span = float(np.ptp(position))
+    t, span = time - time[0], float(np.ptp(position))
     if span <= STILL * quantum or span == 0.0:
         return Motion("rest", f"it rests: {span:.3g} {units.position} from end to end")
     moves = _moves(t, position, quantum)
@@ -92,9 +91,9 @@ def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
         return None
     fields = {"center": _round(float(weights[0]), amplitude), "amplitude": _round(amplitude, amplitude)}
     fields["frequency"] = float(f"{frequency:.4g}")
-    told = "a sine of amplitude {amplitude:.4g} {m} at {frequency:.4g} Hz about {center:.4g} {m}"
-    told = told.format(**fields, m=units.position)
-    return Motion("sine", told, fields, rms)
+    text = "a sine of amplitude {amplitude:.4g} {m} at {frequency:.4g} Hz about {center:.4g} {m}"
+    text = text.format(**fields, m=units.position)
+    return Motion("sine", text, fields, rms)
 
 
 def _moves(t: FloatArray, x: FloatArray, quantum: float) -> list[tuple[int, int]]:
@@ -113,7 +112,8 @@ def _moves(t: FloatArray, x: FloatArray, quantum: float) -> list[tuple[int, int]
 
 def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], units: Units) -> Motion | None:
     """Fit moves there and back of one length and profile, or one move; None if they do not fit."""
-    levels = _levels(x, moves)
+    edges = [0, *(row for move in moves for row in move), len(x) - 1]
+    levels = [float(np.median(x[a : b + 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]  # at rest
     lengths = np.diff(levels)
     distance = float(np.median(np.abs(lengths))) * math.copysign(1.0, lengths[0])
     turns = np.sign(lengths) == np.sign(distance) * (-1.0) ** np.arange(len(lengths))
@@ -122,29 +122,37 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
     rests = [0, *((b + a) // 2 for (_, b), (a, _) in itertools.pairwise(moves)), len(t) - 1]
     chosen = min(1, len(moves) - 1)  # the second, whose start is in the log for certain
     shape = _shape(t, x, moves[chosen], (rests[chosen], rests[chosen + 1]), abs(distance))
-    if shape is None or shape[3] > SHAPE * abs(distance) or not _alike(t, x, moves, abs(distance), shape):
+    if shape is None or shape[3] > SHAPE * abs(distance):
         return None
     velocity, acceleration, jerk, left = shape
-    dwell = _dwell(t, x, moves, abs(distance), shape)
-    if dwell is None:
+    course = PointToPoint(
+        PointToPointParameters(distance=abs(distance), velocity=velocity, acceleration=acceleration, jerk=jerk)
+    )
+    middles = np.array([_middle(t, x, move) for move in moves])
+    # Every move must have this profile, about its own middle.
+    for (a, b), middle in zip(moves, middles.tolist(), strict=True):
+        rows = np.unique(np.linspace(a, b, ROWS_OF_MOVE).astype(int))
+        times = np.clip(t[rows] - middle + 0.5 * course.move_time, 0.0, course.move_time)
+        off = course.sample(times)[0] - np.abs(x[rows] - x[a])
+        if float(np.sqrt(np.mean(off**2))) > left + SHAPE * abs(distance):
+            return None
+    # The rest: from middle to middle less the move time; of one move, to the end of the log.
+    passed = np.diff(middles) if len(moves) > 1 else t[-1:]
+    between = float(np.median(passed))
+    if np.abs(passed - between).max() > SAME * between:
         return None
+    dwell = max(between - course.move_time, 0.0)
     fields = {"start": _round(levels[0], distance), "distance": _round(distance, distance)}
     fields |= {"velocity": float(f"{velocity:.3g}"), "acceleration": float(f"{acceleration:.3g}")}
     if math.isfinite(jerk):
         fields["jerk"] = float(f"{jerk:.2g}")
     fields |= {"dwell": float(f"{dwell:.3g}"), "repeats": max(1, (len(moves) + 1) // 2)}
     of, length = units.of, f"{abs(distance):.4g} {units.position}"
-    told = f"{len(moves)} moves of {length} there and back" if len(moves) > 1 else f"one move of {length}, one way"
-    told += f", {velocity:.3g} {of('m/s')}, {acceleration:.3g} {of('m/s^2')}, "
-    told += f"about {jerk:.2g} {of('m/s^3')}" if math.isfinite(jerk) else "no limit on the jerk"
-    told += f", rests of {dwell:.3g} s" * (len(moves) > 1)
-    return Motion("point_to_point", told, fields, left, len(moves))
-
-
-def _levels(x: FloatArray, moves: list[tuple[int, int]]) -> list[float]:
-    """Positions at rest before the first move, between moves, and after the last."""
-    edges = [0, *(row for move in moves for row in move), len(x) - 1]
-    return [float(np.median(x[a : b + 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    text = f"{len(moves)} moves of {length} there and back" if len(moves) > 1 else f"one move of {length}, one way"
+    text += f", {velocity:.3g} {of('m/s')}, {acceleration:.3g} {of('m/s^2')}, "
+    text += f"about {jerk:.2g} {of('m/s^3')}" if math.isfinite(jerk) else "no limit on the jerk"
+    text += f", rests of {dwell:.3g} s" * (len(moves) > 1)
+    return Motion("point_to_point", text, fields, left, len(moves))
 
 
 def _shape(
@@ -189,49 +197,6 @@ def _shape(
     velocity, acceleration, jerk = limits(best.x)
     left = distance * float(np.sqrt(2.0 * best.cost / len(rows)))
     return velocity, acceleration, jerk if best.x[2] > NO_JERK else math.inf, left
-
-
-def _dwell(
-    t: FloatArray,
-    x: FloatArray,
-    moves: list[tuple[int, int]],
-    distance: float,
-    shape: tuple[float, float, float, float],
-) -> float | None:
-    """The rest between two moves, s: from middle to middle less the move time; for one move, to the log's end.
-
-    None if the moves do not follow one another in one time.
-    """
-    times = np.diff([_middle(t, x, move) for move in moves]) if len(moves) > 1 else t[-1:]
-    between = float(np.median(times))
-    if np.abs(times - between).max() > SAME * between:
-        return None
-    return max(between - _course(distance, shape).move_time, 0.0)
-
-
-def _alike(
-    t: FloatArray,
-    x: FloatArray,
-    moves: list[tuple[int, int]],
-    distance: float,
-    shape: tuple[float, float, float, float],
-) -> bool:
-    """Whether every move has the fitted profile, about its own middle."""
-    course, most = _course(distance, shape), shape[3] + SHAPE * distance
-    for a, b in moves:
-        rows = np.unique(np.linspace(a, b, ROWS_OF_MOVE).astype(int))
-        times = np.clip(t[rows] - _middle(t, x, (a, b)) + 0.5 * course.move_time, 0.0, course.move_time)
-        if float(np.sqrt(np.mean((course.sample(times)[0] - np.abs(x[rows] - x[a])) ** 2))) > most:
-            return False
-    return True
-
-
-def _course(distance: float, shape: tuple[float, float, float, float]) -> PointToPoint:
-    """A move of this length and shape."""
-    velocity, acceleration, jerk, _ = shape
-    return PointToPoint(
-        PointToPointParameters(distance=distance, velocity=velocity, acceleration=acceleration, jerk=jerk)
-    )
 
 
 def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:

@@ -15,6 +15,7 @@ from cogging.arrays import FloatArray, IntArray, least_squares, real_array
 from cogging.calls import check_arguments, did_you_mean
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
+from cogging.mapping.scan import is_number, require
 from cogging.model.units import UNITS, Units
 from cogging.plot.canvas import plot_method
 from cogging.resources import on_one_blas_thread
@@ -54,12 +55,8 @@ class FrictionParameter(ByValue):
         return f"{self.value:.6g}{unit}, [{self.low:.6g}, {self.high:.6g}]"
 
 
-@dataclass(frozen=True)
-class Fit:
-    """Parameters of a law: those that are linear in the force, then the shape of the Stribeck term."""
-
-    linear: FloatArray
-    shape: FloatArray  # vs and exponent; empty without the Stribeck term
+#: Parameters of a law: those that are linear in the force, and vs and exponent (none without the Stribeck term).
+Fit = tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -97,7 +94,7 @@ class Law:
 
     def predict(self, fit: Fit, v: FloatArray) -> FloatArray:
         """The force at these speeds, V."""
-        return self.design(v, fit.shape) @ fit.linear
+        return self.design(v, fit[1]) @ fit[0]
 
     def solve(self, v: FloatArray, f: FloatArray, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The linear parameters at this shape, and the residual."""
@@ -123,7 +120,7 @@ class Law:
     def fit(self, v: FloatArray, f: FloatArray) -> Fit:
         """Least squares on the points."""
         if not self.bow:
-            return Fit(self.solve(v, f, np.empty(0))[0], np.empty(0))
+            return self.solve(v, f, np.empty(0))[0], np.empty(0)
         from scipy import optimize
 
         low, high = self.limits(v)
@@ -137,30 +134,30 @@ class Law:
         options = {"bounds": (low, high), "method": "dogbox", "xtol": 1e-11, "ftol": 1e-15, "gtol": 1e-15}
         refined = [optimize.least_squares(residual, grid[i], **options) for i in np.argsort(cost)[:4]]
         best = min(refined, key=lambda found: float(found.cost)).x
-        return Fit(self.solve(v, f, self.shape(best))[0], self.shape(best))
+        return self.solve(v, f, self.shape(best))[0], self.shape(best)
 
     def intervals(
         self, fit: Fit, v: FloatArray, f: FloatArray, confidence: float, units: Units
     ) -> tuple[dict[str, FrictionParameter], list[str]]:
         """Parameters by path with HC3 intervals; those of the shape in the logarithm. And what to note."""
-        design, residual = self.design(v, fit.shape), f - self.predict(fit, v)
-        values = np.concatenate([fit.linear, fit.shape])
-        free, notes, columns = list(range(fit.linear.size)), [], [design]
-        if self.bow and fit.linear[-1] == 0.0:
+        (linear, shape), design, residual = fit, self.design(v, fit[1]), f - self.predict(fit, v)
+        values = np.concatenate(fit)
+        free, notes, columns = list(range(linear.size)), [], [design]
+        if self.bow and linear[-1] == 0.0:
             columns, free = [design[:, :-1]], free[:-1]
             notes.append("friction does not fall as speed rises from zero: the Stribeck term vanishes")
         elif self.bow:
             low, high = self.limits(v)
             for i in range(low.size):
-                place, step = np.log(fit.shape[: low.size]), np.zeros(low.size)
+                place, step = np.log(shape[: low.size]), np.zeros(low.size)
                 if min(place[i] - low[i], high[i] - place[i]) < 1e-6:
-                    path = self.paths[fit.linear.size + i]
-                    notes.append(f"{path} stands at the end of its range, {fit.shape[i]:.4g}: no interval")
+                    path = self.paths[linear.size + i]
+                    notes.append(f"{path} is at the end of its range, {shape[i]:.4g}: no interval")
                     continue
                 step[i] = 1e-5
                 change = self.design(v, self.shape(place + step)) - self.design(v, self.shape(place - step))
-                columns.append((change @ fit.linear / 2e-5)[:, None])
-                free.append(fit.linear.size + i)
+                columns.append((change @ linear / 2e-5)[:, None])
+                free.append(linear.size + i)
         jacobian = np.concatenate(columns, axis=1)
         half = np.full(values.size, np.inf)
         half[free] = robust_errors(jacobian, residual) * student(v.size - jacobian.shape[1], confidence)
@@ -169,7 +166,7 @@ class Law:
         parameters = {}
         for i, path in enumerate(self.paths):
             value = float(values[i])
-            if i < fit.linear.size:
+            if i < linear.size:
                 low_end, high_end = value - half[i], value + half[i]
             else:
                 factor = float(np.exp(half[i])) if half[i] < 700.0 else np.inf
@@ -231,10 +228,12 @@ class FrictionModel(ByValue):
     gain: float
 
     def _brief(self) -> str:
-        told = ", ".join(
+        values = ", ".join(
             f"{path} {p.value:.4g}{'' if p.unit == '1' else ' ' + p.unit}" for path, p in self.parameters.items()
         )
-        return f"{self.name}: {told}; {self.held_out_rms:.3g} {self.parameters['coulomb'].unit} rms at speeds left out"
+        return (
+            f"{self.name}: {values}; {self.held_out_rms:.3g} {self.parameters['coulomb'].unit} rms at speeds left out"
+        )
 
     def force(self, velocity: npt.ArrayLike) -> FloatArray:
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
@@ -296,7 +295,7 @@ class FrictionCurve(ByValue):
         """The parameters of all laws, a row each with its unit, or the points, as a pandas DataFrame.
 
         Args:
-            what: `parameters` or `points`, whose units stand in `attrs["units"]`.
+            what: `parameters` or `points`, whose units are in `attrs["units"]`.
 
         Raises:
             ValueError: `what` is neither.
@@ -391,7 +390,11 @@ def fit_friction_curve(
         >>> print(f"{curve.models[0].name}: {curve.models[0].parameters['viscous'].value:.3f} V/(m/s)")
         coulomb_viscous: 0.200 V/(m/s)
     """
-    _check_options(exponent, same_speed, confidence)
+    require(is_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
+    require(is_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)
+    require(
+        exponent is None or (is_number(exponent) and exponent > 0.0), "exponent", "must be finite and above 0", exponent
+    )
     v, f, speed = _points(_numbers("velocity", velocity), _numbers("force", force), same_speed)
     tried, notes = _laws(v, speed, exponent)
     fits = [law.fit(v, f) for law in tried]
@@ -401,23 +404,19 @@ def fit_friction_curve(
     rms = np.sqrt(np.mean(errors**2, axis=1))
     models = []
     for law, fit, e, by_speed in zip(tried, fits, rms, squares, strict=True):
-        parameters, told = law.intervals(fit, v, f, confidence, units or Units())
-        notes += [f"{law.name}: {note}" for note in told]
+        parameters, remarks = law.intervals(fit, v, f, confidence, units or Units())
+        notes += [f"{law.name}: {note}" for note in remarks]
         spread = _standard_error(by_speed, counts) / max(2.0 * e, np.finfo(float).tiny)
         left = float(np.sqrt(np.mean((f - law.predict(fit, v)) ** 2)))
         gain = 1.0 - float(e / rms[0]) if rms[0] > 0.0 else 0.0
         models.append(FrictionModel(law.name, parameters, left, float(e), float(spread), gain))
-    chosen = _simplest(tried, squares, counts, int(np.argmin(rms)))
+    # The law of fewest parameters whose squared errors are within two standard errors of those of the best.
+    worse = squares - squares[int(np.argmin(rms))]
+    good = [i for i, row in enumerate(worse) if counts @ row <= 2.0 * _standard_error(row, counts)]
+    chosen = min(good, key=lambda i: tried[i].count)
     if "coulomb_asymmetry.difference" in models[chosen].parameters:
         notes.append("at steady speeds coulomb_asymmetry is indistinguishable from a constant force of -difference/2")
     return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes), units or Units())
-
-
-def _check_options(exponent: float | None, same_speed: float, confidence: float) -> None:
-    _require(_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
-    _require(_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)
-    if exponent is not None:
-        _require(_number(exponent) and exponent > 0.0, "exponent", "must be finite and above 0", exponent)
 
 
 def _laws(v: FloatArray, speed: IntArray, exponent: float | None) -> tuple[list[Law], list[str]]:
@@ -430,16 +429,9 @@ def _laws(v: FloatArray, speed: IntArray, exponent: float | None) -> tuple[list[
     rule = (
         f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
     )
-    _require(bool(tried), "velocity", f"{rule} parameters", v.size)
+    require(bool(tried), "velocity", f"{rule} parameters", v.size)
     notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
     return tried, notes
-
-
-def _simplest(laws: list[Law], squares: FloatArray, counts: FloatArray, best: int) -> int:
-    """The law of fewest parameters whose squared errors are within two standard errors of those of the best."""
-    differences = squares - squares[best]
-    good = [i for i, row in enumerate(differences) if counts @ row <= 2.0 * _standard_error(row, counts)]
-    return min(good, key=lambda i: laws[i].count)
 
 
 def _held_out(law: Law, v: FloatArray, f: FloatArray, speed: IntArray) -> FloatArray:
@@ -462,7 +454,7 @@ def _points(velocity: FloatArray, force: FloatArray, same_speed: float) -> tuple
     if force.size != velocity.size:
         raise ValueError(f"force: must have one value for each of the {velocity.size} speeds, got {force.size}")
     still = np.flatnonzero(velocity == 0.0)
-    _require(not still.size, "velocity", "must not be 0 (friction at rest is no curve), row", still[:1].tolist())
+    require(not still.size, "velocity", "must not be 0 (friction at rest is no curve), row", still[:1].tolist())
     number, first = np.empty(velocity.size, dtype=np.intp), np.inf
     count = -1
     for row in np.argsort(np.abs(velocity), kind="stable"):
@@ -484,12 +476,3 @@ def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     if bad.size:
         raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
     return array
-
-
-def _number(value: Any) -> bool:
-    return isinstance(value, int | float | np.floating) and not isinstance(value, bool) and bool(np.isfinite(value))
-
-
-def _require(holds: bool, name: str, rule: str, value: Any) -> None:
-    if not holds:
-        raise ValueError(f"{name}: {rule}, got {value}")

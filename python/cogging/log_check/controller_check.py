@@ -83,17 +83,16 @@ def _compared_with(
     limit = controller.command_limit
     computed = np.clip(computed + start, -limit, limit) if limit > 0.0 else computed + start
     doubted = doubted_commands(samples.command, computed, judged)
-    shifts = _by_shift(samples, computed, judged, doubted)
+
+    def by_shift(without: Mask) -> dict[int, float]:
+        return {shift: root_mean_square(_shifted(samples, computed, judged, without, shift)) for shift in SHIFTS}
+
+    shifts = by_shift(doubted)
     if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # the timing is wrong instead
         doubted = np.zeros(len(computed), dtype=bool)
-        shifts = _by_shift(samples, computed, judged, doubted)
+        shifts = by_shift(doubted)
     judged = judged & ~doubted
     return Compared(samples, computed, start, judged, doubted, unseen, shifts)
-
-
-def _by_shift(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask) -> dict[int, float]:
-    """Rms difference by the shift of the command, V, without doubted commands."""
-    return {shift: root_mean_square(_shifted(samples, computed, judged, doubted, shift)) for shift in SHIFTS}
 
 
 def doubted_commands(command: FloatArray, computed: FloatArray, rows: Mask) -> Mask:
@@ -144,8 +143,8 @@ def _recompute(
         return own, integral and bool(samples.segment[-1]), True
     # A controller with memory was updated with its own command or, after a disturbance of the command or a start in
     # mid-motion, with the logged one.
-    told = _bounded(replay_controller(fresh, **arguments, applied=applied))
-    return min(own, told, key=lambda command: root_mean_square((samples.command - command)[judged])), False, limited
+    logged = _bounded(replay_controller(fresh, **arguments, applied=applied))
+    return min(own, logged, key=lambda command: root_mean_square((samples.command - command)[judged])), False, limited
 
 
 def _bounded(command: FloatArray) -> FloatArray:
@@ -231,7 +230,9 @@ def fit_gains(
     """Stated gains, those that fit the log, and the rms that these leave; only gains that are stated above zero."""
     controller: Any = model.controller
     samples, rows = found.samples, found.judged
-    gains = _stated_gains(controller, ("kp", *regressors))
+    gains = {name: float(getattr(controller, name)) for name in ("kp", *regressors) if name != "kp kv"}
+    if "kp kv" in regressors:
+        gains["kp kv"] = controller.kp * controller.kv
     columns = {name: column for name, column in regressors.items() if gains[name] != 0.0}
     if controller.command_limit > 0.0:
         rows = rows & (np.abs(samples.command) < controller.command_limit * (1.0 - 1e-6))
@@ -243,12 +244,6 @@ def fit_gains(
         fitted = {"kp": product / fitted["kv"] if fitted.get("kv") else 0.0, **fitted}
     stated = {name: gains[name] for name in fitted}
     return stated, fitted, rms
-
-
-def _stated_gains(controller: Any, names: tuple[str, ...]) -> dict[str, float]:
-    return {
-        name: controller.kp * controller.kv if name == "kp kv" else float(getattr(controller, name)) for name in names
-    }
 
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
@@ -354,11 +349,21 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
 
 def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> ControllerCheck:
     """The result of a comparison."""
-    relative, best = found.shifts[0] / command_rms, _best_shift(found.shifts, command_rms)
+    relative, best = found.shifts[0] / command_rms, min(found.shifts, key=lambda shift: found.shifts[shift])
+    if found.shifts[best] > 0.95 * found.shifts[0] or found.shifts[0] < 1e-9 * command_rms:
+        best = 0
     logged, computed = found.samples.command[found.judged], found.computed[found.judged]
     power = float(np.sum(computed**2))
     ratio = float(np.sum(computed * logged) / power) if power > 0.0 else None
-    notes = _suggestions(logged, computed, ratio, relative, best)
+    notes = []
+    if ratio and abs(ratio - 1.0) > MISMATCH:
+        left = root_mean_square(logged - ratio * computed)
+        if left <= MISMATCH * root_mean_square(logged):
+            notes.append(
+                f"the command is {ratio:.4g} times the controller's: is the command in another unit (--scale command)?"
+            )
+    if relative > MISMATCH and best:
+        notes.append(f"the command fits better when moved by {best} rows: is it logged at another time?")
     reproduces: bool | None = relative <= MISMATCH
     if not reproduces and model.make_controller().estimates.size:
         reproduces, note = _with_estimates(found, command_rms)
@@ -389,12 +394,6 @@ def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> Con
     )
 
 
-def _best_shift(shifts: Mapping[int, float], command_rms: float) -> int:
-    """Rows by which the logged command lags what fits best; 0 unless that gains 5 % of more than nothing."""
-    best = min(shifts, key=lambda shift: shifts[shift])
-    return 0 if shifts[best] > 0.95 * shifts[0] or shifts[0] < 1e-9 * command_rms else best
-
-
 def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, str]:
     """Whether an adaptive controller reproduces the part of a log with known estimates, and the reason if not."""
     samples = found.samples
@@ -404,20 +403,16 @@ def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, s
     before = found.judged & (samples.segment == 0)
     if samples.segment[-1] == 0:
         return False, "the controller's estimates are assumed to start as stated"
-    told = "the controller's estimates after a gap are unknown"
+    unknown = "the controller's estimates after a gap are unknown"
     if before.sum() < max(FEWEST_ROWS, ENOUGH * found.judged.sum()):
-        return None, told
+        return None, unknown
     left = root_mean_square(samples.command[before] - found.computed[before]) / command_rms
-    return bool(left <= MISMATCH), f"{told}: until then the difference is {100 * left:.2g} %"
-
-
-def _speed_alone(log: Log, kind: str | None) -> bool:
-    """Whether a speed loop's log has the speed that was asked for, which is all that such a loop looks at."""
-    return kind == "speed" and log.reference_velocity is not None
+    return bool(left <= MISMATCH), f"{unknown}: until then the difference is {100 * left:.2g} %"
 
 
 def _why_not(log: Log, model: Model, command_rms: float) -> str:
-    if log.reference is None and not _speed_alone(log, model.controller_type):
+    speed_is_enough = model.controller_type == "speed" and log.reference_velocity is not None
+    if log.reference is None and not speed_is_enough:
         return "the log has no reference: the controller cannot be recomputed"
     if len(log) < FEWEST_ROWS:
         return f"{len(log)} rows are too few to check the controller, which needs {FEWEST_ROWS}"
@@ -434,21 +429,6 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
             f"the log has {rate:g} rows a second, the controller {stated:g} samples: the command cannot be recomputed"
         )
     return ""
-
-
-def _suggestions(
-    logged: FloatArray, computed: FloatArray, ratio: float | None, relative: float, shift: int
-) -> list[str]:
-    notes = []
-    if ratio and abs(ratio - 1.0) > MISMATCH:
-        left = root_mean_square(logged - ratio * computed)
-        if left <= MISMATCH * root_mean_square(logged):
-            notes.append(
-                f"the command is {ratio:.4g} times the controller's: is the command in another unit (--scale command)?"
-            )
-    if relative > MISMATCH and shift:
-        notes.append(f"the command fits better when moved by {shift} rows: is it logged at another time?")
-    return notes
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +77,7 @@ def recover_controller(log: Log) -> RecoveredController | None:
 def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredController | None:
     """The controller of a log, without some of its readings."""
     step = float(np.median(np.diff(log.time)))
-    rate = _round_rate(1.0 / step)
+    rate = float(f"{1.0 / step:.6g}")  # the precision of a time column
     samples = Samples.of(log, reference, 1.0 / step, unseen)
     limit, free = _limit(log.command)
     rows = free[samples.row] & samples.judged((0, 1))
@@ -113,14 +113,7 @@ def _fit(
     _, _, believed = fit_samples(samples, fixed, rows, "ki" in fixed)
     if believed.sum() < rows.sum():
         command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))
-    return _fit_rows(kind, fixed, samples, believed, command_rms)
-
-
-def _fit_rows(
-    kind: str, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask, command_rms: float
-) -> tuple[dict[str, float], float] | None:
-    """The same, on rows that are believed."""
-    fit = _GainFit(fixed, samples, rows)
+    fit = _GainFit(fixed, samples, believed)
     width = fit.best_width()
     useful = _useful_gains(fit, width, command_rms)
     if useful is None:
@@ -164,9 +157,15 @@ class _GainFit:
         top = float(np.abs(self._velocity_of_rows).max())
         widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
         width = min(widths, key=lambda candidate: self.solve(None, candidate, every)[1])
-        if width > 0.0:
-            width = _narrowed(lambda candidate: self.solve(None, candidate, every)[1], width)
-        return width
+        if width == 0.0:
+            return width
+        from scipy.optimize import minimize_scalar
+
+        def cost(shift: float) -> float:
+            return self.solve(None, width * math.exp(shift), every)[1]
+
+        narrowed = minimize_scalar(cost, bounds=(-0.4, 0.4), method="bounded", options={"xatol": 1e-9})
+        return width * math.exp(float(narrowed.x))
 
 
 def _useful_gains(fit: _GainFit, width: float, command_rms: float) -> tuple[dict[str, float], float] | None:
@@ -187,21 +186,6 @@ def _useful_gains(fit: _GainFit, width: float, command_rms: float) -> tuple[dict
             return None
     gains.pop("start", None)
     return gains, rms
-
-
-def _narrowed(cost: Callable[[float], float], width: float) -> float:
-    """The width with the smallest cost, within a factor of exp(0.4)."""
-    from scipy.optimize import minimize_scalar
-
-    found = minimize_scalar(
-        lambda shift: cost(width * math.exp(shift)), bounds=(-0.4, 0.4), method="bounded", options={"xatol": 1e-9}
-    )
-    return width * math.exp(float(found.x))
-
-
-def _round_rate(rate: float) -> float:
-    """A rate to six digits, the precision of a time column."""
-    return float(f"{rate:.6g}")
 
 
 def _limit(command: FloatArray) -> tuple[float, Mask]:

@@ -88,17 +88,15 @@ class Audit(ByValue):
     begins_at: float = 0.0
 
     def _brief(self) -> str:
-        told = f"{self.rows} rows, {self.duration:.6g} s at {self.rate:.6g} Hz, {self.gaps} gaps"
-        if self.controller is None:
-            return told
-        return f"{told}, {self.controller!r}"
+        line = f"{self.rows} rows, {self.duration:.6g} s at {self.rate:.6g} Hz, {self.gaps} gaps"
+        return line if self.controller is None else f"{line}, {self.controller!r}"
 
     def to_dict(self) -> dict[str, Any]:
         """All fields for JSON; `units` if the model has its own labels."""
-        told = dataclasses.asdict(self)
-        for part in (told, told["controller"] or {}):
+        document = dataclasses.asdict(self)
+        for part in (document, document["controller"] or {}):
             part.pop("units", None)
-        return told if self.units == Units() else told | {"units": self.units.to_dict()}
+        return document if self.units == Units() else document | {"units": self.units.to_dict()}
 
     def text(self) -> str:
         """The facts in a few lines."""
@@ -273,7 +271,8 @@ def hints(found: Audit, model: Model) -> list[str]:
             f"{100 * found.share_at_rest:.0f} % of the rows are at rest, where friction hides every force, and do not "
             "count"
         )
-    missing = _missing(found)
+    enough = found.duration > 0.0 and found.gaps >= PLACES
+    missing = 1.0 - (found.rows - 1) / found.rate / found.duration if enough else 0.0
     if missing > MISSING:
         said.append(
             f"rows are missing in {found.gaps} places, {100 * missing:.2g} % of the time, at most "
@@ -296,13 +295,6 @@ def hints(found: Audit, model: Model) -> list[str]:
             f"readings step by {found.encoder_quantum:.4g} {of('m')}, the model's encoder by {stated:.4g} {of('m')}"
         )
     return said
-
-
-def _missing(found: Audit) -> float:
-    """Share of the time without rows; 0 for a few pauses."""
-    if found.duration <= 0.0 or found.gaps < PLACES:
-        return 0.0
-    return max(0.0, 1.0 - (found.rows - 1) / found.rate / found.duration)
 
 
 ANGLES = {math.pi / 180.0: "degrees", 2.0 * math.pi: "turns"}
@@ -336,12 +328,18 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
     except ValueError as error:
         raise InputError(f"{name}: {error}") from None
     inside = np.delete(log.position, find_outliers(log.position))
-    low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.0, 0.0)
+    low, high = _range(inside)
     _check_against_travel(low, high, model, name)
     if log.reference is not None:
         _check_against_reference(high - low, float(np.ptp(log.reference)), model.units, name)
     if model.controller is not None:
-        _check_against_sample_rate(float(np.median(np.diff(log.time))), model.controller.sample_rate, name)
+        step, sample_rate = float(np.median(np.diff(log.time))), model.controller.sample_rate
+        for factor in TIME_UNITS:
+            if abs(step * factor * sample_rate - 1.0) < 0.02:
+                raise InputError(
+                    f"{name}: time: has rows {step:.4g} s apart but the model's controller samples at "
+                    f"{sample_rate:g} Hz: give " + _advice("time", factor, TIME_UNITS)
+                )
 
 
 def position_units(units: Units) -> dict[float, str]:
@@ -366,15 +364,6 @@ def _check_against_travel(low: float, high: float, model: Model, name: str) -> N
             f"{name}: position: lies in [{low:.4g}, {high:.4g}] {unit}, far outside the model's travel "
             f"[{start:.4g}, {end:.4g}] {unit}"
         )
-
-
-def _check_against_sample_rate(step: float, sample_rate: float, name: str) -> None:
-    for factor in TIME_UNITS:
-        if abs(step * factor * sample_rate - 1.0) < 0.02:
-            raise InputError(
-                f"{name}: time: has rows {step:.4g} s apart but the model's controller samples at "
-                f"{sample_rate:g} Hz: give " + _advice("time", factor, TIME_UNITS)
-            )
 
 
 def _check_against_reference(span: float, reference: float, units: Units, name: str) -> None:

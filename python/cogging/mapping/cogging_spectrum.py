@@ -70,7 +70,10 @@ def fit_splines(
     p = len(normal) - nuisance.shape[1]
     spread = max(float(np.var(force)), np.finfo(float).tiny)
     least = LEAST_PRIOR * float(np.trace(normal)) / len(normal)
-    shape = _difference_penalty(basis, len(normal))
+    shape = np.zeros_like(normal)  # the sum of squared differences of neighbouring control points
+    if basis is not None:
+        difference = np.diff(np.eye(basis.spline.control_points), axis=0)
+        shape[:p, :p] = np.kron(difference.T @ difference, np.eye(2 * basis.terms))
     weight = 0.0
     for _ in range(2):  # once for the residual's variance, once with it
         prior = (weight + least) * shape
@@ -90,7 +93,7 @@ def cross_validate(
     """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
 
     The travel is cut in blocks (m) that hold all passes; of each eight neighbouring blocks one, at random, is in each
-    of eight folds, so that a fold's blocks do not stand at one phase of a period.
+    of eight folds, so that a fold's blocks are not all at one phase of a period.
     """
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
     groups = int(blocks.max()) // FOLDS + 1
@@ -171,16 +174,6 @@ def normal_equations(
     return normal, right
 
 
-def _difference_penalty(basis: SplineHarmonics | None, size: int) -> FloatArray:
-    """The sum of squared differences of neighbouring control points as a quadratic form, (size, size)."""
-    penalty = np.zeros((size, size))
-    if basis is not None:
-        difference = np.diff(np.eye(basis.spline.control_points), axis=0)
-        p = basis.coefficients
-        penalty[:p, :p] = np.kron(difference.T @ difference, np.eye(2 * basis.terms))
-    return penalty
-
-
 Lines = npt.NDArray[np.bool_]
 
 WINDOW = 61  # lines of the running median that gives the noise level
@@ -209,8 +202,8 @@ class Line:
 class HarmonicSpectrum:
     """The least-squares spectrum of a force around the harmonics of a pitch.
 
-    Lines stand at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
-    the distance of two harmonics: each harmonic exactly, and between them as many lines as the travel tells apart. The
+    Lines are at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
+    the distance of two harmonics: each harmonic exactly, and between them as many lines as the travel resolves. The
     power of a line is half of what its sine and cosine take off the sum of squares, so that white noise of variance
     sigma^2 gives sigma^2 on average, at any positions. A harmonic whose amplitude changes along the travel (Lu et al.
     2008, eq. 3) has lines beside it; those within a quarter of the distance of two harmonics count as its own.
@@ -233,8 +226,8 @@ class HarmonicSpectrum:
         travel = float(np.ptp(position))
         reach = int(0.5 * travel / pitch - 1e-9)
         lines = float(highest + 1) + 2.0 * reach + 1.0
-        told = f"{len(position)} points by {lines:g} lines"
-        require_memory("position", POINT * len(position) * lines, told, f"{travel / pitch:g} pitches")
+        size = f"{len(position)} points by {lines:g} lines"
+        require_memory("position", POINT * len(position) * lines, size, f"{travel / pitch:g} pitches")
         self.harmonic = np.arange(highest + 1)
         offset = np.arange(-reach, reach + 1)
         self.frequency: FloatArray = self.harmonic[:, None] / pitch + offset / travel

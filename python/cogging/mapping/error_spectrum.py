@@ -106,7 +106,8 @@ def tracking_spectrum(
     stretches = [(x, e) for x, e in stretches if np.ptp(x) > 0.5 * travel]
     frequency = np.arange(1.0 / travel, 1.0 / shortest_period, 1.0 / (OVERSAMPLING * travel))
     rest = [e for _, e in stretches]
-    bases = [_bases(x, frequency) for x, _ in stretches]
+    angles = [2 * np.pi * np.outer(frequency, x - x.mean()) for x, _ in stretches]
+    bases = [(np.sin(angle), np.cos(angle)) for angle in angles]
     first = amplitude = _amplitude(bases, rest)
     found: list[tuple[float, float]] = []
     while len(found) < most:
@@ -149,11 +150,6 @@ def _stretches(log: Log, shortest_period: float) -> list[tuple[FloatArray, Float
         rows = rows[:: max(1, int(rows.size / needed))]
         parts.append((log.position[rows], log.error[rows]))
     return parts
-
-
-def _bases(x: FloatArray, frequency: FloatArray) -> tuple[FloatArray, FloatArray]:
-    angle = 2 * np.pi * np.outer(frequency, x - x.mean())
-    return np.sin(angle), np.cos(angle)
 
 
 def _amplitude(bases: list[tuple[FloatArray, FloatArray]], errors: list[FloatArray]) -> FloatArray:

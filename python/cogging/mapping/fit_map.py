@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ from cogging.mapping.cogging_spectrum import (
     rows_of,
 )
 from cogging.mapping.map_fit import CrossValidation, HarmonicAmplitude, MapFit
-from cogging.mapping.scan import Scan, read_scan
+from cogging.mapping.scan import Scan, is_number, read_scan, require
 from cogging.model.units import UNITS, Units
 from cogging.resources import on_one_blas_thread
 
@@ -64,7 +64,7 @@ class Noise:
         columns = np.tile(np.repeat(level[terms, middle], 2), points)
         columns = np.concatenate([columns, nuisance])[: len(fit.coefficients)]
         least = fit.variance
-        if spectrum.few:  # no level of its own for slow noise: what the correlation of neighbours says of it
+        if spectrum.few:  # too few lines for a level of slow noise: use the correlation of neighbours
             squares = max(float(fit.residual @ fit.residual), np.finfo(float).tiny)
             correlation = float(fit.residual[1:] @ fit.residual[:-1]) / squares
             least *= max(1.0, (1.0 + correlation) / (1.0 - correlation))
@@ -115,71 +115,44 @@ LAG_SHARE = 0.9  # of the power of g(x) that one lag must explain to be called o
 LAGS = 2001  # that are tried over one period of the highest harmonic
 
 
-@dataclass(frozen=True)
-class DirectionContent:
-    """direction g(x) of a fit, g(x) = sum_h (a_h sin(2 pi h x / pitch) + b_h cos(2 pi h x / pitch)).
+def direction_content(
+    spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: Noise, harmonics: list[int]
+) -> tuple[tuple[HarmonicAmplitude, ...], float, float | None]:
+    """Amplitudes, rms (V) and lag (m) of g(x), which changes its sign with the direction of motion (see MapFit).
 
-    Attributes:
-        amplitudes: of g, one entry a harmonic.
-        rms: V, of g(x) over the scan's points; 0 where there is none.
-        lag: m, by which a map that follows the motion would give the same, F_cogging(x - lag direction); None where no
-            single lag does.
+    Args:
+        spectrum: of the scan.
+        scan: its points.
+        fit: with the columns of `direction_columns` after offset and Coulomb friction.
+        noise: of the fit.
+        harmonics: of g(x).
     """
-
-    amplitudes: tuple[HarmonicAmplitude, ...]
-    rms: float
-    lag: float | None
-
-    @classmethod
-    def of(
-        cls, spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: Noise, harmonics: list[int]
-    ) -> DirectionContent:
-        """What a fit with the columns of `direction_columns` after offset and Coulomb friction found."""
-        if not harmonics:
-            return cls((), 0.0, None)
-        first = (0 if fit.basis is None else fit.basis.coefficients) + 2
-        chosen = slice(first, first + 2 * len(harmonics))
-        columns, coefficients = direction_columns(scan, spectrum.pitch, harmonics), fit.coefficients[chosen]
-        content = columns @ coefficients
-        turned = spectrum.power((fit.residual + content) * scan.direction)
-        covariance = noise.covariance[chosen, chosen]
-        entries = []
-        for i, harmonic in enumerate(harmonics):
-            s, c = coefficients[2 * i : 2 * i + 2]
-            amplitude = float(np.hypot(s, c))
-            gradient = np.array([s, c]) / max(amplitude, np.finfo(float).tiny)
-            own = covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
-            middle = turned.shape[1] // 2
-            ratio = float(turned[harmonic, middle] / noise.turned[harmonic, middle])
-            entries.append(
-                HarmonicAmplitude(
-                    harmonic=harmonic,
-                    amplitude=amplitude,
-                    standard_error=float(np.sqrt(gradient @ own @ gradient)),
-                    phase=float(np.arctan2(c, s)),
-                    false_alarm=float(spectrum.false_alarm(ratio, noise.degrees)),
-                )
+    if not harmonics:
+        return (), 0.0, None
+    first = (0 if fit.basis is None else fit.basis.coefficients) + 2
+    chosen = slice(first, first + 2 * len(harmonics))
+    coefficients = fit.coefficients[chosen]
+    content = direction_columns(scan, spectrum.pitch, harmonics) @ coefficients
+    turned = spectrum.power((fit.residual + content) * scan.direction)
+    covariance = noise.covariance[chosen, chosen]
+    entries, middle = [], turned.shape[1] // 2
+    for i, harmonic in enumerate(harmonics):
+        s, c = coefficients[2 * i : 2 * i + 2]
+        amplitude = float(np.hypot(s, c))
+        gradient = np.array([s, c]) / max(amplitude, np.finfo(float).tiny)
+        own = covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
+        ratio = float(turned[harmonic, middle] / noise.turned[harmonic, middle])
+        entries.append(
+            HarmonicAmplitude(
+                harmonic=harmonic,
+                amplitude=amplitude,
+                standard_error=float(np.sqrt(gradient @ own @ gradient)),
+                phase=float(np.arctan2(c, s)),
+                false_alarm=float(spectrum.false_alarm(ratio, noise.degrees)),
             )
-        lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
-        return cls(tuple(entries), float(np.sqrt(np.mean(content**2))), lag)
-
-    def notes(self, coulomb: float | None, units: Units) -> list[str]:
-        """Remarks on it."""
-        if not self.amplitudes:
-            return []
-        v = units.command
-        which = ", ".join(str(entry.harmonic) for entry in sorted(self.amplitudes, key=lambda a: -a.amplitude)[:8])
-        against = f", Coulomb friction is {coulomb:.3g} {v}" if coulomb is not None else ""
-        if self.lag is None:
-            cause = "friction that ripples along the travel, or hysteresis"
-        else:
-            way = "late" if self.lag > 0.0 else "early"
-            lag = f"{abs(self.lag):.3g} {units.position}"
-            cause = f"as of a map that comes {lag} {way} each way: hysteresis, play or a late reading"
-        return [
-            f"{self.rms:.3g} {v} rms of the force change sign with the direction of motion (harmonics {which}"
-            f"{against}): {cause}; not in the map, which is the mean of both ways"
-        ]
+        )
+    lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
+    return tuple(entries), float(np.sqrt(np.mean(content**2))), lag
 
 
 def direction_columns(scan: Scan, pitch: float, harmonics: list[int]) -> FloatArray:
@@ -194,7 +167,7 @@ def direction_columns(scan: Scan, pitch: float, harmonics: list[int]) -> FloatAr
 def find_direction_lines(
     spectrum: HarmonicSpectrum, scan: Scan, residual: FloatArray, false_alarm: float
 ) -> list[Line]:
-    """The lines that stand out of direction times residual; none of a scan that goes one way only.
+    """Find the significant lines of direction times residual; none in a scan that goes one way only.
 
     Args:
         spectrum: of the scan.
@@ -235,133 +208,8 @@ SIGNIFICANT = 3.0  # standard errors from which a trend is kept
 TREND_TRAVEL = 2.0  # pitches: over a shorter travel a trend looks like the first harmonic and is not tried
 
 
-@dataclass(frozen=True)
-class FittedMap:
-    """A fit that is decided on.
-
-    Attributes:
-        spectrum: of the scan.
-        scan: what was fitted.
-        terms: the harmonics.
-        odd: harmonics of what changes sign with the direction of motion.
-        order: of the splines; 0 = periodic.
-        nuisance: columns beside the map, (n, q).
-        fit: coefficients; noise: of them.
-        trend: V/m, and its standard error; 0 where there is none.
-    """
-
-    spectrum: HarmonicSpectrum
-    scan: Scan
-    terms: list[int]
-    odd: list[int]
-    order: int
-    nuisance: FloatArray
-    fit: SplineFit
-    noise: Noise
-    trend: tuple[float, float]
-
-    @classmethod
-    def of(
-        cls, spectrum: HarmonicSpectrum, scan: Scan, terms: list[int], odd: list[int], order: int, fit: SplineFit
-    ) -> FittedMap:
-        """Keep the trend where the scan shows one, else fit once more without it."""
-        noise = Noise.of(spectrum, scan, fit, terms, order, odd)
-        trend, error = float(fit.coefficients[-1] / scan.travel), float(noise.standard_errors[-1] / scan.travel)
-        if scan.spans(TREND_TRAVEL * spectrum.pitch) and abs(trend) > SIGNIFICANT * error:
-            nuisance = nuisance_columns(scan, spectrum.pitch, odd, trend=True)
-            return cls(spectrum, scan, terms, odd, order, nuisance, fit, noise, (trend, error))
-        nuisance = nuisance_columns(scan, spectrum.pitch, odd, trend=False)
-        fit = fit_splines(fit.basis, scan.position, scan.force, nuisance)
-        noise = Noise.of(spectrum, scan, fit, terms, order, odd)
-        return cls(spectrum, scan, terms, odd, order, nuisance, fit, noise, (0.0, 0.0))
-
-    @property
-    def coefficients(self) -> int:
-        """Of the map alone."""
-        return 0 if self.fit.basis is None else self.fit.basis.coefficients
-
-    @property
-    def direction(self) -> DirectionContent:
-        """What changes sign with the direction of motion."""
-        return DirectionContent.of(self.spectrum, self.scan, self.fit, self.noise, self.odd)
-
-    @property
-    def coulomb(self) -> tuple[float, float] | tuple[None, None]:
-        """V, and its standard error; None if it is not separable from the offset."""
-        if not self.scan.both_ways:
-            return None, None
-        place = self.coefficients + 1
-        return float(self.fit.coefficients[place]), float(self.noise.standard_errors[place])
-
-    def notes(self, false_alarm: float) -> list[str]:
-        """Remarks on the fit."""
-        notes, of = [], self.scan.units.of
-        if self.trend != (0.0, 0.0):
-            trend, error = self.trend
-            size = f"{trend:.3g} +- {error:.1g} {of('V/m')}"
-            notes.append(f"the force also has a trend of {size}, which is not part of the map")
-        if np.std(self.fit.residual) > FLOOR * np.std(self.scan.force):
-            taken = self.spectrum.taken_by(self.terms, modulated=self.order > 0)
-            lines = self.spectrum.find(self.fit.residual, self.nuisance, false_alarm, taken)
-            notes += _unmodelled(lines, self.terms, self.spectrum.pitch, self.scan.units)
-        coulomb, error_of_it = self.coulomb
-        notes += self.direction.notes(coulomb, self.scan.units)
-        for line in find_direction_lines(self.spectrum, self.scan, self.fit.residual, false_alarm)[:1]:
-            if line.harmonic is None:
-                period = f"period {1.0 / line.frequency:.3g} {of('m')}, which is none of the pitch"
-                notes.append(f"{line.amplitude:.2g} {of('V')} change sign with the direction of motion with {period}")
-        if coulomb is not None and error_of_it is not None and coulomb < -SIGNIFICANT * error_of_it:
-            notes.append(
-                f"the force is lower in the direction of motion ({coulomb:.3g} {of('V')}): is force_sign right?"
-            )
-        if unexcited := _unexcited(self.fit):
-            which = ", ".join(map(str, unexcited))
-            notes.append(f"the scan does not determine control points {which}: they continue their neighbours")
-        return notes
-
-    def result(self, scores: Sequence[CrossValidation], notes: Sequence[str], false_alarm: float) -> MapFit:
-        """All of it, with the cross-validation that led to it."""
-        spectrum, scan, fit, noise, p = self.spectrum, self.scan, self.fit, self.noise, self.coefficients
-        # No harmonic: the one map that says nothing.
-        basis = fit.basis or SplineHarmonics(pitch=spectrum.pitch, harmonics=[1])
-        values, errors = (a[:p] if p else np.zeros(2) for a in (fit.coefficients, noise.standard_errors))
-        sine_error, cosine_error = rows_of(basis, errors)
-        coulomb, coulomb_error = self.coulomb
-        direction = self.direction
-        explained = scan.force - self.nuisance @ fit.coefficients[p:]
-        return MapFit(
-            cogging=cogging_of(basis, values),
-            order=self.order,
-            sine_standard_error=sine_error,
-            cosine_standard_error=cosine_error,
-            amplitudes=amplitudes(spectrum, scan, fit, noise),
-            offset=float(fit.coefficients[p]),
-            offset_standard_error=float(noise.standard_errors[p]),
-            coulomb=coulomb,
-            coulomb_standard_error=coulomb_error,
-            direction_amplitudes=direction.amplitudes,
-            direction_rms=direction.rms,
-            direction_lag=direction.lag,
-            trend=self.trend[0],
-            trend_standard_error=self.trend[1],
-            residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
-            noise=float(np.sqrt(np.median(noise.level[spectrum.present]))),
-            cross_validation=tuple(scores),
-            unexcited=_unexcited(fit),
-            notes=tuple(notes),
-            position=scan.position,
-            force=scan.force,
-            direction=scan.direction,
-            fitted=scan.force - fit.residual,
-            line=spectrum.pitch * spectrum.frequency[spectrum.present],
-            line_amplitude=spectrum.amplitude(spectrum.power(explained))[spectrum.present],
-            line_threshold=noise.threshold(spectrum, false_alarm),
-            units=scan.units,
-        )
-
-
 def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> FloatArray:
-    """Columns of the offset, of friction where it can be told from it, of a trend over the travel; (n, 1 or more).
+    """Return the columns of offset, friction where it is separable, and a trend over the travel, (n, 1 or more).
 
     Args:
         scan: the points.
@@ -374,124 +222,92 @@ def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> F
     return np.stack([np.ones_like(x), *ways, *([x] if trend else [])], axis=1)
 
 
-def _unmodelled(lines: list[Line], terms: list[int], pitch: float, units: Units) -> list[str]:
-    """Remarks on significant lines outside the model: modulated harmonics, the three strongest other lines."""
-    notes = []
+def _remarks(
+    found: MapFit,
+    spectrum: HarmonicSpectrum,
+    scan: Scan,
+    fit: SplineFit,
+    nuisance: FloatArray,
+    false_alarm: float,
+) -> list[str]:
+    """Remarks on a fit: what the map does not contain, and what speaks against it."""
+    notes, of, v = [], scan.units.of, scan.units.command
+    terms = [entry.harmonic for entry in found.amplitudes]
+    if found.trend:
+        size = f"{found.trend:.3g} +- {found.trend_standard_error:.1g} {of('V/m')}"
+        notes.append(f"the force also has a trend of {size}, which is not part of the map")
+    lines: list[Line] = []
+    if np.std(fit.residual) > FLOOR * np.std(scan.force):
+        taken = spectrum.taken_by(terms, modulated=found.order > 0)
+        lines = spectrum.find(fit.residual, nuisance, false_alarm, taken)
     for line in sorted((line for line in lines if line.harmonic not in terms), key=lambda line: -line.amplitude)[:3]:
-        which = (
-            f"harmonic {line.harmonic}" if line.harmonic is not None else f"{line.frequency * pitch:.3g} times a pitch"
+        times = f"{line.frequency * spectrum.pitch:.3g} times a pitch"
+        which = times if line.harmonic is None else f"harmonic {line.harmonic}"
+        notes.append(
+            f"not in the map: {line.amplitude:.2g} {v} with period {1.0 / line.frequency:.4g} {of('m')} ({which})"
         )
-        size, period = f"{line.amplitude:.2g} {units.command}", f"{1.0 / line.frequency:.4g} {units.position}"
-        notes.append(f"not in the map: {size} with period {period} ({which})")
-    changing = [str(line.harmonic) for line in lines if line.harmonic in terms]
-    if changing:
+    if changing := [str(line.harmonic) for line in lines if line.harmonic in terms]:
         notes.append(f"harmonics {', '.join(changing)} change along the travel in a way that the map does not follow")
+    if found.direction_amplitudes:
+        notes.append(_direction_remark(found))
+    for line in find_direction_lines(spectrum, scan, fit.residual, false_alarm)[:1]:
+        if line.harmonic is None:
+            period = f"period {1.0 / line.frequency:.3g} {of('m')}, which is none of the pitch"
+            notes.append(f"{line.amplitude:.2g} {v} change sign with the direction of motion with {period}")
+    coulomb, error = found.coulomb, found.coulomb_standard_error
+    if coulomb is not None and error is not None and coulomb < -SIGNIFICANT * error:
+        notes.append(f"the force is lower in the direction of motion ({coulomb:.3g} {v}): is force_sign right?")
+    if found.unexcited:
+        which = ", ".join(map(str, found.unexcited))
+        notes.append(f"the scan does not determine control points {which}: they continue their neighbours")
     return notes
 
 
-def _unexcited(fit: SplineFit) -> tuple[int, ...]:
-    """Control points whose coefficients the scan determines by less than half on average."""
-    if fit.basis is None:
-        return ()
-    points = fit.basis.spline.control_points
-    decided = fit.determined[: fit.basis.coefficients].reshape(points, -1).mean(axis=1)
-    return tuple(int(point) for point in np.flatnonzero(decided < 0.5))
+def _direction_remark(found: MapFit) -> str:
+    v, largest = found.units.command, sorted(found.direction_amplitudes, key=lambda entry: -entry.amplitude)[:8]
+    which = ", ".join(str(entry.harmonic) for entry in largest)
+    against = f", Coulomb friction is {found.coulomb:.3g} {v}" if found.coulomb is not None else ""
+    cause = "friction that ripples along the travel, or hysteresis"
+    if found.direction_lag is not None:
+        lag = (
+            f"{abs(found.direction_lag):.3g} {found.units.position} {'late' if found.direction_lag > 0.0 else 'early'}"
+        )
+        cause = f"as of a map that comes {lag} each way: hysteresis, play or a late reading"
+    return (
+        f"{found.direction_rms:.3g} {v} rms of the force change sign with the direction of motion (harmonics {which}"
+        f"{against}): {cause}; not in the map, which is the mean of both ways"
+    )
 
 
 MOST_COEFFICIENTS = 4000  # of one fit: its normal matrix is dense
-SLIVER = 0.05  # of a pitch: a shorter rest of the travel gets no span of its own
+SLIVER = 0.05  # of a pitch: a shorter rest of the travel gets no span
 
 
-@dataclass(frozen=True)
-class MapRequest:
-    """The options of fit_map, checked."""
-
-    pitch: float
-    harmonics: Sequence[int] | None
-    order: int | None
-    origin: float | None
-    highest_harmonic: int
-    false_alarm: float
-
-    def __post_init__(self) -> None:
-        _require(_is_number(self.pitch) and self.pitch > 0.0, "pitch", "must be finite and above 0", self.pitch)
-        within = _is_number(self.false_alarm) and 0.0 < self.false_alarm < 1.0
-        _require(within, "false_alarm", "must lie between 0 and 1", self.false_alarm)
-        _require(
-            _is_whole(self.highest_harmonic, 1),
-            "highest_harmonic",
-            "must be a whole number from 1",
-            self.highest_harmonic,
-        )
-        if self.harmonics is not None:
-            given = list(self.harmonics) if isinstance(self.harmonics, Sequence | np.ndarray) else [None]
-            whole = all(_is_whole(harmonic, 1) for harmonic in given)
-            _require(whole, "harmonics", "must be a list of whole numbers from 1", self.harmonics)
-            object.__setattr__(self, "harmonics", given)
-            SplineHarmonics(pitch=self.pitch, harmonics=self.harmonics)  # has rules of its own
-        if self.order is not None:
-            rule = "must be a whole number from 1 to 16, or 0 for a periodic map"
-            _require(_is_whole(self.order, 0, 16), "order", rule, self.order)
-        if self.origin is not None:
-            _require(_is_number(self.origin), "origin", "must be a finite number", self.origin)
-
-    @property
-    def highest(self) -> int:
-        """The last harmonic searched."""
-        return max(self.highest_harmonic, *(self.harmonics or (1,)))
-
-    def first_knot(self, scan: Scan) -> float:
-        """m."""
-        return float(scan.position.min()) if self.origin is None else self.origin
-
-    def control_points(self, scan: Scan, order: int) -> int:
-        """How many an order needs over the travel of a scan; 1 of a periodic map."""
-        spans = np.ceil((scan.position.max() - self.first_knot(scan)) / self.pitch - SLIVER)
-        return max(1, int(spans)) + order - 1 if order else 1
-
-    def check_against(self, scan: Scan) -> None:
-        """Refuse options that the scan does not support.
-
-        Raises:
-            ValueError: names the field, the rule and the value.
-        """
-        highest = max(self.harmonics or (1,))
-        rule = f"must be at most {scan.resolvable} with points this far apart"
-        _require(highest <= scan.resolvable, "harmonics", rule, highest)
-        end, unit = float(scan.position.max()), scan.units.position
-        _require(
-            self.first_knot(scan) < end,
-            "origin",
-            f"must lie below the scan's highest position {end:g} {unit}",
-            self.origin,
-        )
-        if self.harmonics is not None and self.order is not None:
-            self.check_size(scan, len(self.harmonics), self.order)
-
-    def check_size(self, scan: Scan, terms: int, order: int) -> None:
-        """Refuse more coefficients than the scan has points for.
-
-        Raises:
-            ValueError: names the field, the rule and the value.
-        """
-        size = 2 * terms * self.control_points(scan, order)
-        limit = min(MOST_COEFFICIENTS, scan.position.size - 4)
-        rule = f"must need at most {limit} coefficients ({scan.position.size} points)"
-        origin = f"{self.first_knot(scan):g} {scan.units.position}"
-        _require(size <= limit, "order", rule, f"{size} for order {order} from origin {origin}")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.number) and not isinstance(value, bool) and bool(np.isfinite(value))
+def _check_options(
+    pitch: float,
+    harmonics: Sequence[int] | None,
+    order: int | None,
+    origin: float | None,
+    highest_harmonic: int,
+    false_alarm: float,
+) -> None:
+    """Raise ValueError for an invalid option of fit_map."""
+    require(is_number(pitch) and pitch > 0.0, "pitch", "must be finite and above 0", pitch)
+    within = is_number(false_alarm) and 0.0 < false_alarm < 1.0
+    require(within, "false_alarm", "must lie between 0 and 1", false_alarm)
+    require(_is_whole(highest_harmonic, 1), "highest_harmonic", "must be a whole number from 1", highest_harmonic)
+    if harmonics is not None:
+        given = list(harmonics) if isinstance(harmonics, Sequence | np.ndarray) else [None]
+        whole = all(_is_whole(harmonic, 1) for harmonic in given)
+        require(whole, "harmonics", "must be a list of whole numbers from 1", harmonics)
+        SplineHarmonics(pitch=pitch, harmonics=given)  # checks its own rules
+    rule = "must be a whole number from 1 to 16, or 0 for a periodic map"
+    require(order is None or _is_whole(order, 0, 16), "order", rule, order)
+    require(origin is None or is_number(origin), "origin", "must be a finite number", origin)
 
 
 def _is_whole(value: object, lowest: int, highest: int = 10_000) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(lowest <= value <= highest)
-
-
-def _require(holds: bool, name: str, rule: str, value: object) -> None:
-    if not holds:
-        raise ValueError(f"{name}: {rule}, got {value}")
 
 
 ORDERS = (0, 1, 2, 3, 4)  # compared where none is given; 0 = periodic
@@ -560,9 +376,14 @@ def fit_map(
         [(1, 0.1)]
     """
     units = units or Units()
-    request = MapRequest(pitch, harmonics, order, origin, highest_harmonic, false_alarm)
-    scan = read_scan(position, force, units, pitch=pitch, force_sign=force_sign, highest_harmonic=request.highest)
-    request.check_against(scan)
+    _check_options(pitch, harmonics, order, origin, highest_harmonic, false_alarm)
+    given = [] if harmonics is None else [int(harmonic) for harmonic in harmonics]
+    highest = max(highest_harmonic, *given, 1)
+    scan = read_scan(position, force, units, pitch=pitch, force_sign=force_sign, highest_harmonic=highest)
+    rule = f"must be at most {scan.resolvable} with points this far apart"
+    require(max(given, default=1) <= scan.resolvable, "harmonics", rule, max(given, default=1))
+    first_knot, end = float(scan.position.min()) if origin is None else origin, float(scan.position.max())
+    require(first_knot < end, "origin", f"must lie below the scan's highest position {end:g} {units.position}", origin)
     notes = list(scan.notes)
     spectrum = HarmonicSpectrum(scan.position, pitch, scan.highest)
     trend = scan.spans(TREND_TRAVEL * pitch)
@@ -570,75 +391,107 @@ def fit_map(
     if spectrum.few:
         short = f"the travel of {scan.travel / pitch:.3g} pitches is too short to tell slow noise from cogging"
         notes.append(f"{short}: standard errors may be too small")
-    found = spectrum.find(scan.force, nuisance, false_alarm) if harmonics is None else []
-    terms = _terms(request, found, notes)
-    chosen, fit, scores, said = _choose(request, scan, terms, nuisance)
+    terms = given
+    if harmonics is None:
+        found = [line.harmonic for line in spectrum.find(scan.force, nuisance, false_alarm)]
+        of_pitch = [harmonic for harmonic in found if harmonic is not None]
+        terms = sorted(of_pitch[:MOST_TERMS])
+        if not terms:
+            notes.append("no harmonic of the pitch stands out of the noise: the map is zero")
+        if len(of_pitch) > MOST_TERMS:
+            notes.append(f"{len(of_pitch)} harmonics found, the first {MOST_TERMS} of them kept")
+    chosen, fit, scores, said = _choose(scan, pitch, terms, order, first_knot, nuisance)
     lines = find_direction_lines(spectrum, scan, fit.residual, false_alarm)
     odd = sorted([line.harmonic for line in lines if line.harmonic is not None][:MOST_DIRECTION_TERMS])
     if odd:
         nuisance = nuisance_columns(scan, pitch, odd, trend)
-        chosen, fit, scores, said = _choose(request, scan, terms, nuisance)
-    fitted = FittedMap.of(spectrum, scan, terms, odd, chosen, fit)
-    return fitted.result(scores, [*notes, *said, *fitted.notes(false_alarm)], false_alarm)
-
-
-def _terms(request: MapRequest, lines: list[Line], notes: list[str]) -> list[int]:
-    """The harmonics of the model: those given, or those found, at most as many as a model holds."""
-    if request.harmonics is not None:
-        return [int(harmonic) for harmonic in request.harmonics]
-    found = [line.harmonic for line in lines if line.harmonic is not None]
-    if not found:
-        notes.append("no harmonic of the pitch stands out of the noise: the map is zero")
-    if len(found) > MOST_TERMS:
-        notes.append(f"{len(found)} harmonics found, the first {MOST_TERMS} of them kept")
-    return sorted(found[:MOST_TERMS])
+        chosen, fit, scores, said = _choose(scan, pitch, terms, order, first_knot, nuisance)
+    noise = Noise.of(spectrum, scan, fit, terms, chosen, odd)
+    slope, slope_error = (float(values[-1] / scan.travel) for values in (fit.coefficients, noise.standard_errors))
+    if not (trend and abs(slope) > SIGNIFICANT * slope_error):
+        slope = slope_error = 0.0
+        nuisance = nuisance_columns(scan, pitch, odd, trend=False)
+        fit = fit_splines(fit.basis, scan.position, scan.force, nuisance)
+        noise = Noise.of(spectrum, scan, fit, terms, chosen, odd)
+    p, unexcited = 0, list[int]()
+    if fit.basis is not None:  # control points that the scan determines by less than half on average
+        p = fit.basis.coefficients
+        decided = fit.determined[:p].reshape(fit.basis.spline.control_points, -1).mean(axis=1)
+        unexcited = np.flatnonzero(decided < 0.5).tolist()
+    basis = fit.basis or SplineHarmonics(pitch=pitch, harmonics=[1])  # no harmonic: the map is zero
+    values, errors = (a[:p] if p else np.zeros(2) for a in (fit.coefficients, noise.standard_errors))
+    sine_error, cosine_error = rows_of(basis, errors)
+    direction_amplitudes, direction_rms, direction_lag = direction_content(spectrum, scan, fit, noise, odd)
+    result = MapFit(
+        cogging=cogging_of(basis, values),
+        order=chosen,
+        sine_standard_error=sine_error,
+        cosine_standard_error=cosine_error,
+        amplitudes=amplitudes(spectrum, scan, fit, noise),
+        offset=float(fit.coefficients[p]),
+        offset_standard_error=float(noise.standard_errors[p]),
+        coulomb=float(fit.coefficients[p + 1]) if scan.both_ways else None,
+        coulomb_standard_error=float(noise.standard_errors[p + 1]) if scan.both_ways else None,
+        direction_amplitudes=direction_amplitudes,
+        direction_rms=direction_rms,
+        direction_lag=direction_lag,
+        trend=slope,
+        trend_standard_error=slope_error,
+        residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
+        noise=float(np.sqrt(np.median(noise.level[spectrum.present]))),
+        cross_validation=tuple(scores),
+        unexcited=tuple(unexcited),
+        notes=(),
+        position=scan.position,
+        force=scan.force,
+        direction=scan.direction,
+        fitted=scan.force - fit.residual,
+        line=pitch * spectrum.frequency[spectrum.present],
+        line_amplitude=spectrum.amplitude(spectrum.power(scan.force - nuisance @ fit.coefficients[p:]))[
+            spectrum.present
+        ],
+        line_threshold=noise.threshold(spectrum, false_alarm),
+        units=scan.units,
+    )
+    remarks = _remarks(result, spectrum, scan, fit, nuisance, false_alarm)
+    return replace(result, notes=(*notes, *said, *remarks))
 
 
 def _choose(
-    request: MapRequest, scan: Scan, terms: list[int], nuisance: FloatArray
+    scan: Scan, pitch: float, terms: list[int], order: int | None, first_knot: float, nuisance: FloatArray
 ) -> tuple[int, SplineFit, list[CrossValidation], list[str]]:
-    """The order, its fit, how the orders compare, and what to note of that."""
+    """Choose the order asked for, or that of fewest coefficients within one standard error of the best prediction.
+
+    Returns:
+        The order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
+    """
     notes: list[str] = []
-    fits, scores = _compare(request, scan, terms, nuisance, notes)
-    chosen = _simplest(scores)
-    return chosen, fits.get(chosen) or fit_splines(None, scan.position, scan.force, nuisance), scores, notes
-
-
-def _compare(
-    request: MapRequest, scan: Scan, terms: list[int], nuisance: FloatArray, notes: list[str]
-) -> tuple[dict[int, SplineFit], list[CrossValidation]]:
-    """Fit and cross-validate the order asked for, or all of ORDERS that the scan has points for, simplest first."""
     fits: dict[int, SplineFit] = {}
     scores: list[CrossValidation] = []
-    for order in (ORDERS if request.order is None else (request.order,)) if terms else ():
-        points = request.control_points(scan, order)
+    n, spans = scan.position.size, int(np.ceil((scan.position.max() - first_knot) / pitch - SLIVER))
+    for tried in (ORDERS if order is None else (order,)) if terms else ():
+        points = max(1, spans) + tried - 1 if tried else 1
         size = 2 * len(terms) * points
-        if request.order is not None:
-            request.check_size(scan, len(terms), order)
-        elif order and size > min(MOST_COMPARED, scan.position.size // 2):
-            notes.append(f"order {order} not tried: {size} coefficients for {scan.position.size} points")
+        if order is not None:
+            limit = min(MOST_COEFFICIENTS, n - 4)
+            got = f"{size} for order {order} from origin {first_knot:g} {scan.units.position}"
+            require(size <= limit, "order", f"must need at most {limit} coefficients ({n} points)", got)
+        elif tried and size > min(MOST_COMPARED, n // 2):
+            notes.append(f"order {tried} not tried: {size} coefficients for {n} points")
             continue
-        elif order and points == 1:
+        elif tried and points == 1:
             continue  # one span and one control point: the periodic map once more
         basis = SplineHarmonics(
-            pitch=request.pitch,
-            harmonics=terms,
-            order=max(order, 1),
-            origin=request.first_knot(scan),
-            control_points=points,
+            pitch=pitch, harmonics=terms, order=max(tried, 1), origin=first_knot, control_points=points
         )
-        fits[order] = fit_splines(basis, scan.position, scan.force, nuisance)
+        fits[tried] = fit_splines(basis, scan.position, scan.force, nuisance)
         # Long enough that noise of neighbours does not leak, short enough that a spline is held from both sides.
-        block = min(request.pitch / 8.0, scan.travel / (8.0 * FOLDS))
-        rms, error = cross_validate(fits[order], scan.position, scan.force, nuisance, block)
-        scores.append(CrossValidation(order, size, rms, error))
-    return fits, scores
-
-
-def _simplest(scores: list[CrossValidation]) -> int:
-    """The order of fewest coefficients whose error is within one standard error of the smallest; 0 of none."""
-    if not scores:
-        return 0
-    best = min(scores, key=lambda score: score.rms)
+        block = min(pitch / 8.0, scan.travel / (8.0 * FOLDS))
+        rms, error = cross_validate(fits[tried], scan.position, scan.force, nuisance, block)
+        scores.append(CrossValidation(tried, size, rms, error))
+    best = min(scores, key=lambda score: score.rms, default=None)
+    if best is None:
+        return 0, fit_splines(None, scan.position, scan.force, nuisance), scores, notes
     good = [score for score in scores if score.rms <= best.rms + best.standard_error]
-    return min(good, key=lambda score: score.coefficients).order
+    chosen = min(good, key=lambda score: score.coefficients).order
+    return chosen, fits[chosen], scores, notes

@@ -86,7 +86,7 @@ class MapFit(ByValue):
         cross_validation: the models that were compared, simplest first.
         unexcited: control points (from 0) that the scan determines by less than half; the rest is the prior, which
             continues the neighbours.
-        notes: what the reader has to know about this fit.
+        notes: remarks on the fit.
         position, force, direction: the averaged points of the scan: m, V, +1 or -1, (n,).
         fitted: V, (n,), the model with offset, trend and friction at these points.
         line, line_amplitude, line_threshold: the spectrum: f pitch (whole at harmonics), V, and V above which a line is
@@ -150,31 +150,18 @@ class MapFit(ByValue):
         lines.append(f"residual  {self.residual_rms:13.5g}  {v} rms; noise {self.noise:.3g} {v} rms")
         for c in self.cross_validation:
             name, mark = (f"order {c.order}" if c.order else "periodic"), "  <- chosen" * (c.order == self.order)
-            told = f"{v} rms, {name}, {c.coefficients} coefficients{mark}"
-            lines.append(f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  {told}")
+            compared = f"{v} rms, {name}, {c.coefficients} coefficients{mark}"
+            lines.append(f"predicts  {c.rms:13.5g}  {c.standard_error:7.1g}  {compared}")
         return "\n".join(lines + [f"note: {note}" for note in self.notes])
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging map --json` writes: the fit without the points of the scan and of the spectrum."""
-        return {
+        names = [entry.name for entry in fields(self)]
+        document = {name: getattr(self, name) for name in names[: names.index("notes")]}
+        for name in ("amplitudes", "direction_amplitudes", "cross_validation"):
+            document[name] = [vars(entry) for entry in document[name]]
+        return document | {
             "cogging": cogging_to_dict(self.cogging),
-            "order": self.order,
-            "sine_standard_error": self.sine_standard_error,
-            "cosine_standard_error": self.cosine_standard_error,
-            "amplitudes": [vars(entry) for entry in self.amplitudes],
-            "offset": self.offset,
-            "offset_standard_error": self.offset_standard_error,
-            "coulomb": self.coulomb,
-            "coulomb_standard_error": self.coulomb_standard_error,
-            "direction_amplitudes": [vars(entry) for entry in self.direction_amplitudes],
-            "direction_rms": self.direction_rms,
-            "direction_lag": self.direction_lag,
-            "trend": self.trend,
-            "trend_standard_error": self.trend_standard_error,
-            "residual_rms": self.residual_rms,
-            "noise": self.noise,
-            "cross_validation": [vars(entry) for entry in self.cross_validation],
-            "unexcited": self.unexcited,
             "points": len(self.position),
             "notes": self.notes,
         }

@@ -53,7 +53,7 @@ class Scan:
 
     def spans(self, length: float) -> bool:
         """Whether the points cover a length (m): those of a closed turn end one spacing before they begin."""
-        return _spans(self.travel, length, self.spacing)
+        return self.travel >= length - OPEN_END * self.spacing
 
 
 def read_scan(
@@ -79,7 +79,7 @@ def read_scan(
         raise ValueError(f"force_sign: must be 1 or -1, got {force_sign!r}")
     travel, m = float(np.ptp(x)), units.position
     spacing = _spacing(x) if travel > 0.0 else 0.0
-    if not _spans(travel, pitch, min(spacing, pitch / FEWEST_POINTS)):
+    if travel < pitch - OPEN_END * min(spacing, pitch / FEWEST_POINTS):
         raise ValueError(f"position: must travel at least one pitch ({pitch:g} {m}), got {travel:g} {m}")
     resolvable = int(pitch / (POINTS_PER_PERIOD * spacing) - 0.5)
     if resolvable < 1:
@@ -127,6 +127,17 @@ def _kept(
     return False, np.asarray(kept), notes
 
 
+def require(holds: bool, name: str, rule: str, value: object) -> None:
+    """Raise ValueError that names field, rule and value unless a condition holds."""
+    if not holds:
+        raise ValueError(f"{name}: {rule}, got {value}")
+
+
+def is_number(value: object) -> bool:
+    """Return whether a value is a finite real number, and not a truth value."""
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool) and bool(np.isfinite(value))
+
+
 def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     array = real_array(name, values)
     if array.ndim != 1:
@@ -138,10 +149,6 @@ def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     if size > LARGEST or 0.0 < size < SMALLEST:
         raise ValueError(f"{name}: must be 0 or between {SMALLEST:g} and {LARGEST:g} in size, got {size:g}")
     return array
-
-
-def _spans(travel: float, length: float, spacing: float) -> bool:
-    return travel >= length - OPEN_END * spacing
 
 
 def _spacing(position: FloatArray) -> float:
