@@ -288,7 +288,11 @@ def sweep(
     if is_parquet(out):
         library("pyarrow")
     target_of(out)
-    asked: dict[str, Any] = {"reference": reference_to_dict(setup.reference), "paths": list(common.paths), "points": points}
+    asked: dict[str, Any] = {
+        "reference": reference_to_dict(setup.reference),
+        "paths": list(common.paths),
+        "points": points,
+    }
     asked |= {"seed": common.seed, "duration": common.duration, "window": list(common.window)}
     digest = digest_of(setup.model, {**asked, "reductions": list(common.reductions)})
     if digest is None:
