@@ -341,3 +341,33 @@ def test_every_controller_holds_every_corner_of_the_bounds():
         for name, controller in designs.items():
             log = cogging.closed_loop(truth, controller, reference)
             assert np.abs(log.position - log.reference).max() < 5e-3, (name, corner)
+
+
+def test_infinite_intervals_survive_a_file(tmp_path):
+    machine = model(intervals=INTERVALS | {"axis.coulomb_width": (-math.inf, math.inf)})
+    machine.write(tmp_path / "model.toml")
+    again = cogging.Model.read(tmp_path / "model.toml")
+    assert again.intervals == machine.intervals
+    assert cogging.Bounds.of(again).mass == (0.1, 0.2), "the width of the friction is no bound"
+
+
+def test_cogging_estimates_are_the_models():
+    """A controller that believes the truth pushes back the whole cogging: its command holds the axis."""
+    force = three_harmonics(points=13)
+    parameters = cogging.Bounds.of(model(cogging=force)).adaptive_robust()
+    assert parameters.cogging_estimates == force.coefficients.tolist()
+    for position in (0.03, 0.2, 0.444):
+        controller = cogging.Dcarc(parameters)
+        assert controller.command(reference=position, reading=position) == pytest.approx(force.force(position))
+
+
+def test_output_feedback_scales_with_the_units_of_command_and_time():
+    """A mass in other units or a bandwidth in other seconds: the same motion, where nothing else sets a scale."""
+    reference = {"type": "filtered_sine", "amplitude": 0.05, "frequency": 0.5, "duration": 2.0}
+    errors = []
+    for unit in (1.0, 7.0):
+        axis = cogging.AxisParameters(mass=0.12 * unit, viscous=0.166 * unit, travel=[-0.5, 0.5])
+        machine = cogging.Model(axis, uncertainty={"mass": 0.1, "viscous": 0.1, "coulomb": 0.0})
+        parameters = cogging.Bounds.of(machine, default={"disturbance": (-unit, unit)}).output_feedback()
+        errors.append(cogging.simulate(machine, reference, controller=cogging.OutputFeedbackArc(parameters)).error)
+    np.testing.assert_allclose(errors[0], errors[1], rtol=1e-4, atol=1e-12)

@@ -328,3 +328,12 @@ def test_predict_prints_and_writes(folder, capsys):
     assert written["controllers"][0]["controller"] == "own"
     low, high = written["controllers"][0]["rms"]["interval"]
     assert low <= written["controllers"][0]["rms"]["median"] <= high
+
+
+def test_wider_intervals_of_the_model_widen_those_of_the_error():
+    spans = []
+    for width in (0.05, 0.3, 1.0, 2.0):
+        found = predict_error(machine(width), REFERENCE, ["own"], samples=60)["own"]
+        spans.append([np.ptp(found.rms.interval), np.ptp(found.max.interval)])
+    assert np.all(np.diff(spans, axis=0) > 0.0)
+    assert spans[-1][0] > 5 * spans[0][0]

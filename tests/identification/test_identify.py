@@ -16,6 +16,7 @@ from cogging import (
     NoiseParameters,
     SplineHarmonics,
 )
+from cogging._core import instruction_sets
 from cogging.cli.main import main
 from cogging.identification.identification import identify
 from tests.fixtures.identify_coverage import moves
@@ -473,3 +474,28 @@ def test_command_prints_writes_and_exits_with_0(fitted, tmp_path, capsys):
     assert "below 40 Hz" in printed
     assert "6000 rows" in printed
     assert "axis.coulomb " not in printed
+
+
+def test_every_instruction_set_finds_the_same_bits(fitted, monkeypatch):
+    """As do replays one by one."""
+    _, prior, log, _ = fitted
+    log = Log.of({name: column[:4000] for name, column in log.columns().items()})
+    found = []
+    for instructions in ("none", *instruction_sets()):
+        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
+        found.append(json.dumps(identify(log, prior).to_dict()))
+    assert found == found[:1] * len(found)
+
+
+def test_mass_alone_is_not_determined_where_accelerations_drown_in_the_noise():
+    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0, noise=0.2)
+    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
+    time = np.arange(50001) / RATE
+    slow = cogging.Sampled(time, 0.3 * np.sin(2 * np.pi * 0.02 * time), None, None)
+    found = identify(run(truth, slow, duration=50.0), prior)
+    mass = found["axis.mass"]
+    assert not mass.determined
+    assert mass.value == found.model.axis.mass == prior.axis.mass
+    assert found["axis.coulomb"].determined
+    assert found["effects.constant_force.force"].determined
+    holds(found, truth)
