@@ -181,3 +181,9 @@ def test_active_regressor_is_the_columns_that_are_not_zero(order, control_points
         dense = np.zeros(basis.coefficients)
         dense[first : first + len(active)] = active
         np.testing.assert_array_equal(dense, basis.regressor(np.array([x]))[0])
+
+
+def test_spline_reports_what_it_was_made_of():
+    spline = cogging.BSpline(order=3, origin=0.02, pitch=0.05, control_points=13)
+    assert (spline.order, spline.origin, spline.pitch, spline.control_points) == (3, 0.02, 0.05, 13)
+    assert spline.end == pytest.approx(0.02 + 11 * 0.05, rel=1e-15)  # m - k + 1 spans

@@ -470,7 +470,7 @@ def test_an_interrupt_reaches_the_caller(how):
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            cogging.closed_loop(PLANT, Slow(), sine, duration=200.0)
+            cogging.closed_loop(PLANT, Slow(), sine, duration=2000.0)
     finally:
         timer.join()
         signal.signal(signal.SIGINT, before)
@@ -483,7 +483,7 @@ def test_a_flag_ends_the_run_of_another_thread():
         flag.heed()
         try:
             cogging.closed_loop(
-                PLANT, Proportional(), cogging.Sine(cogging.SineParameters(center=0.25)), duration=200.0
+                PLANT, Proportional(), cogging.Sine(cogging.SineParameters(center=0.25)), duration=2000.0
             )
         except KeyboardInterrupt as error:
             raised.append(error)

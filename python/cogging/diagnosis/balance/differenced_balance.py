@@ -42,7 +42,6 @@ CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie be
 FORCE_NOISE = (2.0, 30.0)  # Hz: band in which the force noise is estimated
 GAP = 24  # invalid rows after a gap, over which the first taps of the whitening filter reach
 ENCODER_SHARE = 0.3  # of the residual power: encoder noise at the corner where the residual is systematic
-SECOND_DERIVATIVE = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0  # of fourth order
 COMMAND_HOOKS = (
     "command_gain",
     "command_delay",
@@ -315,7 +314,7 @@ class DifferencedBalance:
             x = self.fine.position
             error = np.sum([e.reading_at(x) - x for e in wrong], axis=0)
             coarse = error[self.fine.rows]
-            a = a - np.convolve(coarse, SECOND_DERIVATIVE, "same") / self.step**2
+            a = a - np.gradient(np.gradient(coarse, self.step), self.step)
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
         # the plant's force is that of sliding friction: a bristle has a state
