@@ -73,6 +73,7 @@ def test_the_check_of_an_installed_package():
         assert "is a source tree, not an installed package" in done.stderr
 
 
+@pytest.mark.filterwarnings("ignore:Configuration was created without VcsEnvironment:DeprecationWarning")
 def test_the_source_archive_holds_what_git_holds(tmp_path, monkeypatch):
     """Its tests, all that they read, and nothing that lies about: but for this project's own checks of a change."""
     import scikit_build_core.build as backend
