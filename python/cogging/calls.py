@@ -215,9 +215,10 @@ def told_of_no_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) 
     for word, value in _arguments(callee, given, named).items():
         if word not in callee.numbers or type(value) in (float, int):
             continue
-        wrong = [value] * isinstance(value, bool | np.bool_) if callee.numbers[word] else no_number_in(value)
+        alone = callee.numbers[word] and not isinstance(value, np.ndarray)
+        wrong = [value] * isinstance(value, bool | np.bool_) if alone else no_number_in(value)
         if wrong:
-            among = "" if wrong[0] is value else " among them"
+            among = "" if wrong[0] is value or getattr(value, "ndim", 1) == 0 else " among them"
             rule = _rule_of(callee.parameters[word].annotation)
             return f"{callee.name}: {word}: must be {rule}, got {described(wrong[0])}{among}"
     return None

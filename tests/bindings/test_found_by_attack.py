@@ -60,7 +60,7 @@ def test_a_plant_along_a_prediction_lives_as_long_as_it_is_held():
         np.testing.assert_array_equal(one.added(effect, sizes), first)
 
 
-@pytest.mark.parametrize("value", [True, np.bool_(False), "3.2", b"3.2", "nan"])
+@pytest.mark.parametrize("value", [True, np.bool_(False), "3.2", b"3.2", "nan", np.array("-1."), np.array(True)])
 @pytest.mark.parametrize(
     ("kind", "field"), [("AxisParameters", "mass"), ("PidParameters", "kp"), ("PointToPointParameters", "repeats")]
 )
