@@ -89,7 +89,7 @@ class Problem:
     Attributes:
         fitted: the sets of each controller whose numbers take part.
         law: of friction, one of LAWS.
-        start: where the search begins, by name; with `adaptation_factor` where that is free.
+        start: initial values by name; includes `adaptation_factor` if it is fitted.
         adaptation_factor: where it is not free.
         earlier_runs: of the ARC.
         changes: of the ARC's printed numbers, by field.

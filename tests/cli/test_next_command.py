@@ -156,6 +156,14 @@ def test_what_is_next_after_each_verdict(verdict, options, model, expected, fold
         assert main(filled(following)) == 0
 
 
+@pytest.mark.parametrize(("rows", "following"), [("0:400", "experiment"), ("0:600", "diagnose")])
+def test_a_log_that_diagnose_would_refuse_is_not_given_to_it(rows, following, folder, capsys):
+    machine = command_files.model().replace(effects=LACKING[0])
+    command_files.table(folder / "short.csv", cogging.simulate(machine, command_files.REFERENCE, seed=1).columns())
+    call = ["identify", "short.csv", "--model", "model.toml", "--rows", rows]
+    assert run(call, capsys)[0] == following
+
+
 def test_one_of_several_logs_confirms(folder, capsys, diagnosed):
     seen = diagnosed(verdict="named")
     following = run(["diagnose", "log.csv", "other.csv", "--model", "model.toml", "--rows", "other.csv:0:900"], capsys)

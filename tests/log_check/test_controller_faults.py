@@ -186,7 +186,7 @@ def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
 
 
 def test_the_verdict_stays():
-    """Not controller_mismatch; and where that alone was mended, a flexible mode was named for the dropped rows."""
+    """Dropped rows and spoiled readings are no fault of the controller, and no flexible mode."""
     for fault, hidden in (
         ("drop 5", [cogging.effects.ViscousAsymmetry(difference=1.5)]),
         ("readings 8", []),

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.stats import ncx2, norm
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.cells import dahl, load_response
+from cogging.diagnosis.balance.cells import load_response
 from cogging.diagnosis.balance.decision import THRESHOLD, Outcome, block_edges, score_of
 from cogging.diagnosis.balance.evidence import Evidence, orthonormal
 from cogging.diagnosis.entries import Limit
@@ -259,10 +259,7 @@ def _rows_with_state(evidence: Evidence, law: Effect, shape: dict[str, Any]) -> 
         ]
     if "stiffness" in fields and axis.coulomb > 0.0:
         length = max(axis.coulomb / fields["stiffness"], 1e-12)
-        return [
-            axis.coulomb * (np.tanh(b.velocity / max(axis.coulomb_width, 1e-6)) - dahl(b.position, length))
-            for b in evidence.balances
-        ]
+        return [b.bristle(axis, length) for b in evidence.balances]
     raise NotImplementedError("the force balance does not show it")
 
 
