@@ -28,6 +28,7 @@ UNEVEN = 0.3  # of the median step: larger deviations require resampling to a un
 GAP_STEPS = 5.0  # median steps: a longer step is a gap, whose rows are invalid
 SKIP = 0.06  # s: invalid rows at both ends (filter transients, start of the loop)
 MOST_SUB_STEPS = 6  # in a row about a reversal of friction; more do not change its mean
+SLOPE_STEP = 1e-6  # of the motion's range: step of the slope of a reading error, far below its period
 NEAR = 10.0  # friction widths, or speed changes per row: at higher speeds a row needs no sub-steps
 # Speed and rest
 SPEED_NOISE = 0.2  # of `coulomb_width`: target noise of the smoothed speed
@@ -305,16 +306,35 @@ class DifferencedBalance:
             x, v = x - error, v - np.gradient(error, t)
         return self.averaged(Predictor(start, x, u).net_force(plants, x, v))
 
-    def residual(self, model: Model, command: FloatArray | None = None) -> FloatArray:
-        """Return the unexplained force (V, (n,)): M a less the force of the model; default: the logged command."""
+    def residual(
+        self, model: Model, command: FloatArray | None = None, acceleration: FloatArray | None = None
+    ) -> FloatArray:
+        """Return the unexplained force (V, (n,)): M a less the force of the model.
+
+        Args:
+            model: model.
+            command: V, (n,); default: the logged command.
+            acceleration: acceleration (m/s^2, (n,)) of which an error of the reading makes a part; default: the
+                measured one. The measured one has the noise of the residual, which the derivative by a parameter of
+                the error must not have.
+        """
         command = self.command if command is None else command
         a, error = self.acceleration, None
         wrong = [laws_of(e) for e in model.effects if "reading" in e.HOOKS]
         if wrong:
-            x = self.fine.position
-            error = np.sum([e.reading_at(x) - x for e in wrong], axis=0)
-            coarse = error[self.fine.rows]
-            a = a - np.gradient(np.gradient(coarse, self.step), self.step)
+
+            def error_at(x: FloatArray) -> FloatArray:
+                return np.asarray(np.sum([e.reading_at(x) - x for e in wrong], axis=0))
+
+            def twice(x: FloatArray) -> FloatArray:
+                return np.asarray(np.gradient(np.gradient(x, self.step), self.step))
+
+            error = error_at(self.fine.position)
+            a = a - twice(error[self.fine.rows])
+            if acceleration is not None:
+                by = SLOPE_STEP * float(np.ptp(self.position))
+                slope = (error_at(self.position + by) - error_at(self.position - by)) / (2.0 * by)
+                a = a + slope * (twice(self.position) - acceleration)
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
         # the plant's force is that of sliding friction: a bristle has a state

@@ -812,8 +812,8 @@ def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: 
     try:
         pair = [with_values(evidence.model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
         rows = [
-            -(b.residual(pair[0], d) - b.residual(pair[1], d)) / (2e-2 * sigma)
-            for b, d in zip(balances, evidence.drives, strict=True)
+            -(b.residual(pair[0], d, a) - b.residual(pair[1], d, a)) / (2e-2 * sigma)
+            for b, d, a in zip(balances, evidence.drives, evidence.accelerations, strict=True)
         ]
     except ValueError:  # the effect rejects the value
         return
