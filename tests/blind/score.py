@@ -89,11 +89,9 @@ class Outcome:
         wrong: names that are confident and wrong.
         stated: (confidence, was right) of each entry without alternatives.
         closed: share of what the true model closes on the confirm log, of the truth's first-order prediction; None
-            where nothing can be closed. closed_to_floor: (before^2 - after^2) / (before^2 - floor^2), truth's floor.
+            where nothing can be closed.
         worse: the confirm log got worse by more than 1 %; None without one.
         covered: whether each interval holds its truth; errors: (field, error / Cramer-Rao deviation).
-        widths: of each interval of the same, half / 1.96 / Cramer-Rao deviation. information: sqrt(lambda / T) of a
-            single effect that is named alone: by how much what is re-tuned beside it, known to the bound, widens.
         largest: in the large, the first name, or an alternative of it, is the largest effect; None of misread logs.
         found: how many of the truths are named. said: of a misread log, whether it is said: "kind" with its kind and
             column, "verdict" without, "" not; None of others. A log that is refused with a message that says it counts.
@@ -114,12 +112,9 @@ class Outcome:
     wrong: tuple[str, ...]
     stated: tuple[tuple[float, bool], ...]
     closed: float | None
-    closed_to_floor: float | None
     worse: bool | None
     covered: tuple[tuple[str, bool], ...]
     errors: tuple[tuple[str, float], ...]
-    widths: tuple[float, ...]
-    information: float | None
     seconds: float
     largest: bool | None
     found: int
@@ -151,7 +146,7 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
                 wrong.append(entry["name"])
     right = bool(listed) and listed == set(truths) and verdict in DETECTED and listed <= named
     exact = right and verdict == "named" and {entry["name"] for entry in effects} == listed
-    covered, errors, widths = [], [], []
+    covered, errors = [], []
     for entry in effects:
         truth = truths.get(entry["name"])
         for name, known in (truth or {"parameters": {}})["parameters"].items():
@@ -161,11 +156,9 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
             if found.get("ci95") and None not in found["ci95"]:
                 low, high = found["ci95"]
                 covered.append((f"{entry['name']}.{name}", bool(low <= known["value"] <= high)))
-                if known["deviation"]:
-                    widths.append(0.5 * (high - low) / SIGMAS_95 / known["deviation"])
             if known["deviation"]:
                 errors.append((f"{entry['name']}.{name}", (found["value"] - known["value"]) / known["deviation"]))
-    closed, to_floor, worse = _gap(key, result.get("gap") or {})
+    closed, worse = _gap(key, result.get("gap") or {})
     misreading = key.get("misreading")
     return Outcome(
         case=case,
@@ -182,12 +175,9 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
         wrong=tuple(wrong),
         stated=tuple(stated),
         closed=closed,
-        closed_to_floor=to_floor,
         worse=worse,
         covered=tuple(covered),
         errors=tuple(errors),
-        widths=tuple(widths),
-        information=_information(key, effects),
         seconds=seconds,
         largest=bool(classes and classes[0] & set(key["largest"]))
         if key["kind"] == "large" and not misreading
@@ -214,34 +204,23 @@ def _grows(gap: Mapping[str, Any]) -> bool:
     return any(gap.get(a) is not None and gap.get(b) is not None and gap[a] > 1.01 * gap[b] for a, b in pairs)
 
 
-def _information(key: Mapping[str, Any], effects: list[Mapping[str, Any]]) -> float | None:
-    if key["kind"] != "effect" or len(effects) != 1 or effects[0]["name"] != key["effects"][0]["name"]:
-        return None
-    statistic = effects[0].get("statistic")
-    return math.sqrt(key["effects"][0]["ratio"] / statistic) if statistic else None
-
-
 def _apart(names: set[str], truths: set[str]) -> set[str]:
     """The names of a class less those that look like the truth among them."""
     alike = set().union(*(pair for pair in LOOK_ALIKE for truth in truths & names if truth in pair)) - truths
     return names - alike
 
 
-def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, float | None, bool | None]:
+def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, bool | None]:
     before, after = gap.get("confirm_before"), gap.get("confirm_after")
     if before is None or after is None:
-        return None, None, None
+        return None, None
     worse = bool(after > 1.01 * before)
     if not key["stated_controller"] or "confirm_closable" not in key or gap.get("floor") is None:
-        return None, None, worse
-    floor, gained = key["confirm_floor"], before**2 - after**2
-    closed = to_floor = None
-    shows = key["confirm_rest"] > 0.03 * floor and key["confirm_rest"] < 1.5 * key["confirm_effect"]
+        return None, worse
+    shows = key["confirm_rest"] > 0.03 * key["confirm_floor"] and key["confirm_rest"] < 1.5 * key["confirm_effect"]
     if shows and key["confirm_closable"] > 0.25 * key["confirm_rest"] ** 2:
-        closed = gained / key["confirm_closable"]
-        if before**2 > 1.0005 * floor**2:
-            to_floor = gained / (before**2 - floor**2)
-    return closed, to_floor, worse
+        return (before**2 - after**2) / key["confirm_closable"], worse
+    return None, worse
 
 
 def table(outcomes: list[Outcome]) -> dict[str, Any]:
@@ -281,7 +260,6 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
                 [o for o in nulls if o.key.get("law_ratio", 0.0) >= 30], lambda o: o.verdict in ALARMS
             ),
         },
-        "null_confident": share(nulls, lambda o: bool(o.wrong)),
         "detected": by_ratio(single, lambda o: o.detected),
         "named": by_ratio(single, lambda o: o.right),
         "exact": by_ratio(single, lambda o: o.exact),
@@ -298,14 +276,11 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "triples_right": share([o for o in many if o.kind == "triple"], lambda o: o.right),
         "unknown_controller_named": share([o for o in single if not o.key["stated_controller"]], lambda o: o.right),
         "gap_closed_median": _median([o.closed for o in large]),
-        "gap_closed_to_floor_median": _median([o.closed_to_floor for o in large]),
         "made_worse": share([o for o in outcomes if o.worse is not None], lambda o: bool(o.worse)),
         "coverage": Rate.of(coverage),
         "error_to_bound": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
         "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,
         "error_count": len(errors),
-        "width_to_bound_median": _median([width for o in outcomes if o.right for width in o.widths]),
-        "information_median": _median([o.information for o in single if o.right]),
         "calibration": {
             f"{low:g} to {high:g}": {
                 "stated": float(np.mean(here)) if (here := [c for c, _ in stated if _within(c, low, high)]) else None,

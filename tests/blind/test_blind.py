@@ -435,11 +435,8 @@ def test_hand_made_results_get_their_hand_computed_rates():
     assert rate("pairs_right") == (1, 2)
     assert rate("made_worse") == (1, 2)
     assert figures["gap_closed_median"] == pytest.approx(1.0)
-    assert figures["gap_closed_to_floor_median"] == pytest.approx(1.0)
     assert rate("coverage") == (1, 1)
     assert figures["error_to_bound"] == pytest.approx(1.5)
-    assert figures["width_to_bound_median"] == pytest.approx(0.25 / 1.959964 / 0.1)
-    assert figures["information_median"] == pytest.approx(2.0)  # of lambda 300, T = 75 was seen
     # 0.95: null's step, spring, saturation, both pairs' steps; 0.92 drag; 0.91 spring
     assert (figures["calibration"]["0.9 to 0.97"]["right"].hits, figures["calibration"]["0.9 to 0.97"]["right"].count) \
         == (5, 7)  # fmt: skip
@@ -468,7 +465,7 @@ def test_the_command_draws_runs_scores_and_prints(tmp_path, capsys, monkeypatch)
     chosen = ["--kinds", "null,effect", "--effects", "constant_force", "--lambdas", "100", "--family", "plain"]
     assert benchmark.main(arguments + chosen) == 0
     first = capsys.readouterr().out
-    assert "false alarm on nulls" in first
+    assert "false alarm" in first
     assert json.loads((tmp_path / "table_diagnose.json").read_text())["cases"] == 2
     assert benchmark.main([*arguments, "--rescore"]) == 0
     assert capsys.readouterr().out == first

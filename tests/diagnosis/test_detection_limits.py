@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.diagnosis.detection_limits import is_sought, size_of
+from cogging.diagnosis.detection_limits import is_sought
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.moving_axis import machine, record
 from tests.fixtures.own_laws import own_drag
@@ -44,37 +44,12 @@ def test_the_limit_of_what_was_found_is_less_than_what_was_found(found):
     assert 0.02 * size < found.limits["viscous_asymmetry"].value < size
 
 
-def test_text_and_page_say_them(found):
-    text, page = found.text(verbose=True), found.html()
-    assert "detection limits (probability 95 %)" in text
-    told = found.limits["cable_spring"]
-    assert f"cable_spring                 stiffness {told.value:.4g} V/m" in text
-    row = f'cable spring</td><td>stiffness</td><td class="n">{told.value:.4g}</td><td>V/m</td>'
-    assert f'<td class="name">{row}' in page
-    unseen = [name for name, one in found.limits.items() if one.value is None]
-    assert unseen
-    assert f"cannot be seen in this motion: {', '.join(unseen)}" in text
-    assert all(f"<li>{name.replace('_', ' ')}: {found.limits[name].why}" in page for name in unseen)
-
-
 def test_where_nothing_was_measured_nothing_can_be_seen():
     result = cogging.diagnose(run(duration=0.5), MODEL)
     assert result.verdict == "insufficient_excitation"
     told = result.to_dict()
     assert told["limits"] == dict.fromkeys(LISTED)
     assert set(told["unseen"].values()) == {"nothing was measured"}
-
-
-def test_a_size_is_one_number_of_the_effect():
-    """A wave's is that of sine and cosine together, a list's its largest; less of a limit or a stiffness does more."""
-    for name in LISTED - CHANGES:
-        size = size_of(VOCABULARY[name])
-        assert size.field in VOCABULARY[name].ROLES
-        assert size.unit == VOCABULARY[name].FIELDS[size.field][0]
-    assert size_of(VOCABULARY["disturbance_tone"]).meaning == "sqrt(sine^2 + cosine^2)"
-    assert size_of(VOCABULARY["position_dependent_friction"]).meaning == "largest levels along the travel"
-    assert not size_of(VOCABULARY["command_saturation"]).grows
-    assert size_of(VOCABULARY["command_dead_zone"]).grows
 
 
 # How they scale -------------------------------------------------------------------------------------------------------

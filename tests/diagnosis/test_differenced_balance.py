@@ -6,10 +6,10 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 import cogging
-from cogging.diagnosis.balance.candidates import Search, best_tones, wave_scan
-from cogging.diagnosis.balance.cells import dahl, hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.candidates import Search, wave_scan
+from cogging.diagnosis.balance.cells import dahl, load_response, lost_motion
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, orthonormal
+from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter
 from cogging.effects.effect import VOCABULARY as E
 
 RATE = 5000.0  # Hz
@@ -179,14 +179,6 @@ def test_likeliest_is_least_squares_of_normal_rows_and_ignores_outliers():
     assert held.cost > free.cost
 
 
-def test_orthonormal_rows_span_the_same():
-    rows = np.random.default_rng(5).standard_normal((3, 50))
-    q = orthonormal(np.vstack([rows, rows[0] - rows[1]]))
-    assert len(q) == 3
-    np.testing.assert_allclose(q @ q.T, np.eye(3), atol=1e-9)
-    np.testing.assert_allclose((rows @ q.T) @ q, rows, atol=1e-9)
-
-
 def test_dahl_solves_its_equation():
     t = np.linspace(0.0, 2.0, 4001)
 
@@ -242,13 +234,6 @@ def test_a_load_answers_as_its_transfer_function_says():
     assert phasor == pytest.approx((2 * damping * q + 1) / (q * q + 2 * damping * q + 1), rel=0.01)
 
 
-def test_bases_sum_to_one():
-    x = np.linspace(0.0, 1.0, 101)
-    np.testing.assert_allclose(splines(x, 0.0, 1.0, 8).sum(axis=0), 1.0)
-    places = np.array([0.0, 0.2, 0.7, 1.0])
-    np.testing.assert_allclose(places @ hats(x, places), x, atol=1e-12)
-
-
 def searched(force):
     """A search in a log with a force that its model lacks."""
     model = machine().replace(uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
@@ -261,12 +246,6 @@ def test_a_period_is_found_within_its_resolution():
     peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances])
     assert abs(peaks[0][0] - 1 / 0.021) < 1.0 / s.length
     assert trials > 10
-
-
-def test_a_frequency_is_found_within_its_resolution():
-    s = searched(lambda t, x, v: 0.1 * np.sin(2 * np.pi * 31.7 * t))
-    tones, _ = best_tones(s)
-    assert abs(tones[0] - 31.7) < 0.5 / s.duration
 
 
 @pytest.mark.parametrize("width", [1e-3, 2e-2])

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from markupsafe import Markup, escape
 
-from cogging.diagnosis.report.page import _interval
 from cogging.diagnosis.report.pictures import pictures_of
-from cogging.diagnosis.report.words import numbers
 from tests.fixtures.drawn_results import drawn_result
 
 
@@ -52,20 +50,6 @@ def test_a_shape_of_its_own_stands_on_page_and_screen(found):
     assert told.to_dict()["effects"][0]["shape"] == "other"
     without = replace(told.effects[0], curve=None, in_model=False)
     assert "it is not in the model" in replace(told, effects=(without,)).text(verbose=True)
-
-
-def test_intervals_have_digits_that_tell_their_ends_apart():
-    for value, low, high, shown in (
-        (0.012, 0.01196, 0.01204, "0.011960 … 0.012040"),
-        (3.2, 3.199999, 3.200001, "3.1999990 … 3.2000010"),
-        (9.0, 8.844, 9.291, "8.844 … 9.291"),
-        (14.04, 13.98, 14.1, "13.98 … 14.10"),
-        (90000.0, 89950.0, 90050.0, "89950 … 90050"),
-        (0.0, 0.0, 0.0, "0 … 0"),
-    ):
-        assert _interval(low, high) == shown
-        assert float(numbers(value, (low, high))) == value
-    assert _interval(None, None) == numbers(None) == numbers(np.inf) == "–"
 
 
 def test_the_first_screen_shows_the_gap_along_the_coordinate_of_the_effect():

@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -86,14 +85,3 @@ def test_a_result_holds_what_each_effect_takes_and_what_is_left(found):
     assert 0.0 <= gap["predictable"] < 0.2
     assert gap["signal"] == "command of the replayed loop"
     assert gap["given"] > 0.0
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "floor", "closed"),
-    [(2.0, 1.0, 1.0, 1.0), (2.0, 2.0, 1.0, 0.0), (2.0, 1.5, 0.0, 0.4375), (1.0, 0.9, 1.0, None), (0.0, 0.0, 0.0, None)],
-)
-def test_what_the_found_effects_close_of_a_gap(before, after, floor, closed):
-    gap = Gap("V", floor, before, after, None, None, "innovations of an observer")
-    assert gap.closed == (None if closed is None else pytest.approx(closed))
-    assert gap.confirmed is None
-    assert replace(gap, confirm_before=4.0, confirm_after=1.0).confirmed == 0.25

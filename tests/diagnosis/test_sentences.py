@@ -9,7 +9,6 @@ import pytest
 
 import cogging
 from cogging.diagnosis.entries import Value
-from cogging.diagnosis.report.printed_answer import apart_text
 from cogging.diagnosis.report.sentences import (
     HARDLY,
     along_of,
@@ -81,12 +80,6 @@ def test_the_printed_answer_is_short_and_all_of_it_is_asked_for(results):
                 assert f"{effect.name} or " in result.text()
 
 
-def test_what_cannot_be_told_apart_is_said(found):
-    effect = replace(found.effects[0], alternatives=("quadratic_drag",))
-    assert apart_text(found.effects[0]) == ""
-    assert apart_text(effect) == "viscous_asymmetry or quadratic_drag: these logs cannot distinguish them"
-
-
 def test_the_share_of_a_headline_is_that_of_the_gap(results):
     for result in (one for one in results if one.effects and one.verdict == "unlisted"):
         said, share = headline(result), re.search(r"explains (\d+) % of the gap", headline(result))
@@ -134,15 +127,6 @@ def test_ambiguous_says_which_names_which_of_them_how_sure_and_what_they_share(r
     assert seen == {(True, True), (True, False), (False, False)}
 
 
-def test_what_a_pair_shares_is_true_of_both(results):
-    for result in results:
-        for effect in (one for one in result.effects if one.alternatives):
-            along = [along_of(name, result.vocabulary) for name in (effect.name, *effect.alternatives)]
-            said = shared_text(effect, result.vocabulary)
-            assert said.startswith(("both ", "all ")) is (len(set(along)) == 1)
-            assert all(one in said for one in along)
-
-
 @pytest.mark.parametrize("name", [name for name in VOCABULARY if set(VOCABULARY[name].HOOKS) & set(SHAPED)])
 def test_an_effect_is_said_to_act_along_what_stands_in_its_formula(name):
     """By its parameters' roles alone, which a custom effect has too; a constant acts everywhere."""
@@ -150,22 +134,6 @@ def test_an_effect_is_said_to_act_along_what_stands_in_its_formula(name):
     law = VOCABULARY[name]
     free = not re.search(r"\b[xvt]\b", law.LAW.replace("S(v)", "")) and "force" in law.HOOKS
     assert (along == "") if free or name == "empirical_force" else along in of_the_law(law)
-
-
-@pytest.mark.parametrize(
-    ("share", "told"),
-    [
-        (0.0, "0 %"),
-        (0.004, "under 1 %"),
-        (0.36, "36 %"),
-        (0.899, "89 %"),
-        (0.9, "90 %"),
-        (0.996, "99 %"),
-        (1.0, "100 %"),
-    ],
-)
-def test_a_percentage_never_crosses_what_it_stands_for(share, told):
-    assert percent(share) == told
 
 
 def test_screen_and_page_say_the_same(found):

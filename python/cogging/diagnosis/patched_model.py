@@ -17,7 +17,6 @@ from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.physical import fields_with_role
 from cogging.diagnosis.places import empirical_term
 from cogging.effects.effect import Effect
-from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of
 
@@ -44,20 +43,17 @@ class Term:
     certain: bool = True
 
 
-def covariance(evidence: Evidence) -> FloatArray:
-    """Return the covariance of the fitted amplitudes theta: parameters by `evidence.paths`, then columns of `extra`."""
-    null = evidence.null
-    return np.asarray(evidence.alike * null.variance * np.linalg.inv(null.gram) / np.outer(null.size, null.size))
-
-
 def with_intervals(model: Model, evidence: Evidence) -> Model:
     """Return the model with 95 % intervals of the fitted parameters, its `[bounds]`."""
-    known, deviations = parameters_of(model), np.sqrt(np.maximum(np.diag(covariance(evidence)), 0.0))
+    known, fitted = parameters_of(model), parameters_of(evidence.model, together=True)
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
-    for path, deviation in zip(evidence.paths_in(model), deviations, strict=False):
-        if path in known and np.isfinite(deviation):
-            value, half = known[path].value, SIGMAS_95 * float(deviation)
-            intervals[path] = (max(0.0, value - half) if known[path].positive else value - half, value + half)
+    for k, (path, own) in enumerate(zip(evidence.paths_in(model), evidence.paths, strict=True)):
+        low, high = evidence.interval(k) if path in known else (-np.inf, np.inf)
+        if np.isfinite(high - low):
+            value = known[path].value
+            centre = fitted[own].value if own.startswith("effects.") and own in fitted else value
+            low, high = min(centre + low, value), max(centre + high, value)
+            intervals[path] = (max(0.0, low) if known[path].positive else low, high)
     return model.replace(intervals=intervals)
 
 
@@ -101,18 +97,17 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
     names = [path for path, _ in effect_paths(evidence.model.effects)]
     model, of_laws = evidence.model, list(effect_paths(evidence.model.effects))[len(stated.effects) :]
     steps = evidence.null.theta
-    deviations = covariance(evidence)
     at, laws, extra = len(evidence.paths), iter(of_laws), iter(evidence.extra)
     terms: list[Term] = []
     for one in found.accepted:
         candidate = one.found
         if candidate.columns is None:
             path = candidate.effect if isinstance(candidate.effect, str) else ""
-            terms.append(Term(one, None, path, certain=_is_certain([path], [], evidence, deviations)))
+            terms.append(Term(one, None, path, certain=_is_certain([path], [], evidence)))
         elif any(candidate.name == e.name and candidate.label == e.label for e in evidence.extra):
             column = next(extra)
             amplitudes = steps[at : at + len(column.amplitudes)]
-            block = deviations[at : at + len(amplitudes), at : at + len(amplitudes)]
+            certain = _excludes_zero(range(at, at + len(amplitudes)), amplitudes, evidence)
             at += len(amplitudes)
             effect = next(iter(column.laws(amplitudes)), None)
             curve = None if effect is not None else curve_of(evidence, column, amplitudes)
@@ -121,20 +116,20 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             if term is not None:
                 model = model.replace(effects=(*model.effects, term))
                 path = str(len(model.effects) - 1)
-            terms.append(Term(one, effect, path, curve, _excludes_zero(amplitudes, block)))
+            terms.append(Term(one, effect, path, curve, certain))
             continue
         for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):
             fields = fields_with_role(effect, "amplitude")
             paths = [p for p in evidence.paths if p.startswith(prefix + ".")]
             paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
             values = [parameters_of(evidence.model)[p].value for p in paths]
-            certain = _is_certain(paths, values, evidence, deviations)
+            certain = _is_certain(paths, values, evidence)
             terms.append(Term(one, effect, str(names.index(prefix)), certain=certain))
     names = [path for path, _ in effect_paths(model.effects)]  # effects of one name are numbered
     return model, [replace(t, path=names[int(t.path)]) if t.path.isdigit() else t for t in terms]
 
 
-def _is_certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence, deviations: FloatArray) -> bool:
+def _is_certain(paths: Sequence[str], values: Sequence[float], evidence: Evidence) -> bool:
     """Return whether parameters differ jointly from zero, or an axis parameter from its stated value, at 95 %."""
     rows = [evidence.paths.index(p) for p in paths if p in evidence.paths]
     if not rows or len(rows) != len(paths):
@@ -142,11 +137,11 @@ def _is_certain(paths: Sequence[str], values: Sequence[float], evidence: Evidenc
     if not values:
         name = paths[0].removeprefix("axis.")
         values = [getattr(evidence.model.axis, name) - getattr(evidence.given.axis, name)]
-    return _excludes_zero(np.array(values), deviations[np.ix_(rows, rows)])
+    return _excludes_zero(rows, np.array(values), evidence)
 
 
-def _excludes_zero(values: FloatArray, block: FloatArray) -> bool:
-    return bool(values @ np.linalg.pinv(block, hermitian=True) @ values > chi2.ppf(0.95, len(values)))
+def _excludes_zero(rows: Sequence[int], values: FloatArray, evidence: Evidence) -> bool:
+    return evidence.loss(rows, -values) - evidence.loss((), 0.0) > float(chi2.ppf(0.95, len(values)))
 
 
 def curve_of(evidence: Evidence, column: Any, amplitudes: FloatArray) -> dict[str, Any] | None:

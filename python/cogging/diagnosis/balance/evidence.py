@@ -11,9 +11,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.linalg import solve_triangular
-from scipy.optimize import nnls
+from scipy.optimize import brentq, minimize_scalar, nnls
 from scipy.signal import butter, sosfiltfilt
 
 from cogging._core import Predictor
@@ -22,6 +23,7 @@ from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 from cogging.estimation.residuals import quiet_plant
+from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
 
@@ -417,7 +419,8 @@ class Evidence:
         """Return a model whose own parameters minimise the residual of the force balance, to first order.
 
         The fit has nuisance parameters that a model lacks, such as mixtures of friction laws. Effects keep the values
-        of that fit; mass, friction and known cogging are then re-fitted to the rows without whitening.
+        of that fit; mass, friction, known cogging and what the mixture may replace are then re-fitted to the rows
+        without whitening.
 
         Args:
             model: model of this evidence, followed by effects for some of `extra`.
@@ -439,6 +442,7 @@ class Evidence:
         own = np.array(
             [p in known and not p.startswith("effects.") for p in paths] + [False] * (len(free) - len(paths))
         )
+        own |= self.mixed & np.pad([p in known for p in paths], (0, len(free) - len(paths)))
         at = len(paths)
         for place, column in enumerate(self.extra):
             free[at : at + len(column.amplitudes)] = place in kept
@@ -504,21 +508,58 @@ class Evidence:
         """Remove the friction widths whose non-negative least-squares weight is zero."""
         fit = self.fitted(taps, rounds=1)
         sigma, target = fit.prior
-        prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
-        right, gram = fit.x @ (fit.weight * fit.r) + prior * target, fit.gram
-        own = np.array([j < len(self.paths) and self.paths[j].startswith("width.") for j in range(len(right))])
-        if not own.any():
+        own = self.mixture
+        if not len(own):
             return
-        others = np.linalg.solve(gram[np.ix_(~own, ~own)], np.column_stack([gram[np.ix_(~own, own)], right[~own]]))
-        beside = gram[np.ix_(own, own)] - gram[np.ix_(own, ~own)] @ others[:, :-1]
-        root = np.linalg.cholesky(beside + 1e-10 * np.trace(beside) * np.eye(len(beside)))
-        share, _ = nnls(
-            root.T, solve_triangular(root, right[own] - gram[np.ix_(own, ~own)] @ others[:, -1], lower=True)
-        )
-        kept = np.flatnonzero(~own | np.isin(np.arange(len(own)), np.flatnonzero(own)[share > 0.0]))
+        prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
+        share, _ = nnls(*reduced(fit.gram, fit.x @ (fit.weight * fit.r) + prior * target, own))
+        gone = own[share == 0.0]
+        kept = np.setdiff1d(np.arange(len(fit.w)), gone)
         self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
         self.nuisances = [t[kept] for t in self.nuisances]
+
+    @property
+    def mixture(self) -> NDArray[np.intp]:
+        """Indexes of the amplitudes of the mixture of friction laws, which are not negative."""
+        return np.array([k for k, path in enumerate(self.paths) if path.startswith("width.")], dtype=np.intp)
+
+    @property
+    def mixed(self) -> Mask:
+        """Whether most of the information on an amplitude is lost to the mixture of friction laws, (q,)."""
+        gram, rest = self.null.gram, np.setdiff1d(np.arange(len(self.null.w)), self.mixture)
+        alone = np.full(len(gram), np.inf)
+        alone[rest] = np.diag(np.linalg.inv(gram[np.ix_(rest, rest)]))
+        return np.asarray(np.diag(np.linalg.inv(gram)) > 2.0 * alone)
+
+    def loss(self, held: Sequence[int], moved: FloatArray | float) -> float:
+        """Return by how much -2 ln likelihood exceeds that of `null` if amplitudes `held` move by `moved`.
+
+        The other amplitudes are re-fitted, those of the mixture of friction laws to values that are not negative.
+        """
+        fit, count = self.null, len(held)
+        own = np.setdiff1d(self.mixture, held)
+        rows = np.array([*held, *own], dtype=np.intp)
+        root, y = reduced(fit.gram, fit.gram @ fit.w, rows)
+        y = y - root[:, :count] @ (fit.w[rows[:count]] + np.asarray(moved) * fit.size[rows[:count]])
+        left = nnls(root[:, count:], y)[1] if len(own) else float(np.linalg.norm(y))
+        return float(left**2 / (fit.variance * self.alike))
+
+    def interval(self, k: int) -> tuple[float, float]:
+        """Return the ends of the 95 % interval of an amplitude, less its estimate: where the likelihood ratio ends."""
+        null = self.null
+        deviation = np.sqrt(np.linalg.inv(null.gram)[k, k] * null.variance * self.alike) / null.size[k]
+        most = self.loss((), 0.0) + SIGMAS_95**2
+        end = np.sqrt(most) * float(deviation)  # the constraints make the interval narrower
+
+        def excess(moved: float) -> float:
+            return self.loss((k,), moved) - most
+
+        if not np.isfinite(end):
+            return -np.inf, np.inf
+        middle = float(minimize_scalar(excess, bounds=(-end, end), method="bounded").x)
+        low, high = (brentq(excess, middle, 1.01 * side) for side in (-end, end))
+        return min(low, 0.0), max(high, 0.0)
 
     def friction_gain(self) -> float:
         """Return the gain in 2 ln likelihood of the mixture of friction laws over the model's own law."""
@@ -632,6 +673,19 @@ class Evidence:
         v = self.inflation(ortho[:, :n] * (e - s @ ortho)[:n])
         amplitudes[seen] = (vector[:, good] @ (s / np.sqrt(value[good]))) / size[seen]
         return float(np.sum(s**2 / v)), amplitudes, int(good.sum())
+
+
+def reduced(gram: FloatArray, slope: FloatArray, kept: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+    """Return R (k, k) and y (k,) of the quadratic w G w - 2 slope w, least over the amplitudes that are not kept.
+
+    Up to a constant it is |R w - y|^2 of the kept amplitudes.
+    """
+    rest = np.setdiff1d(np.arange(len(gram)), kept)
+    others = np.linalg.solve(gram[np.ix_(rest, rest)], np.column_stack([gram[np.ix_(rest, kept)], slope[rest]]))
+    own = gram[np.ix_(kept, kept)] - gram[np.ix_(kept, rest)] @ others[:, :-1]
+    lower = np.linalg.cholesky(own + 1e-10 * np.trace(own) * np.eye(len(own))) if len(own) else own
+    right = slope[kept] - gram[np.ix_(kept, rest)] @ others[:, -1]
+    return lower.T, solve_triangular(lower, right, lower=True) if len(own) else right
 
 
 def orthonormal(rows: FloatArray) -> FloatArray:
