@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import lsq_linear
 from scipy.signal import lfilter
 
 import cogging
@@ -287,3 +288,51 @@ def test_a_model_alone_without_an_effect_moves_the_others_to_where_they_are_like
     two = evidence.model.replace(effects=(*evidence.model.effects, spring))
     assert "effects.cable_spring[0].stiffness" in evidence.paths_in(two)
     assert "effects.cable_spring.stiffness" in evidence.paths_in(evidence.model)
+
+
+def test_a_scale_error_is_no_way_to_explain_the_noise_of_the_readings():
+    """Derivatives by an accepted scale error have the acceleration that acts, not the measured one with its noise."""
+    t, x, v, a = motion()
+    command = MASS * a + 0.166 * v
+    held = np.append(0.5 * (command[1:] + command[:-1]), command[-1])
+    model = machine().replace(uncertainty={"mass": 0.5, "viscous": 0.5})
+    wrong = model.replace(effects=(E["encoder_scale_error"].replace(scale=1e-3),))
+    columns, residuals = [], []
+    for size in (0.0, 2e-5):
+        noise = size * np.random.default_rng(6).standard_normal(len(t))
+        log = cogging.Log(time=t, position=x + noise, command=held, reference=x)
+        evidence = Evidence([DifferencedBalance(log, 5e-3)], model, wrong).prepare()
+        columns.append(evidence.nuisances[0][evidence.paths.index("effects.encoder_scale_error.scale")][100:-100])
+        residuals.append(evidence.residuals[0][100:-100])
+    assert np.std(residuals[1] - residuals[0]) > 0.2 * np.std(columns[0])
+    assert np.std(columns[1] - columns[0]) < 0.02 * np.std(columns[0])
+
+
+def test_intervals_end_where_the_likelihood_ratio_does():
+    """Against a bounded least squares of all amplitudes at once: those of the mixture are not negative."""
+    t, x, v, a = motion(seconds=4.0)
+    command = MASS * a + 0.166 * v + 0.05 * np.tanh(v / 0.1) + 0.04 * np.exp(-np.abs(v) / 0.05) * np.sign(v)
+    command = command + 0.01 * np.random.default_rng(3).standard_normal(len(t))
+    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    axis = cogging.AxisParameters(mass=MASS, viscous=0.166, coulomb=0.05, coulomb_width=2e-2)
+    stated = cogging.Model(axis=axis, uncertainty={"mass": 0.2, "viscous": 0.5, "coulomb": 0.5})
+    bump = E["stribeck_friction"].replace(static_excess=0.03, velocity=0.05)
+    evidence = Evidence([DifferencedBalance(log, 2e-2)], stated, stated.replace(effects=(bump,))).prepare(2)
+    fit, mixture = evidence.null, evidence.mixture
+    assert len(mixture) > 1
+    root = np.linalg.cholesky(fit.gram).T
+    low = np.where(np.isin(np.arange(len(fit.w)), mixture), 0.0, -np.inf)
+
+    def cost(k, moved):
+        rest = np.arange(len(fit.w)) != k
+        target = root @ fit.w - root[:, k] * (fit.w[k] + moved * fit.size[k] if k >= 0 else 0.0)
+        columns, bounds = (root[:, rest], low[rest]) if k >= 0 else (root, low)
+        return 2.0 * lsq_linear(columns, target, (bounds, np.inf), tol=1e-14).cost / fit.variance
+
+    least = cost(-1, 0.0)
+    for path in ("effects.stribeck_friction.static_excess", "axis.mass"):
+        k = evidence.paths.index(path)
+        ends = evidence.interval(k)
+        assert ends[0] < 0.0 < ends[1]
+        for end in ends:
+            assert cost(k, end) - least == pytest.approx(1.959964**2, rel=1e-2)
