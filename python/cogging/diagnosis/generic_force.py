@@ -78,7 +78,7 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))
     lasting = groups != "time"
     there = None if elsewhere is None else _fit(sums, elsewhere, lasting)[0]
-    weights = _weights(sums, groups != "", RIDGES[0])
+    (weights,) = _weights(sums, RIDGES[:1])
     whole = (np.sum([s[0] for s in sums], axis=0), np.sum([s[1] for s in sums], axis=0), float(left @ left))
     noise = max(_lost(weights, whole), 0.0) / max(len(left) - len(groups), 1)
     return Predicted(_fit(sums, None, lasting)[0], there, tuple(curves), float(np.sqrt(noise)))
@@ -128,31 +128,28 @@ def _sums(table: FloatArray, left: FloatArray) -> Sums:
     return table @ table.T, table @ left, float(left @ left)
 
 
-def _weights(parts: Sequence[Sums], used: Mask, ridge: float) -> FloatArray:
-    """Return the amplitudes of a ridge regression."""
-    gram = np.sum([part[0][np.ix_(used, used)] for part in parts], axis=0)
+def _weights(parts: Sequence[Sums], ridges: FloatArray) -> FloatArray:
+    """Return the amplitudes of ridge regressions, (ridges, columns)."""
+    gram, right = np.sum([part[0] for part in parts], axis=0), np.sum([part[1] for part in parts], axis=0)
     size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
-    return np.asarray(np.linalg.solve(gram + ridge * np.diag(size), np.sum([part[1][used] for part in parts], axis=0)))
+    return np.asarray(np.linalg.solve(gram + ridges[:, None, None] * np.diag(size), right[:, None])[..., 0])
 
 
 def _fit(parts: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[float, FloatArray, FloatArray]:
     """Return the share of the power that some columns predict, their amplitudes and standard deviations."""
     own = [(gram[np.ix_(used, used)], right[used], power) for gram, right, power in parts]
-    every = np.ones(int(used.sum()), dtype=bool)
-
-    def lost(ridge: float) -> float:
-        others = [own[:k] + own[k + 1 :] for k in range(len(own))]
-        return sum(_lost(_weights(rest, every, ridge), one) for rest, one in zip(others, own, strict=True))
-
-    ridge = min(RIDGES, key=lost)
-    force = _weights(own, every, ridge)
+    lost = np.zeros(len(RIDGES))
+    for k, one in enumerate(own):
+        lost += [_lost(force, one) for force in _weights(own[:k] + own[k + 1 :], RIDGES)]
+    best = int(np.argmin(lost))
+    (force,) = _weights(own, RIDGES[[best]])
     gram = np.sum([one[0] for one in own], axis=0)
     whole = (gram, np.sum([one[1] for one in own], axis=0), sum(one[2] for one in own))
-    remains, power = lost(ridge), whole[2]
+    remains, power = float(lost[best]), whole[2]
     size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
     rows = max(float(np.trace(gram)), 1.0)
     noise = max(_lost(force, whole), 0.0) / rows
-    deviation = np.sqrt(noise * np.diag(np.linalg.inv(gram + ridge * np.diag(size))))
+    deviation = np.sqrt(noise * np.diag(np.linalg.inv(gram + RIDGES[best] * np.diag(size))))
     if elsewhere is not None:
         own_there = (elsewhere[0][np.ix_(used, used)], elsewhere[1][used], elsewhere[2])
         remains, power = _lost(force, own_there), elsewhere[2]

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import freqz, lfilter
+from scipy.signal import lfilter
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import hats, load_response, lost_motion, splines
-from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.estimation.residuals import quiet_plant
@@ -258,8 +258,8 @@ def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
     """Return the power gain of low-pass filter, decimation and whitening at frequencies (Hz), (k,)."""
     b = ctx.balances[0]
     folded = np.abs((frequency + 0.5 * b.rate) % b.rate - 0.5 * b.rate)
-    _, h = freqz(ctx.screen.taps[0], 1.0, folded / b.rate * 2 * np.pi)
-    return np.asarray(np.abs(h) ** 2 / ctx.screen.variance * b.power(frequency))
+    gain = gain_of_taps(ctx.screen.taps[0], folded / b.rate)
+    return np.asarray(gain**2 / ctx.screen.variance * b.power(frequency))
 
 
 def direction(b: DifferencedBalance) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
-from scipy.signal import butter, firwin, freqz, lfilter, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
+from scipy.signal import butter, firwin, lfilter, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Plant, Predictor
 from cogging.arrays import FloatArray, Mask
@@ -239,7 +239,7 @@ class DifferencedBalance:
         taps, sections = self.filters()
         f = np.clip(np.ravel(frequency), 0.0, 0.5 / self.step)
         folded = np.abs((f + 0.5 * self.rate) % self.rate - 0.5 * self.rate)
-        gain = np.abs(freqz(taps, 1.0, 2 * np.pi * f * self.step)[1])
+        gain = gain_of_taps(taps, f * self.step)
         gain *= np.abs(sosfreqz(sections, 2 * np.pi * folded / self.rate)[1])
         return np.asarray(gain**2 / self.every)
 
@@ -361,6 +361,12 @@ class DifferencedBalance:
         if known is None or known[0] is not model or known[1] is not command:
             self.cache["base"] = known = model, command, self.forces([quiet_plant(base)], command)
         return self.forces([quiet_plant(base.replace(effects=(e,))) for e in effects], command) - known[2]
+
+
+def gain_of_taps(taps: FloatArray, frequency: FloatArray) -> FloatArray:
+    """Return the gain of an impulse response at frequencies in cycles per row, between those of a fine transform."""
+    size = 32 * len(taps)
+    return np.interp(frequency, np.fft.rfftfreq(size), np.abs(np.fft.rfft(taps, size)))
 
 
 def _even(log: Log) -> tuple[FloatArray, FloatArray, FloatArray, Mask]:

@@ -71,7 +71,7 @@ def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
     centres = np.unique(np.geomspace(LINES, lines[-1], CENTRES).astype(int))
     low = np.maximum(1, np.minimum((centres / BAND).astype(int), centres - LINES // 2))
     high = np.minimum(len(power), np.maximum((centres * BAND).astype(int), centres + LINES // 2) + 1)
-    level = np.array([np.median(power[a:b]) for a, b in zip(low, high, strict=True)])
+    level = np.array([median(power[a:b]) for a, b in zip(low, high, strict=True)])
     smooth = np.interp(np.log(lines), np.log(centres), np.log(level + 1e-9 * level.max()))
     cepstrum = np.fft.irfft(-0.5 * np.concatenate([smooth[:1], smooth]), size)
     cepstrum[1 : size // 2] *= 2.0
@@ -143,6 +143,13 @@ class Maximum:
     def by_row(self) -> FloatArray:
         """Return -2 ln of the density of each row, (n,)."""
         return student_cost(self.rest, self.variance) + self.unit
+
+
+def median(x: FloatArray) -> float:
+    """Return the median of a few numbers, (n,), without the checks that take most of the time of np.median."""
+    half = len(x) // 2
+    least = np.partition(x, half)
+    return float(least[half] if len(x) % 2 else 0.5 * (least[half] + least[:half].max()))
 
 
 def deviation(x: FloatArray) -> float:
