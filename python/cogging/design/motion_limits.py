@@ -174,7 +174,7 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
     return "\n".join(["## What the machine may do, drafted by `cogging experiment`: check each line.", *lines, ""])
 
 
-def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
+def shares_of_limits(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
     """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
 
     The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes
