@@ -29,8 +29,8 @@ def add_parser(commands: Commands) -> None:
         "experiment",
         help="make a motion that shows every effect within the machine's limits",
         description="Make a motion within the machine's limits that shows every effect, and compute the detection "
-        "limits or intervals that it is expected to give. It writes the reference (for `simulate` and the machine), its "
-        "samples (.csv) and the plan (.plan.json) beside it.",
+        "limits or intervals that it is expected to give. It writes the reference (for `simulate` and the machine), "
+        "its samples (.csv) and the plan (.plan.json) beside it.",
         epilog=LIMITS,
         examples=(
             "cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml",

@@ -19,7 +19,8 @@ from cogging.design.pid import ASSUMED, assumed_pid
 from cogging.diagnosis.balance.decision import Outcome
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, TooLittleMotion, deviation, noise_filter
-from cogging.diagnosis.detection_limits import CHANGES, limits as detection_limits
+from cogging.diagnosis.detection_limits import CHANGES
+from cogging.diagnosis.detection_limits import limits as detection_limits
 from cogging.diagnosis.diagnosis_result import Diagnosis
 from cogging.diagnosis.separating import separating
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
@@ -285,7 +286,7 @@ def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: 
 def _simulated(
     model: Model, controller: AnyController | None, limits: MotionLimits, seed: int
 ) -> tuple[Sampled, tuple[Element, ...], float, Log, dict[str, float]]:
-    """Return the motion at the largest scale that keeps the limits, its parts, the scale, the log, and shares of limits.
+    """Return the motion at the largest scale that keeps the limits, its parts, scale and log, and shares of limits.
 
     Raises:
         NoMotion: no scale keeps the limits.
