@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,8 @@ from cogging.estimation.statistics import SINGULAR, jackknife
 from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
+
+TOLERANCE = 1e-3  # of the last step, in 1-sigma
 
 
 @dataclass(frozen=True)
@@ -82,9 +84,6 @@ def fit(
     logs: Sequence[Residuals],
     *,
     iterations: int = 15,
-    tolerance: float = 1e-3,
-    floors: Mapping[str, float] | None = None,
-    ceilings: Mapping[str, float] | None = None,
 ) -> Estimate:
     """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
@@ -95,14 +94,11 @@ def fit(
         paths: of the free parameters.
         logs: to fit.
         iterations: at most.
-        tolerance: of the last step, in 1-sigma.
-        floors, ceilings: values below and above which a parameter does not go, by path.
 
     Raises:
         DivergedError: the model diverges on a log.
     """
     scales = Scales.largest(log.scales for log in logs)
-    limits = floors or {}, ceilings or {}
     done = 0
     while True:
         known = parameters_of(model, together=True)
@@ -118,9 +114,9 @@ def fit(
         step = -np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True) @ (gradient / size) / size
         done += 1
         filters = [s.coefficients for s in seen]
-        model, length = _move(model, parameters, step, logs, residuals, filters, *limits)
+        model, length = _move(model, parameters, step, logs, residuals, filters)
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
-        if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
+        if length == 0.0 or np.all(np.abs(length * step) < TOLERANCE * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more evaluation, at the final values
     return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
 
@@ -150,8 +146,6 @@ def _move(
     logs: Sequence[Residuals],
     residuals: Sequence[FloatArray],
     filters: Sequence[FloatArray],
-    floors: Mapping[str, float],
-    ceilings: Mapping[str, float],
 ) -> tuple[Model, float]:
     """The model after the longest of the steps 1, 1/2, 1/4, ... that lowers the cost under the same filters."""
 
@@ -166,10 +160,7 @@ def _move(
     before = cost(residuals)
     length = 1.0
     while length > 1e-3:
-        values = {
-            p.path: min(max(p.clipped(p.value + length * s), floors.get(p.path, -np.inf)), ceilings.get(p.path, np.inf))
-            for p, s in zip(parameters, step, strict=True)
-        }
+        values = {p.path: p.clipped(p.value + length * s) for p, s in zip(parameters, step, strict=True)}
         try:
             moved = with_values(model, values)
             after = cost([log.of([moved])[0] for log in logs])

@@ -6,15 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cogging._core import Plant, PlantAlong, Prediction, Predictor
+from cogging._core import Plant, Prediction, Predictor
 from cogging.arrays import FloatArray, Mask
-from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
-from cogging.estimation.residuals import SETTLED, START, quiet_plant, settling, since, steps_needed
+from cogging.effects.effect import Wave, kind_of, laws_of
+from cogging.estimation.residuals import START, quiet_plant, since, steps_needed
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, effect_at, one_sided
 
+BANDWIDTH = 20.0  # Hz, of the observer
+SETTLED = 6.0  # time constants after which the observer has forgotten its initial error (7 exp(-6) remains)
 WIDE = 0.03  # relative step of a difference quotient through contacts
 
 #: Hooks that act through a force or the command gain alone, without memory.
@@ -33,43 +35,35 @@ class Innovations:
     Args:
         log: with at least time, position and command.
         model: gives mass and friction width for the scaling.
-        bandwidth: of the observer, Hz.
         rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
-        quick_starts: rows count sooner after a start that is quicker than the observer (see settling).
     """
-
-    _joined: tuple[Prediction, Plant, PlantAlong] | None = None  # cache of rows_of_effects
 
     def __init__(
         self,
         log: Log,
         model: Model,
         *,
-        bandwidth: float = 20.0,
         rest: float | None = None,
-        steps_per_sample: int | None = None,
-        quick_starts: bool = False,
     ) -> None:
-        self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
+        self.log = log
         sample_time = float(np.median(np.diff(log.time)))
-        self.gap = max(5.0 * sample_time, 0.1 / bandwidth)
+        self.gap = max(5.0 * sample_time, 0.1 / BANDWIDTH)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time - log.time[0],  # time counts from the first row
             log.position,
             log.command,
-            bandwidth=bandwidth,
+            bandwidth=BANDWIDTH,
             gap=self.gap,
             initial_velocity=self.initial_velocity,
-            steps_per_sample=steps_needed(model, sample_time) if steps_per_sample is None else steps_per_sample,
+            steps_per_sample=steps_needed(model, sample_time),
         )
-        self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
+        self.scale = model.axis.mass * (2.0 * np.pi * BANDWIDTH) ** 2
         self._predicted = ((model, self.predictor.predict(quiet_plant(model))),) * 2
         self.along, self.velocity = self._predicted[0][1], self._predicted[0][1].velocity
-        smooth = max(1, round(0.1 / bandwidth / sample_time))
+        smooth = max(1, round(0.1 / BANDWIDTH / sample_time))
         speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
-        self.settle = SETTLED / (2.0 * np.pi * bandwidth)
         self.mask = self._moves().astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
@@ -87,8 +81,8 @@ class Innovations:
         turned = np.concatenate([[False], velocity[1:] * velocity[:-1] < 0.0])  # between two rows
         still = (np.abs(velocity) < self.rest) | turned
         broken = np.concatenate([[True], np.diff(time) > self.gap])
-        waits = settling(still, time, velocity, self.rest, self.bandwidth) if self.quick_starts else self.settle
-        return np.asarray(~(since(still, time) < waits) & ~(since(broken, time) < max(START, self.settle)))
+        settle = SETTLED / (2.0 * np.pi * BANDWIDTH)
+        return np.asarray(~(since(still, time) < settle) & ~(since(broken, time) < max(START, settle)))
 
     def prediction(self, model: Model) -> Prediction:
         """The prediction of a model along this log; cached for the first model and the last.
@@ -162,29 +156,6 @@ class Innovations:
         force = force[1:]
         force /= np.asarray(spans)[:, None]
         return self.rows_of_forces(along, force, plant.axis.mass)
-
-    def rows_of_effects(
-        self, along: Prediction, plant: Plant, effects: Sequence[Effect], units: Sequence[float]
-    ) -> FloatArray:
-        """First-order change of the residuals when each effect is added to a plant, V per unit of it, (p, n).
-
-        Only the effect's own law is evaluated, so this is much quicker than `rows_of_plants`.
-
-        Args:
-            along: prediction of `plant` on this log.
-            plant: (see quiet_plant).
-            effects: p of them, each such that `Predictor.is_addable`.
-            units: what each row is divided by, (p,), above 0.
-
-        Raises:
-            ValueError: an effect that is not addable.
-        """
-        joined = self._joined
-        if joined is None or joined[0] is not along or joined[1] != plant:
-            self._joined = joined = (along, plant, self.predictor.plant_along(along, plant))
-        rows = np.asarray(joined[2].added(for_core(effects), units))
-        rows *= self.scale
-        return rows
 
     def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
         """Change of the residuals by small forces (V, one an interval, (p, n)), V, (p, n)."""

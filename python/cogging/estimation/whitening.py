@@ -52,12 +52,9 @@ def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
     return np.asarray(autoregression(clipped, log.mask, order=order_for(log)))
 
 
-def whitened(
-    log: Residuals, residual: FloatArray, columns: FloatArray, coefficients: FloatArray | None = None
-) -> Whitened:
+def whitened(log: Residuals, residual: FloatArray, columns: FloatArray) -> Whitened:
     """Whiten a residual and its columns, and keep the rows that count."""
-    if coefficients is None:
-        coefficients = whitening_filter(log, residual)
+    coefficients = whitening_filter(log, residual)
     table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
     rows = log.mask > 0
     rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
