@@ -137,11 +137,7 @@ class MotionLimits(ByValue):
 
 
 def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
-    """Return the text of a limits file with what the model and logs show, and what is assumed.
-
-    Raises:
-        ValueError: neither the model nor a log shows a travel.
-    """
+    """Return the text of a limits file with what the model and logs show, and what is assumed."""
     found = [audit(log) for log in logs]
     low, high = model.axis.travel
     if not math.isfinite(high - low):

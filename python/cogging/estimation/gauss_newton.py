@@ -21,27 +21,16 @@ TOLERANCE = 1e-3  # of the last step, in 1-sigma
 
 @dataclass(frozen=True)
 class Estimate:
-    """The result of a fit.
+    """The result of a fit."""
 
-    Attributes:
-        paths: the free parameters.
-        values: (p,).
-        covariance: of the values, from leaving out blocks, (p, p).
-        freedom: degrees of freedom of each variance, (p,).
-        model: with the values.
-        residuals: V, one array (n,) a log.
-        whitened: at the values.
-        iterations: used.
-    """
-
-    paths: tuple[str, ...]
-    values: FloatArray
-    covariance: FloatArray
-    freedom: FloatArray
-    model: Model
-    residuals: tuple[FloatArray, ...]
-    whitened: tuple[Whitened, ...]
-    iterations: int
+    paths: tuple[str, ...]  # the free parameters
+    values: FloatArray  # (p,)
+    covariance: FloatArray  # of the values, from leaving out blocks, (p, p)
+    freedom: FloatArray  # degrees of freedom of each variance, (p,)
+    model: Model  # with the values
+    residuals: tuple[FloatArray, ...]  # V, one array (n,) a log
+    whitened: tuple[Whitened, ...]  # at the values
+    iterations: int  # used
 
     @property
     def cost(self) -> float:
@@ -57,13 +46,7 @@ class Estimate:
 def columns_of(
     model: Model, parameters: Sequence[Parameter], logs: Sequence[Residuals], scales: Scales
 ) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Residuals (n,) and their derivatives (p, n), one of each a log.
-
-    Derivatives by `Innovations.columns`, else by central differences of whole runs.
-
-    Raises:
-        ValueError: a parameter that cannot be varied.
-    """
+    """Residuals (n,) and their derivatives (p, n), one of each a log, by prediction or central differences of runs."""
     if all(isinstance(log, Innovations) for log in logs):
         pairs = [log.columns(model, parameters, scales) for log in logs if isinstance(log, Innovations)]
         return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
@@ -88,15 +71,7 @@ def fit(
     """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
     The whitening filter of each log is re-estimated in each iteration; logs are weighted by their whitened rms.
-
-    Args:
-        model: where to start.
-        paths: of the free parameters.
-        logs: to fit.
-        iterations: at most.
-
-    Raises:
-        DivergedError: the model diverges on a log.
+    DivergedError: the model diverges on a log.
     """
     scales = Scales.largest(log.scales for log in logs)
     done = 0
@@ -122,11 +97,7 @@ def fit(
 
 
 def _normal_equations(paths: Sequence[str], seen: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
-    """Curvature (p, p) and gradient (p,) of half the sum of squares.
-
-    Raises:
-        DivergedError: they are not finite.
-    """
+    """Curvature (p, p) and gradient (p,) of half the sum of squares; DivergedError: they are not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
         gradient = np.asarray(sum(s.columns @ s.residual for s in seen))

@@ -27,15 +27,11 @@ class Innovations:
     """Residuals by one-step prediction: command and position alone, no controller, no reference.
 
     The plant is driven by the recorded command and corrected by an observer of fixed gain; the innovation is expressed
-    as the constant force that would cause it, M (2 pi bandwidth)^2 innovation.
+    as the constant force that would cause it, M (2 pi BANDWIDTH)^2 innovation.
 
-    Rows count if the axis has moved faster than `rest` for six time constants of the observer and the record has no
-    gap: at rest, friction balances any force up to its level.
-
-    Args:
-        log: with at least time, position and command.
-        model: gives mass and friction width for the scaling.
-        rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
+    Rows count if the axis has moved faster than `rest` (m/s; None: the larger of the friction's width and 0.3 % of the
+    largest speed) for six time constants of the observer and the record has no gap: at rest, friction balances any
+    force up to its level.
     """
 
     def __init__(
@@ -85,13 +81,7 @@ class Innovations:
         return np.asarray(~(since(still, time) < settle) & ~(since(broken, time) < max(START, settle)))
 
     def prediction(self, model: Model) -> Prediction:
-        """The prediction of a model along this log; cached for the first model and the last.
-
-        A fit needs the same model twice: to accept a step, then for the derivatives.
-
-        Raises:
-            DivergedError: it diverged.
-        """
+        """The prediction of a model along this log; cached for the first model and the last. DivergedError."""
         for known, along in self._predicted:
             if known is model:
                 return along
@@ -100,11 +90,7 @@ class Innovations:
         return along
 
     def of(self, models: Sequence[Model]) -> FloatArray:
-        """Residuals (V) of each model, (models, n).
-
-        Raises:
-            DivergedError: a prediction diverged.
-        """
+        """Residuals (V) of each model, (models, n); DivergedError: a prediction diverged."""
         if len(models) == 1:
             return np.asarray(self.scale * self.prediction(models[0]).innovation[None, :])
         return np.asarray(self.scale * self.predictor.innovations([quiet_plant(model) for model in models]))
@@ -114,9 +100,6 @@ class Innovations:
 
         Force parameters are differentiated along the prediction and propagated through the observer; parameters with
         memory, of the amplifier or of the encoder by central differences of whole predictions.
-
-        Raises:
-            ValueError: a parameter that no step may move.
         """
         plant, along = quiet_plant(model), self.prediction(model)
         columns = np.zeros((len(parameters), len(self.log)))
@@ -141,13 +124,10 @@ class Innovations:
     def rows_of_plants(
         self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
     ) -> FloatArray:
-        """First-order change of the residuals from a plant to others that differ in forces alone, (p, n).
+        """First-order change of residuals from a plant to others that differ in forces alone, over `spans`, (p, n).
 
-        Args:
-            along: prediction of `plant` on this log.
-            plant: (without quantiser and noise, as the others: see quiet_plant).
-            others: p of them. One of another mass counts by the acceleration that its forces make.
-            spans: what each row is divided by, (p,): rows are V per unit of it.
+        `along` is the prediction of `plant`, all without quantiser and noise; another mass counts by the acceleration
+        that its forces make.
         """
         force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
         # The same acceleration, as a force on the plant's own mass.
@@ -192,10 +172,7 @@ def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
 
 
 def is_reading(model: Model, path: str) -> bool:
-    """Whether a parameter belongs to a periodic encoder error, which is small.
-
-    An error that grows along the travel (a scale) resembles mass and friction and is predicted exactly instead.
-    """
+    """Whether a parameter belongs to a periodic encoder error, which is small (a scale is predicted exactly)."""
     if not path.startswith("effects."):
         return False
     effect = effect_at(model, path)

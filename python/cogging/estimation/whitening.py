@@ -16,21 +16,13 @@ BLOCK = 0.2  # s, length of the jackknife blocks: rows further apart are taken t
 
 @dataclass(frozen=True)
 class Whitened:
-    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only.
+    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only."""
 
-    Attributes:
-        residual: (n,).
-        columns: d residual / d parameter, (p, n).
-        block: number of the block of each row, (n,).
-        coefficients: of the autoregressive filter.
-        rms: of the whitened residual before division, V.
-    """
-
-    residual: FloatArray
-    columns: FloatArray
-    block: npt.NDArray[np.int64]
-    coefficients: FloatArray
-    rms: float
+    residual: FloatArray  # (n,)
+    columns: FloatArray  # d residual / d parameter, (p, n)
+    block: npt.NDArray[np.int64]  # number of the block of each row, (n,)
+    coefficients: FloatArray  # of the autoregressive filter
+    rms: float  # of the whitened residual before division, V
 
 
 class NothingCounts(ValueError):

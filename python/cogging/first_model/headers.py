@@ -88,21 +88,13 @@ RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNO
 
 @dataclass(frozen=True)
 class Header:
-    """Quantity and unit in the header of a column.
+    """Quantity and unit in the header of a column."""
 
-    Attributes:
-        label: the whole text.
-        bare: the name without its unit.
-        unit: as written, or "".
-        kind: quantity, a key of WORDS, or "".
-        rank: 0 for the most specific name, larger for others.
-    """
-
-    label: str
-    bare: str
-    unit: str
-    kind: str
-    rank: int
+    label: str  # the whole text
+    bare: str  # the name without its unit
+    unit: str  # as written, or ""
+    kind: str  # quantity, a key of WORDS, or ""
+    rank: int  # 0 for the most specific name, larger for others
 
     @property
     def kind_of_unit(self) -> str:
@@ -206,19 +198,12 @@ MANY = 1000  # span from which whole numbers are counts
 
 @dataclass(frozen=True)
 class Unit:
-    """The unit of a column.
+    """The unit of a column."""
 
-    Attributes:
-        factor: to the unit of the log.
-        label: of the log's unit: s, m, rad, V, A, N, Nm, ...
-        reason: why, in words.
-        sure: STATED (in the header), LIKELY or UNKNOWN.
-    """
-
-    factor: float
-    label: str
-    reason: str
-    sure: str
+    factor: float  # to the unit of the log
+    label: str  # of the unit of the log: s, m, rad, V, A, ...
+    reason: str  # why, in words
+    sure: str  # STATED (in the header), LIKELY or UNKNOWN
 
 
 def unit_of_time(header: Header, time: FloatArray) -> Unit:
@@ -260,14 +245,7 @@ def stated_unit(header: Header) -> Unit | None:
 
 
 def unit_of_position(header: Header, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
-    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration.
-
-    Args:
-        header: of the column.
-        time: s, (n,).
-        position: as written, (n,).
-        turns: whether it is an angle.
-    """
+    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration."""
     stated, label = stated_unit(header), "rad" if turns else "m"
     if stated is not None:
         return stated

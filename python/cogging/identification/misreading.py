@@ -65,23 +65,15 @@ SHIFTS = 60  # tried either way before the best is refined
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a log differently.
+    """One way to read a log differently."""
 
-    Attributes:
-        column: that is read differently.
-        kind: sign, scale, swap, derivative, shift, or reference.
-        said: what is wrong, a clause with the column as its subject.
-        factors: by column.
-        renamed: the column that takes the place of another, by the name of that place.
-        shift: rows by which the command is too late, negative: too early.
-    """
-
-    column: str
-    kind: str
-    said: str
-    factors: Mapping[str, float] = field(default_factory=dict)
+    column: str  # that is read differently
+    kind: str  # sign, scale, swap, derivative, shift, or reference
+    said: str  # what is wrong, a clause with the column as its subject
+    factors: Mapping[str, float] = field(default_factory=dict)  # by column
+    # the column that takes the place of another, by the name of that place
     renamed: Mapping[str, str] = field(default_factory=dict)
-    shift: int = 0
+    shift: int = 0  # rows by which the command is too late, negative: too early
 
     def of(self, log: Log) -> Log:
         """The log read this way."""
@@ -127,33 +119,20 @@ class Reading:
 
 @dataclass(frozen=True)
 class Misreading:
-    """A column of a log that was read as something else.
+    """A column of a log that was read as something else."""
 
-    Attributes:
-        column: of the log.
-        misreading: sign, scale, swap, derivative (of the position), shift, or reference (given as position).
-        factor: by which the column is to be multiplied, or None.
-        rows: by which the command is too late, negative: too early; or None.
-        option: to give on the command line, or "" where no option does it.
-        alternatives: options that these logs cannot distinguish from it.
-        explained: share of the command's power in motion that the model explains as the log was read; None: unknown.
-        explained_otherwise: the same with the column read correctly.
-        logs: names of the logs.
-        advice: what to do.
-        text: all of it in a sentence.
-    """
-
-    column: str
-    misreading: str
-    factor: float | None
-    rows: int | None
-    option: str
-    alternatives: tuple[str, ...]
+    column: str  # of the log
+    misreading: str  # sign, scale, swap, derivative (of the position), shift, or reference (given as position)
+    factor: float | None  # by which the column is to be multiplied, or None
+    rows: int | None  # by which the command is too late, negative: too early; or None
+    option: str  # to give on the command line, or "" where no option does it
+    alternatives: tuple[str, ...]  # options that these logs cannot distinguish from it
+    # share of the command's power in motion that the model explains as the log was read; None: unknown
     explained: float | None
-    explained_otherwise: float | None
-    logs: tuple[str, ...]
-    advice: str
-    text: str
+    explained_otherwise: float | None  # the same with the column read correctly
+    logs: tuple[str, ...]  # names of the logs
+    advice: str  # what to do
+    text: str  # all of it in a sentence
 
     def to_dict(self) -> dict[str, Any]:
         """All fields for JSON."""
@@ -414,18 +393,12 @@ def _length_unit(factor: float, units: Units) -> Reading:
 
 @dataclass(frozen=True)
 class Evidence:
-    """When a reading is clearly better; shares of the power that free forces of position and time leave of a command.
+    """When a reading is clearly better; shares are of the power that free forces of position and time leave."""
 
-    Attributes:
-        unexplained: of the log as read, at least, whatever mass and friction.
-        explained: of the other reading, at most.
-        margin: ratio of both, at least.
-        stretches: effective number of blocks that support it, at least: (sum of gains)^2 over the sum of squares.
-    """
-
-    unexplained: float
-    explained: float
-    margin: float = 4.0
+    unexplained: float  # of the log as read, at least, whatever mass and friction
+    explained: float  # of the other reading, at most
+    margin: float = 4.0  # ratio of both, at least
+    # effective number of blocks that support it, at least: (sum of gains)^2 over the sum of squares
     stretches: float = 9.0
 
     def favours(self, after: AxisFit, before: AxisFit) -> bool:

@@ -32,27 +32,16 @@ BURIED = 4.0  # ... residual over noise, from which parameters keep their prior 
 
 @dataclass(frozen=True)
 class Unmodelled:
-    """The residual of one log's force balance.
+    """The residual of one log's force balance."""
 
-    Attributes:
-        residual: rms over the rows in motion, V.
-        command: rms of the filtered command over the same rows, V.
-        noise: rms that no force of position, speed, direction, acceleration or time explains, V.
-        inflation: spectral density of that noise at low frequencies over that of white noise of the same rms.
-        freedom: number of independent rows less the forces fitted.
-        slow: as `inflation`, of the whole residual.
-        forces: of position, speed, direction and time, (q, m), of rms 1.
-        rows: of the balance that are used, (m,).
-    """
-
-    residual: float
-    command: float
-    noise: float
-    inflation: float
-    freedom: float
-    slow: float
-    forces: FloatArray
-    rows: IntArray
+    residual: float  # rms over the rows in motion, V
+    command: float  # rms of the filtered command over the same rows, V
+    noise: float  # rms that no force of position, speed, direction, acceleration or time explains, V
+    inflation: float  # spectral density of that noise at low frequencies over that of white noise of the same rms
+    freedom: float  # number of independent rows less the forces fitted
+    slow: float  # as `inflation`, of the whole residual
+    forces: FloatArray  # of position, speed, direction and time, (q, m), of rms 1
+    rows: IntArray  # of the balance that are used, (m,)
 
     @property
     def structured(self) -> float:
@@ -72,13 +61,7 @@ class Unmodelled:
 
     @classmethod
     def of(cls, balance: ForceBalance, model: Model, run: Simulator | None) -> Unmodelled:
-        """Split what a model leaves of a log.
-
-        Args:
-            balance: of the log.
-            model: fitted.
-            run: simulates the noise-free motion; None: the measured motion is used.
-        """
+        """Split what a fitted model leaves of a log; `run`: simulates the noise-free motion; None: use the measured."""
         residual = balance.of([model])[0]
         command = balance.filtered(balance.command[None, :])[0]
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * balance.cutoff * balance.sample_time)))

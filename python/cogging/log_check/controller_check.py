@@ -28,25 +28,15 @@ EXPLAINS = 0.7  # of the difference: spikes are left out if less than this remai
 
 @dataclass(frozen=True)
 class Compared:
-    """A log and the command of the stated controller for it, one entry a sample.
+    """A log and the command of the stated controller for it, one entry a sample."""
 
-    Attributes:
-        samples: of the log.
-        computed: V, with the initial integral.
-        start: V, that integral, constant between gaps.
-        judged: samples that are compared.
-        doubted: samples whose command is a spike that the controller did not give.
-        unseen: rows of the log, (n,), whose reading is a spike that the controller did not see.
-        shifts: rms difference by the shift of the command, V.
-    """
-
-    samples: Samples
-    computed: FloatArray
-    start: FloatArray
-    judged: Mask
-    doubted: Mask
-    unseen: Mask
-    shifts: Mapping[int, float]
+    samples: Samples  # of the log
+    computed: FloatArray  # V, with the initial integral
+    start: FloatArray  # V, that integral, constant between gaps
+    judged: Mask  # samples that are compared
+    doubted: Mask  # samples whose command is a spike that the controller did not give
+    unseen: Mask  # rows of the log, (n,), whose reading is a spike that the controller did not see
+    shifts: Mapping[int, float]  # rms difference by the shift of the command, V
 
 
 def compared(log: Log, model: Model, kind: str) -> Compared:

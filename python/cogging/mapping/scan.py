@@ -22,29 +22,17 @@ CELLS_PER_PERIOD = 20  # of the highest harmonic: averaging over a cell reduces 
 
 @dataclass(frozen=True)
 class Scan:
-    """The points of a scan, at most one a cell and pass, in the order of the passes.
+    """The points of a scan, at most one a cell and pass, in the order of the passes."""
 
-    Attributes:
-        position: m, (n,).
-        force: V, (n,): F_cogging + friction, whatever the sensor's sign was.
-        direction: (n,), +1 where the position rose, -1 where it fell.
-        spacing: m, of neighbouring points, whatever their pass.
-        both_ways: whether friction is separable from the offset.
-        resolvable: the highest harmonic that the points resolve.
-        highest: the highest harmonic searched.
-        notes: remarks on the rows.
-        units: labels of force and position.
-    """
-
-    position: FloatArray
-    force: FloatArray
-    direction: FloatArray
-    spacing: float
-    both_ways: bool
-    resolvable: int
-    highest: int
-    notes: tuple[str, ...]
-    units: Units
+    position: FloatArray  # m, (n,)
+    force: FloatArray  # V, (n,): F_cogging + friction, whatever the sensor's sign was
+    direction: FloatArray  # (n,), +1 where the position rose, -1 where it fell
+    spacing: float  # m, of neighbouring points, whatever their pass
+    both_ways: bool  # whether friction is separable from the offset
+    resolvable: int  # the highest harmonic that the points resolve
+    highest: int  # the highest harmonic searched
+    notes: tuple[str, ...]  # remarks on the rows
+    units: Units  # labels of force and position
 
     @property
     def travel(self) -> float:
@@ -105,15 +93,7 @@ def read_scan(
 def _kept(
     x: FloatArray, direction: FloatArray, turns: FloatArray, turned: Mask, pitch: float
 ) -> tuple[bool, Mask, list[str]]:
-    """Whether a scan goes both ways, which rows are kept, and what to note.
-
-    Args:
-        x: positions, (n,).
-        direction: of each row's pass, (n,).
-        turns: where each row's pass began, (n,).
-        turned: rows just after a reversal, (n,).
-        pitch: m.
-    """
+    """Whether a scan goes both ways, which rows are kept, and what to note; `turned`: rows just after a reversal."""
     ways = [direction == way for way in (1.0, -1.0)]
     # From where it turned: a way back over one pitch is a whole one, though its first rows are left out.
     if all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways):
@@ -158,10 +138,7 @@ def _spacing(position: FloatArray) -> float:
 
 
 def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
-    """For each row the number of its pass, the pass's direction and where the motion turned into it.
-
-    The row at which the motion turns belongs to the pass that arrives there.
-    """
+    """For each row the number of its pass, the pass's direction and where the motion turned into it."""
     limit = TURN * float(np.ptp(position))
     x = position.tolist()
     starts, directions, way, low, high = [0], [0.0], 0.0, 0, 0
