@@ -349,6 +349,17 @@ def optuna() -> Any:
         raise ImportError("optuna is needed for this and is not there: pip install 'cogging[tune]'") from error
 
 
+@contextmanager
+def _quiet(library: Any) -> Iterator[None]:
+    """Let Optuna report errors only."""
+    before = library.logging.get_verbosity()
+    library.logging.set_verbosity(library.logging.ERROR)
+    try:
+        yield
+    finally:
+        library.logging.set_verbosity(before)
+
+
 def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
     """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
 
@@ -356,30 +367,18 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     any other, and continues as it would have.
     """
     library, against = optuna(), judge.against
-
-    @contextmanager
-    def quiet() -> Iterator[None]:
-        before = library.logging.get_verbosity()
-        library.logging.set_verbosity(library.logging.ERROR)
-        try:
-            yield
-        finally:
-            library.logging.set_verbosity(before)
-
-    with quiet():
-        sampler = library.samplers.TPESampler(seed=seed)
-        other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
-        study = library.create_study(sampler=sampler, directions=["minimize", *other])
-        if all(gain.low <= gain.present <= gain.high for gain in gains):
-            study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
-        space = {}
-        for gain in gains:
-            kind, number = ("IntDistribution", int) if gain.whole else ("FloatDistribution", float)
-            distribution = getattr(library.distributions, kind)
-            space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
+    sampler = library.samplers.TPESampler(seed=seed)
+    other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
+    study = library.create_study(sampler=sampler, directions=["minimize", *other])
+    if all(gain.low <= gain.present <= gain.high for gain in gains):
+        study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
+    space = {}
+    for gain in gains:
+        kind, number = ("IntDistribution", int) if gain.whole else ("FloatDistribution", float)
+        distribution = getattr(library.distributions, kind)
+        space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
     for place in range(count):
-        with quiet():
-            proposed = study.ask(space)
+        proposed = study.ask(space)
         values = {gain.path: float(proposed.params[gain.path]) for gain in gains}
         trial = kept.read(place, values) if kept is not None else None
         if trial is None:
@@ -387,10 +386,9 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
             if kept is not None:
                 kept.keep(trial)
         objectives = [trial.reached.error_rms, *([] if against is None else [getattr(trial.reached, against)])]
-        with quiet():
-            for name, value in trial.excess.items():
-                proposed.set_constraint(name, value)
-            study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
+        for name, value in trial.excess.items():
+            proposed.set_constraint(name, value)
+        study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
         yield trial
 
 
@@ -592,7 +590,7 @@ def tune(
         kept = None if digest is None else KeptTrials(out, digest)
     found: list[Trial] = []
     try:
-        with steps(progress, "tune", trials) as step:
+        with _quiet(optuna()), steps(progress, "tune", trials) as step:
             least = math.inf
             for number, trial in enumerate(run_trials(ranges, trials, seed, judge, kept), 1):
                 found.append(trial)

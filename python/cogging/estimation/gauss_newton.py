@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,28 +19,14 @@ from cogging.model.parameters import Parameter, Scales, central, parameters_of, 
 TOLERANCE = 1e-3  # of the last step, in 1-sigma
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(NamedTuple):
     """The result of a fit."""
 
     paths: tuple[str, ...]  # the free parameters
     values: FloatArray  # (p,)
     covariance: FloatArray  # of the values, from leaving out blocks, (p, p)
     freedom: FloatArray  # degrees of freedom of each variance, (p,)
-    model: Model  # with the values
-    residuals: tuple[FloatArray, ...]  # V, one array (n,) a log
-    whitened: tuple[Whitened, ...]  # at the values
-    iterations: int  # used
-
-    @property
-    def cost(self) -> float:
-        """Sum over logs and rows of log rms of the whitened residual: twice the difference is a likelihood ratio."""
-        return float(sum(len(w.residual) * np.log(w.rms) for w in self.whitened))
-
-    @property
-    def deviation(self) -> FloatArray:
-        """1-sigma of each value, (p,)."""
-        return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+    cost: float  # sum over logs and rows of log rms of the whitened residual
 
 
 def columns_of(
@@ -61,13 +47,7 @@ def columns_of(
     return residuals, columns
 
 
-def fit(
-    model: Model,
-    paths: Sequence[str],
-    logs: Sequence[Residuals],
-    *,
-    iterations: int = 15,
-) -> Estimate:
+def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterations: int) -> Estimate:
     """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
     The whitening filter of each log is re-estimated in each iteration; logs are weighted by their whitened rms.
@@ -93,7 +73,8 @@ def fit(
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < TOLERANCE * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more evaluation, at the final values
-    return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
+    cost = float(sum(len(w.residual) * np.log(w.rms) for w in seen))
+    return Estimate(tuple(paths), values, *jackknife(seen), cost)
 
 
 def _normal_equations(paths: Sequence[str], seen: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:

@@ -85,7 +85,7 @@ def sizes_of(log: Log, units: Units) -> Sizes:
     fed /= max(float(np.sqrt(power * np.mean(balance.speed**2))), 1e-300)
     back = plain.values[0] < -SIGMAS * plain.sigmas[0] and plain.explained > EXPLAINED and fed < FED
     sign = -1.0 if back else 1.0
-    sizes = {name: _size(k, name, sign, placed, plain, power, units) for k, name in enumerate(AXIS)}
+    sizes = {name: _size(k, name, sign, placed, plain, units) for k, name in enumerate(AXIS)}
     if sizes["mass"].value <= 0.0:
         top = float(np.quantile(np.abs(needs[0]), 0.99))
         assumed = float(np.sqrt(power)) / top if top > 0.0 and power > 0.0 else 1.0
@@ -140,7 +140,7 @@ def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
     return _Fit(values, sigmas, alone, offset, 1.0 - float(residual @ residual) / power, residual)
 
 
-def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: float, units: Units) -> Size:
+def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, units: Units) -> Size:
     """One size: from the fit with a free force of position, else from the plain fit, else not identifiable."""
     for fit, beside in ((placed, True), (plain, False)):
         value, sigma = sign * float(fit.values[k]), SAFE * float(fit.sigmas[k])

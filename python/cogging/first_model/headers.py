@@ -49,24 +49,10 @@ NAMES = {
 WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
 #: Factors to SI of units of position, time and command, and the label of the command's unit.
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "microns": 1e-6, "nm": 1e-9}
-LENGTHS |= {
-    "cm": 1e-2,
-    "km": 1e3,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "meter": 1.0,
-    "metre": 1.0,
-    "meters": 1.0,
-    "metres": 1.0,
-}
+LENGTHS |= {"cm": 1e-2, "km": 1e3, "in": 0.0254, "inch": 0.0254}
+LENGTHS |= dict.fromkeys(("meter", "metre", "meters", "metres"), 1.0)
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "grad": math.pi / 180.0}
-ANGLES |= {
-    "rev": 2.0 * math.pi,
-    "revs": 2.0 * math.pi,
-    "turn": 2.0 * math.pi,
-    "turns": 2.0 * math.pi,
-    "u": 2.0 * math.pi,
-}
+ANGLES |= dict.fromkeys(("rev", "revs", "turn", "turns", "u"), 2.0 * math.pi)
 COUNTS = ("counts", "count", "cnt", "cnts", "inc", "incs", "inkr", "inkremente", "ticks", "steps", "lsb")
 TIMES = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "sek": 1.0, "sekunden": 1.0, "ms": 1e-3, "msec": 1e-3}
 TIMES |= {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "usec": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}

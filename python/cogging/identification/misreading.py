@@ -15,14 +15,13 @@ from cogging.estimation.axis_balance import AXIS, AxisBalance, AxisFit, Bounds, 
 from cogging.log_check.controller_check import check_controller, compared
 from cogging.log_check.controller_recovery import recover_controller
 from cogging.log_check.encoder_readings import encoder_quantum
-from cogging.log_check.log_audit import ANGLES, position_units
+from cogging.log_check.log_audit import ANGLES, TIME_UNITS, position_units
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
 from cogging.model.units import Units
 
 # Units
-TIMES = {1e-3: "ms", 1e-6: "us"}
 COMMANDS = {  # by the factor to the model's unit
     1e-3: "thousandths of the model's unit",
     1e3: "thousands of the model's unit",
@@ -574,7 +573,7 @@ class BalanceCase:
             if rate > 0.0:
                 yield Reading("time", "scale", "is the number of the sample", {"time": float(f"{1.0 / rate:.3g}")})
         else:
-            for factor, unit in TIMES.items():
+            for factor, unit in TIME_UNITS.items():
                 yield Reading("time", "scale", f"is in {unit}", {"time": factor})
 
     def swaps(self) -> Winners:

@@ -17,7 +17,7 @@ from cogging.estimation.statistics import student
 from cogging.identification.determinability import UNDETERMINED, Determinability, determinability, size_of
 from cogging.identification.identification_result import CHECK, Identification, LogFit, ParameterEstimate, warnings_of
 from cogging.identification.logged_run import LoggedRun
-from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled, freed, misfit
+from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled, other_answers
 from cogging.log_check.encoder_readings import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.intervals import SIGMAS_95
@@ -188,8 +188,7 @@ class ParameterFit:
             return {}
         model, known, loose = self.estimate.model, parameters_of(self.estimate.model), self._loose(paths)
         parameters = [known[path] for path in paths]
-        moved, halves = freed(model, parameters, self.balances, self.left, self.scales, loose)
-        bent = misfit(model, parameters, self.balances, self.left, self.scales, loose)
+        moved, halves, bent = other_answers(model, parameters, self.balances, self.left, self.scales, loose)
         values = self.estimate.values
         found: dict[str, Answer] = {}
 

@@ -41,7 +41,7 @@ class Compared:
 
 def compared(log: Log, model: Model, kind: str) -> Compared:
     """Compare a log with its controller, without spikes where these explain the difference."""
-    reference = _reference(log, kind)
+    reference = _reference(log)
     found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * root_mean_square(log.command):
         return found
@@ -105,7 +105,7 @@ def _lags(kind: str, controller: Any) -> tuple[int, ...]:
     return (0, whole, whole + 1, whole + 2)
 
 
-def _reference(log: Log, kind: str) -> FloatArray:
+def _reference(log: Log) -> FloatArray:
     if log.reference is not None:
         return log.reference
     assert log.reference_velocity is not None
