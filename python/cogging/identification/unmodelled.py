@@ -98,7 +98,7 @@ def other_answers(
     scales: Scales,
     loose: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """How far parameters move beside unmodelled forces, half intervals there, and those with the residual as noise, (p,).
+    """Moves of parameters beside unmodelled forces, half intervals there, and those with the residual as noise, (p,).
 
     Beside forces: least squares with those of `left` beside the model's own columns, each with a prior of 0 +- ALLOWED
     times the structured residual; the move is that against least squares without them (Kennedy and O'Hagan 2001). As
