@@ -98,6 +98,16 @@ def test_rows_about_a_turn_between_two_samples_do_not_count():
     assert source.mask.any()
 
 
+def test_rows_just_after_a_gap_do_not_count():
+    rows = np.r_[0:1000, 1500:3000]
+    time = 1e-3 * rows
+    model = Model(axis=AxisParameters(mass=0.7, viscous=3.0))
+    mask = Innovations(cogging.Log(time, 0.3 * time, np.full(len(rows), 0.9)), model).mask
+    assert mask[500:1000].all()
+    assert not mask[1000:1055].any()
+    assert mask[1065:].all()
+
+
 def test_smooth_friction_spring_and_drag_against_scipy(columns):
     time, position, command = (column[:80] for column in columns)
     model = Model(
