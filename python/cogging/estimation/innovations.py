@@ -112,11 +112,22 @@ class Innovations:
             plants = [quiet_plant(step.above) for step in steps]
             columns[forces] = self.rows_of_plants(along, plant, plants, [step.span for step in steps])
         if readings:
-            steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in readings]
-            errors = [reading_difference(step.above, model, along.position) / step.span for step in steps]
-            columns[readings] = self.rows_of_readings(along, np.array(errors), plant.axis.mass)
+            errors = np.zeros((len(readings), len(self.log)))
+            for row, i in zip(errors, readings, strict=True):
+                step = one_sided(model, parameters[i], scales.step(parameters[i]))
+                for mine, its in zip(step.above.effects, model.effects, strict=True):
+                    if "reading" in mine.HOOKS:
+                        row += laws_of(mine).reading_at(along.position) - laws_of(its).reading_at(along.position)
+                row /= step.span
+            columns[readings] = self.predictor.propagate(along, plant.axis.mass, np.zeros_like(errors), errors)
+            columns[readings] *= self.scale
         if others:
-            steps = [central(model, parameters[i], step_through(model, parameters[i], scales)) for i in others]
+            steps = []
+            for parameter in (parameters[i] for i in others):
+                width = scales.step(parameter)
+                if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
+                    width = max(width, WIDE * abs(parameter.value))  # contacts make the residual jump
+                steps.append(central(model, parameter, width))
             table = self.of([side for step in steps for side in (step.above, step.below)])
             columns[others] = (table[0::2] - table[1::2]) / np.array([step.span for step in steps])[:, None]
         return self.scale * along.innovation, columns
@@ -135,57 +146,18 @@ class Innovations:
         force[1:] -= force[0]
         force = force[1:]
         force /= np.asarray(spans)[:, None]
-        return self.rows_of_forces(along, force, plant.axis.mass)
-
-    def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
-        """Change of the residuals by small forces (V, one an interval, (p, n)), V, (p, n)."""
-        rows = np.asarray(self.predictor.propagate(along, mass, forces))
-        rows *= self.scale
-        return rows
-
-    def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
-        """Change of the residuals by small reading errors (m, one a row, (p, n)), V, (p, n)."""
-        rows = np.asarray(self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
-        rows *= self.scale
-        return rows
+        return np.asarray(self.scale * self.predictor.propagate(along, plant.axis.mass, force))
 
 
 def _kind(model: Model, path: str) -> str:
-    if is_force(model, path):
+    """Whether a parameter acts through forces without memory, as a small error of the reading, or otherwise."""
+    if not path.startswith("effects."):
         return "force"
-    return "reading" if is_reading(model, path) else "other"
-
-
-def is_force(model: Model, path: str) -> bool:
-    """Whether a parameter acts through a force or the gain of the command alone, without a memory."""
-    if not path.startswith("effects."):
-        return True
-    return set(effect_at(model, path).HOOKS) <= LINEAR_HOOKS
-
-
-def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
-    """The step of a difference quotient; wide for effects with states, whose contacts make the residual jump."""
-    step = scales.step(parameter)
-    if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
-        return max(step, WIDE * abs(parameter.value))
-    return step
-
-
-def is_reading(model: Model, path: str) -> bool:
-    """Whether a parameter belongs to a periodic encoder error, which is small (a scale is predicted exactly)."""
-    if not path.startswith("effects."):
-        return False
     effect = effect_at(model, path)
-    return "reading" in effect.HOOKS and kind_of(effect, Wave) is not None
-
-
-def reading_difference(model: Model, other: Model, position: FloatArray) -> FloatArray:
-    """Reading of one model's encoder minus that of another with the same effects, m, (n,)."""
-    difference = np.zeros(len(position))
-    for mine, its in zip(model.effects, other.effects, strict=True):
-        if "reading" in mine.HOOKS:
-            difference += laws_of(mine).reading_at(position) - laws_of(its).reading_at(position)
-    return difference
+    if set(effect.HOOKS) <= LINEAR_HOOKS:
+        return "force"
+    # An error that grows along the travel (a scale) resembles mass and friction and is predicted exactly instead.
+    return "reading" if "reading" in effect.HOOKS and kind_of(effect, Wave) is not None else "other"
 
 
 def initial_velocity(log: Log) -> float:
