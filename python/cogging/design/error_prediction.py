@@ -133,11 +133,7 @@ def chosen_controllers(
     bandwidth: float | None,
     default: Mapping[str, Interval] | None,
 ) -> tuple[dict[str, AnyController], list[str]]:
-    """The controllers to run on a motion, and why others are left out.
-
-    Raises:
-        ValueError: the names are no list of different known ones, one that was named cannot be had, none is left.
-    """
+    """The controllers to run on a motion, and why others are left out; ValueError: invalid names, or none is left."""
     if isinstance(controllers, Mapping):
         if not controllers:
             raise ValueError("controllers: must be at least one, got none")

@@ -160,11 +160,8 @@ def motion_within(
 ) -> tuple[Sampled, tuple[Element, ...]]:
     """Return the motion of an experiment, from rest to rest, and its parts.
 
-    Args:
-        limits: with travel and jerk (MotionLimits.of).
-        rate: of the samples, Hz.
-        scale: of speed, acceleration and jerk: below 1 for a machine that would exceed its limits.
-        seed: of the random moves.
+    `limits` have travel and jerk (MotionLimits.of), `rate` is that of the samples, Hz; a `scale` of speed, acceleration
+    and jerk below 1 is for a machine that would exceed its limits.
     """
     track, random, elements = Track(limits, rate, scale), np.random.default_rng(seed), []
     for part, share in RECIPE:

@@ -271,12 +271,7 @@ def plan_experiment(
 
 
 def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: int) -> Log:
-    """Return the simulated log of a motion.
-
-    Raises:
-        DivergedError: the loop diverged.
-        ValueError: the axis left its travel.
-    """
+    """Return the simulated log of a motion; DivergedError or ValueError: the axis left its travel."""
     running = model.make_controller() if controller is None else controller
     substeps = model.steps_per_sample
     run = closed_loop(model.plant(), running, motion, duration=motion.end, seed=seed, steps_per_sample=substeps)
@@ -286,11 +281,7 @@ def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: 
 def _simulated(
     model: Model, controller: AnyController | None, limits: MotionLimits, seed: int
 ) -> tuple[Sampled, tuple[Element, ...], float, Log, dict[str, float]]:
-    """Return the motion at the largest scale that keeps the limits, its parts, scale and log, and shares of limits.
-
-    Raises:
-        NoMotion: no scale keeps the limits.
-    """
+    """Return the motion at the largest scale that keeps the limits, its parts, scale, log and shares of the limits."""
     reached = "it leaves its travel"
     rate = min((controller or model.make_controller()).sample_rate, RATE)
     for scale in SCALES:
@@ -385,11 +376,7 @@ def _intervals(evidence: Evidence, model: Model) -> list[Expectation]:
 
 
 def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Read the result of `diagnose --json`.
-
-    Raises:
-        InputError: the file cannot be read, or is not such a result.
-    """
+    """Read the result of `diagnose --json`; InputError: the file cannot be read, or is not such a result."""
     what = f"{path}: must be the result of diagnose --json"
     try:
         document = json.loads(read_text(path), parse_constant=lambda word: None)
@@ -405,11 +392,7 @@ def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def alternatives_in(result: Mapping[str, Any], vocabulary: Mapping[str, Effect]) -> list[str]:
-    """Return the names of all effects of a result that have alternatives, and of these.
-
-    Raises:
-        FieldError: a ValueError that names field, rule and value.
-    """
+    """Return the names of all effects of a result that have alternatives, and of these; FieldError: invalid."""
     entries = result.get("effects")
     if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
         raise FieldError("", "effects", f"must be the list of effects of a result of diagnose, got {quoted(entries)}")

@@ -425,21 +425,13 @@ class KeptTrials:
         return None
 
     def keep(self, trial: Trial) -> None:
-        """Store one more trial; written every half second.
-
-        Raises:
-            InputError: it cannot be written, for example on a full disk.
-        """
+        """Store one more trial; written every half second. InputError: for example on a full disk."""
         self._trials.append(trial)
         if time.monotonic() - self._written > WRITTEN_EVERY:
             self.write()
 
     def write(self) -> None:
-        """Write the trials.
-
-        Raises:
-            InputError: they cannot be written.
-        """
+        """Write the trials; InputError: they cannot be written."""
         entries = [[dict(t.gains), vars(t.reached), dict(t.excess)] for t in self._trials]
         try:
             write_text(self._path, json.dumps({"digest": self._digest, "trials": entries}) + "\n")

@@ -140,27 +140,15 @@ class Misreading:
 
 @np.errstate(all="ignore")  # extreme values are refused where they are used
 def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = None) -> Misreading | None:
-    """Find the simple misreading that would explain logs which a model does not explain.
+    """Find the simple misreading that would explain logs which a model does not explain; None where none is clear.
 
-    Tried for each log: the sign of command, position or reference; units of command, position and time; swapped
-    columns; a velocity, or the reference, in place of the position; a command that is rows too late or far too early.
-    The evidence is the columns themselves, the stated controller, and the force balance: mass and friction, which
-    cannot be negative, beside a free force of position and a slow one in time. The balance decides only where the log
-    as read is excluded even with mass and friction far from the model's, and the other reading fits. A command that
-    acts up to 15 ms or 10 rows late is left to the effects that cause such a delay.
-
-    Args:
-        logs: each is judged by itself.
-        model: of the machine.
-        names: of the logs; None: their numbers.
-
-    Returns:
-        The misreading of the first log that has one, and of all that share it; None where none is clear.
-
-    Example:
-        >>> pushed = cogging.Log(log.time, log.position, -log.command)
-        >>> misreading([pushed], model).option
-        '--scale command=-1'
+    Tried for each log by itself: the sign of command, position or reference; units of command, position and time;
+    swapped columns; a velocity, or the reference, in place of the position; a command that is rows too late or far too
+    early. The evidence is the columns themselves, the stated controller, and the force balance: mass and friction,
+    which cannot be negative, beside a free force of position and a slow one in time. The balance decides only where the
+    log as read is excluded even with mass and friction far from the model's, and the other reading fits. A command that
+    acts up to 15 ms or 10 rows late is left to the effects that cause such a delay. The result is the misreading of the
+    first log that has one, and of all that share it.
     """
     called = list(names) if names is not None else [f"log {i + 1}" for i in range(len(logs))]
     clean = [repaired(log, spikes(log.position), spikes(log.command))[0] for log in logs]

@@ -269,16 +269,11 @@ class HarmonicSpectrum:
     def find(
         self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
     ) -> list[Line]:
-        """The significant lines in the order found; each harmonic once.
+        """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
 
-        The strongest line is removed with its modulation and the rest searched again, so that a strong harmonic
-        neither hides a weak one nor leaks into it.
-
-        Args:
-            force: V, (n,).
-            nuisance: columns of offset, friction and trend, (n, q), which are fitted with every component.
-            false_alarm: the probability at which a scan of noise alone yields any line.
-            taken: lines excluded from the start (see `taken_by`).
+        The strongest line is removed with its modulation, offset, friction and trend (`nuisance`, (n, q)), and the rest
+        searched again, so that a strong harmonic neither hides a weak one nor leaks into it. `false_alarm` is the
+        probability at which a scan of noise alone yields any line; `taken` lines are excluded from the start.
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]

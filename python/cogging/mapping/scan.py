@@ -47,16 +47,12 @@ class Scan:
 def read_scan(
     position: npt.ArrayLike, force: npt.ArrayLike, units: Units, *, pitch: float, force_sign: int, highest_harmonic: int
 ) -> Scan:
-    """Check a scan, find its directions and average rows that are close together.
+    """Check a scan, find its directions and average rows that are close together; ValueError: an invalid one.
 
-    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn.
-
-    Directions come from the reversals: places from which the position goes back by more than 1 % of the travel. Rows
-    within that distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass
-    within a cell of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
-
-    Raises:
-        ValueError: names the field, the rule and the value.
+    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn. Directions come
+    from the reversals: places from which the position goes back by more than 1 % of the travel. Rows within that
+    distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass within a cell
+    of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
     """
     x, y = _numbers("position", position), _numbers("force", force)
     if y.size != x.size:
