@@ -6,8 +6,7 @@ Machines with one hidden effect, by the simulator of the blind suite, are drawn 
 right name has alternatives. `plan_experiment` then proposes 20 s of motion; the machine runs it, the given motion once
 more for as long, and random motion for as long, each with noise of its own; each new log is diagnosed together with
 the old one. A case is settled where the right name stands alone. The proposal is worth its while where it settles at
-least twice as many as a repetition. What was promised (how often the right one is the likelier) stands beside how
-often the right name came first of the pair. DIR/cases.jsonl holds what came out, case by case: a second call with the
+least twice as many as a repetition. DIR/cases.jsonl holds what came out, case by case: a second call with the
 same seed goes on where the first ended.
 """
 
@@ -120,8 +119,7 @@ def ask(seed: int, index: int) -> dict[str, Any] | None:
         "ratio": ratio,
         "before": told(first, name),
         "seconds": time.perf_counter() - begun,
-        "plan": [element.text() for element in plan.elements],
-        "expected": [vars(entry) for entry in plan.expected],
+        "plan": [element.kind for element in plan.elements],
     }
     moments = np.arange(int(SECONDS * machine.rate)) / machine.rate
     for number, (arm, motion) in enumerate(motions(case, plan, seed + index).items()):
@@ -141,11 +139,6 @@ def table(answers: list[dict[str, Any]]) -> str:
     counts = {arm: [sum(one[arm][key] for one in run) for key in ("settled", "first", "held", "wrong")] for arm in ARMS}
     lines += [f"{arm:<12}{a:>9}{b:>13}{c:>13}{d:>7}" for arm, (a, b, c, d) in counts.items()]
     if run:
-        promised = [min((one["expected"] or 0.0 for one in answer["expected"]), default=0.0) for answer in run]
-        came = counts["proposed"][1] / len(run)
-        lines.append(
-            f"promised: the right one likelier in {np.mean(promised):.0%}; the right name came first in {came:.0%}"
-        )
         enough = counts["proposed"][0] >= 2 * counts["repeated"][0]
         lines.append(f"at least twice as many as a repetition: {'yes' if enough else 'no'}")
         lines.append(f"seconds a plan: median {np.median([answer['seconds'] for answer in run]):.0f}")

@@ -11,17 +11,7 @@ from cogging.cli.main import main
 from tests.fixtures.files import MODEL
 
 LIMITS = "velocity = 0.3\nacceleration = 5.0\njerk = 500.0\nduration = 2.5\ncommand = 2.0\n"
-RESULT = {
-    "verdict": "ambiguous",
-    "effects": [
-        {
-            "name": "cable_spring",
-            "alternatives": ["end_effect"],
-            "parameters": {"stiffness": {"value": 0.3, "unit": "V/m", "ci95": [0.2, 0.4]}},
-        }
-    ],
-    "gap": {"unit": "V", "floor": 0.01},
-}
+RESULT = {"verdict": "ambiguous", "effects": [{"name": "cable_spring", "alternatives": ["end_effect"]}]}
 CALL = ["experiment", "--model", "model.toml", "--limits", "limits.toml", "--out", "next.toml"]
 
 
@@ -36,21 +26,21 @@ def folder(tmp_path, monkeypatch):
 
 def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
     assert main([*CALL, "--result", "result.json"]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"cable_spring or end_effect: the right one is the likelier in \d+ % of simulated runs", said)
-    assert "\nnext.toml, next.csv, next.plan.json written\n" in said
-    assert said.endswith("next: cogging diagnose NEW_LOG.csv --model model.toml\n")
+    out = capsys.readouterr().out
+    assert "the alternatives differ most in: the full travel" in out
+    assert re.search(r"constant_force: force of \S+ V would be detected", out)
+    assert "\nnext.toml, next.csv, next.plan.json written\n" in out
+    assert out.endswith("next: cogging diagnose NEW_LOG.csv --model model.toml\n")
+    first = (folder / "next.csv").read_text()
     assert main(["simulate", "model.toml", "--reference", "next.toml", "--out", "new.csv"]) == 0
     log = cogging.read_log(folder / "new.csv")
     assert log.time[-1] <= 2.5
     assert np.abs(log.command).max() <= 2.0
     assert np.abs(np.diff(log.reference)).max() <= 0.3 * np.diff(log.time).max()
-    first = json.loads((folder / "next.plan.json").read_text())["elements"]
     capsys.readouterr()
     assert main([*CALL, "--result", "result.json", "--logs", "new.csv", "--json", "-"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["elements"] != first
-    assert told["goal"] == "separate"
+    assert json.loads(capsys.readouterr().out)["goal"] == "separate"
+    assert (folder / "next.csv").read_text() != first
 
 
 @pytest.mark.parametrize(
@@ -64,7 +54,6 @@ def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
         ("result.json", "{", "result.json: must be the result of diagnose --json (JSON): "),
         ("result.json", "[]", "result.json: must be the result of diagnose --json, got a list"),
         ("result.json", "{}", "result.json: must be the result of diagnose --json, got no verdict and effects"),
-        ("result.json", "[" * 100_000, "result.json: must be the result of diagnose --json, got lists or"),
         (
             "result.json",
             json.dumps(RESULT).replace("cable_spring", "spring"),
@@ -77,7 +66,6 @@ def test_what_cannot_be_used_is_answered_in_one_line(file, text, said, folder, c
     assert main([*CALL, "--result", "result.json"]) == 2
     answer = capsys.readouterr().err
     assert answer.startswith(f"cogging: {said}"), answer
-    assert ("fifth of the speed: command at " in answer) == ("command = 0.01" in text)
     assert answer.count("\n") == 1
     assert not list(folder.glob("next*"))
 
@@ -97,12 +85,3 @@ def test_limits_that_are_not_there_are_drafted(folder, capsys):
     seen = cogging.MotionLimits.read("seen.toml")
     assert seen.velocity == pytest.approx(0.3, rel=0.03)
     assert seen.command == pytest.approx(np.abs(log.command).max(), rel=0.01)
-
-
-def test_a_goal_that_the_result_does_not_allow(folder, capsys):
-    assert main([*CALL, "--goal", "separate"]) == 2
-    assert capsys.readouterr().err == (
-        "cogging: goal: separate needs a result with alternatives, got none; detect and fit need none\n"
-    )
-    with pytest.raises(SystemExit):
-        main([*CALL, "--goal", "all"])

@@ -68,7 +68,7 @@ def test_forces_are_those_of_the_whole_plant_to_rounding(log, name, seed):
     model = machine(coulomb=random.uniform(0.0, 1.0), width=random.choice([0.0, 0.01]), effects=tuple(others))
     source, effect, plant = Innovations(log, model), sample(name, random), quiet_plant(model)
     along = source.predictor.predict(plant)
-    quick = source.rows_of_effects(along, plant, [effect], [0.3])
+    quick = source.scale * source.predictor.added(along, plant, [effect], [0.3])
     general = source.rows_of_plants(along, plant, [quiet_plant(joined(model, effect))], [0.3])
     assert np.abs(general).max() > 1e-3
     assert quick == pytest.approx(general, abs=1e-9 * np.abs(general).max(), rel=1e-9)
@@ -79,7 +79,7 @@ def compared(log, model, effect):
     source, plant = Innovations(log, model), quiet_plant(model)
     along = source.predictor.predict(plant)
     assert source.predictor.is_addable(plant, effect)
-    quick = source.rows_of_effects(along, plant, [effect], [1.0])[0]
+    quick = source.scale * source.predictor.added(along, plant, [effect], [1.0])[0]
     before, after = source.of([model, joined(model, effect)])
     mask = source.mask > 0.0
     quick, whole = quick[mask], (after - before)[mask]
@@ -204,24 +204,6 @@ def test_after_a_gap_and_at_uneven_steps_a_load_starts_anew(log):
         quick = predictor.added(along, plant, [effect], [1.0])[0]
         before, after = predictor.innovations([plant, quiet_plant(joined(model, effect))])
         assert np.linalg.norm(quick - (after - before)) < 0.01 * np.linalg.norm(after - before)
-
-
-def test_effects_at_once_are_those_one_by_one_of_whatever_plant_came_before(log):
-    """Plants and predictions by turns have the bits of a predictor that is asked but once."""
-    random = np.random.default_rng(3)
-    source = Innovations(log, machine())
-    plants = [quiet_plant(machine(coulomb=coulomb)) for coulomb in (0.0, 1.0, 2.0)]
-    alongs = [source.predictor.predict(plant) for plant in plants]
-    names = [*LINEAR, "command_delay", "flexible_mode", "actuator_lag", "backlash"]
-    for _ in range(12):
-        plant, along = plants[random.integers(3)], alongs[random.integers(3)]
-        effects = [sample(name, random) for name in random.choice(names, size=4)]
-        effects = [effect for effect in effects if source.predictor.is_addable(plant, effect)]
-        sizes = list(random.uniform(0.5, 2.0, len(effects)))
-        rows = source.rows_of_effects(along, plant, effects, sizes)
-        for row, effect, size in zip(rows, effects, sizes, strict=True):
-            expected = source.scale * source.predictor.added(along, plant, [effect], [size])[0]
-            assert row.tobytes() == expected.tobytes()
 
 
 def test_what_must_be_predicted_as_a_whole_is_refused(log):

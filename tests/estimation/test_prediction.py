@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_toeplitz
-from scipy.optimize import brentq
 from scipy.signal import lfilter
 
 import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor, autoregression, whiten
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.residuals import settling
 
 BANDWIDTH = 25.0
 
@@ -96,37 +94,18 @@ def test_rows_about_a_turn_between_two_samples_do_not_count():
     assert len(turns) > 10
     assert (np.abs(velocity[turns]) > source.rest).any()
     for turn in turns:
-        assert not source.mask[turn : turn + round(source.settle / 1e-3)].any()
+        assert not source.mask[turn : turn + round(6.0 / (2.0 * np.pi * 20.0) / 1e-3)].any()
     assert source.mask.any()
 
 
-@pytest.mark.parametrize(("acceleration", "quick"), [(20.0, True), (4.0, True), (0.5, False)])
-def test_after_a_quick_start_rows_count_sooner(acceleration, quick):
-    """Of 2 rest / a as much must be forgotten as six time constants leave of what acted for one; by a root of scipy."""
-    rest, bandwidth, h = 1e-3, 50.0, 1e-4
-    time = h * np.arange(2000)
-    velocity = acceleration * np.maximum(time - 0.05, 0.0)
-    constant = 1.0 / (2.0 * np.pi * bandwidth)
-    waits = settling(velocity < rest, time, velocity, rest, bandwidth)
-    acted = 2.0 * rest / acceleration / constant
-    if quick:
-        left = 7.0 * np.exp(-6.0) / acted
-        expected = brentq(lambda s: (1.0 + s) * np.exp(-s) - left, 0.0, 6.0) if left < 1.0 else 0.0
-        assert waits[-1] == pytest.approx(constant * max(expected, 1.0), rel=0.02)
-    else:
-        assert waits[-1] == pytest.approx(6.0 * constant, rel=1e-9)
-    assert (np.diff(waits[velocity >= rest]) == 0.0).all()
-
-
-@pytest.mark.parametrize("rest", [1e-3, 0.0])
-def test_an_axis_that_stays_where_it_is_waits_to_the_end_and_quick_starts_only_add_rows(rest, columns):
-    waits = settling(np.ones(100, dtype=bool), 1e-3 * np.arange(100), np.zeros(100), rest, 50.0)
-    assert np.isfinite(waits).all()
-    assert (waits >= 1.0 / (2.0 * np.pi * 50.0) * (1.0 - 1e-9)).all()
-    model = Model(axis=AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.01))
-    usual, quick = (Innovations(cogging.Log(*columns), model, quick_starts=flag).mask for flag in (False, True))
-    assert (quick >= usual).all()
-    assert quick.sum() > usual.sum()
+def test_rows_just_after_a_gap_do_not_count():
+    rows = np.r_[0:1000, 1500:3000]
+    time = 1e-3 * rows
+    model = Model(axis=AxisParameters(mass=0.7, viscous=3.0))
+    mask = Innovations(cogging.Log(time, 0.3 * time, np.full(len(rows), 0.9)), model).mask
+    assert mask[500:1000].all()
+    assert not mask[1000:1055].any()
+    assert mask[1065:].all()
 
 
 def test_smooth_friction_spring_and_drag_against_scipy(columns):
@@ -311,7 +290,7 @@ def test_a_kept_prediction_is_that_of_the_model_that_is_asked_for(columns):
     parameters = [known["axis.mass"], known["axis.viscous"]]
     for number in random.integers(len(models), size=12):
         model = models[int(number)]
-        fresh = Innovations(log, model, bandwidth=source.bandwidth)
+        fresh = Innovations(log, model)
         innovation = np.asarray(fresh.predictor.predict(model.plant()).innovation)
         assert np.array_equal(source.prediction(model).innovation, innovation)
         assert np.array_equal(source.of([model])[0], source.scale * innovation)

@@ -1,4 +1,4 @@
-"""`cogging experiment`: the most informative motion."""
+"""`cogging experiment`: a motion that shows every effect, and what it would show."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cogging.files import FieldError, InputError, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
-PURPOSES = "separate: alternatives of the result; detect: small effects; fit: narrow intervals"
+PURPOSES = "separate: detection limits and how the alternatives differ; detect: detection limits; fit: intervals"
 LIMITS = """LIMITS.toml:
   velocity = 0.3          # m/s
   acceleration = 5.0      # m/s^2
@@ -27,10 +27,10 @@ def add_parser(commands: Commands) -> None:
     command = add_command(
         commands,
         "experiment",
-        help="compute the motion that best separates alternatives",
-        description="Compute a motion within the machine's limits that best separates the alternatives of a result, "
-        "reveals small effects, or narrows the intervals of a fit, and predict its benefit. It writes the reference "
-        "(for `simulate` and the machine), its samples (.csv) and the plan (.plan.json) beside it.",
+        help="make a motion that shows every effect within the machine's limits",
+        description="Make a motion within the machine's limits that shows every effect, and compute the detection "
+        "limits or intervals that it is expected to give. It writes the reference (for `simulate` and the machine), "
+        "its samples (.csv) and the plan (.plan.json) beside it.",
         epilog=LIMITS,
         examples=(
             "cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml",
@@ -40,7 +40,7 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model that the result is of")
     command.add_argument("--result", metavar="RESULT.json", help="what `diagnose --json` wrote")
     command.add_argument(
-        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result, whose motion is not proposed again"
+        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result: each changes the random moves"
     )
     add_log_options(command)
     command.add_argument(
@@ -54,14 +54,14 @@ def add_parser(commands: Commands) -> None:
         choices=("separate", "detect", "fit"),
         help=f"{PURPOSES} (default: separate where the result has alternatives, else detect)",
     )
-    add_seed(command, of="the simulated noise")
+    add_seed(command, of="the simulated noise and the random moves")
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="REF.toml", help="write the reference")
     add_answer_options(group, json="the plan")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Compute the motion, write its files, print what is to be expected."""
+    """Make the motion, write its files, print what is to be expected."""
     from cogging.design.experiment_plan import NoMotion, beside, plan_experiment, read_result
     from cogging.design.motion_limits import MotionLimits, draft_limits
     from cogging.file_schema import LIMITS
@@ -90,12 +90,7 @@ def run(arguments: argparse.Namespace) -> None:
         return
     limits = MotionLimits.read(arguments.limits)
     result = None if arguments.result is None else read_result(arguments.result)
-    options = {
-        "result": result,
-        "logs": logs,
-        "goal": arguments.goal,
-        "seed": arguments.seed,
-    }
+    options = {"result": result, "logs": logs, "goal": arguments.goal, "seed": arguments.seed}
     with status_line(arguments, "experiment") as begin:
         try:
             plan = plan_experiment(model, limits, progress=begin, **options)
@@ -104,7 +99,7 @@ def run(arguments: argparse.Namespace) -> None:
                 raise error.in_file(arguments.limits, read_text(arguments.limits)) from None
             raise InputError(f"{arguments.result}: {error}") from None
         except NoMotion as error:
-            raise InputError(f"{arguments.limits} with {arguments.model}: {error.why}") from None
+            raise InputError(f"{arguments.limits} with {arguments.model}: {error}") from None
     again = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
     print_result(
         arguments,

@@ -40,11 +40,7 @@ def periods_of(basis: SplineHarmonics) -> list[float]:
 
 
 def pitch_and_harmonics(basis: SplineHarmonics) -> tuple[float, list[int]]:
-    """The pitch (m) and harmonics of a cogging model: of periods, a pitch of which all are whole fractions.
-
-    Raises:
-        ValueError: there is no such pitch; with several control points it must be the distance of the knots.
-    """
+    """Pitch (m) and harmonics of a cogging model; ValueError where the periods are no whole fractions of one pitch."""
     if basis.harmonics:
         return basis.pitch, list(basis.harmonics)
     periods = np.array(basis.periods)
@@ -71,17 +67,9 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
     """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
 
     Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
-    and time. To the range at the model's values come, for each field with an interval, the largest changes of force
-    down and up from the value to the ends of it: exact for one amplitude, on the safe side for several. Force
-    noise adds 1.96 rms. The guess is the force in mid-travel at rest at t = 0.
-
-    Args:
-        model: whose effects and noise.
-        intervals: of its parameters.
-        velocity_max: m/s.
-
-    Raises:
-        ValueError: velocity_max is not above 0, a field's interval is infinite without a default.
+    (m/s) and time. To the range at the model's values come, for each field with an interval, the largest changes of
+    force down and up from the value to the ends of it: exact for one amplitude, on the safe side for several. Force
+    noise adds 1.96 rms. The estimate is the force in mid-travel at rest at t = 0.
     """
     if not (np.isfinite(velocity_max) and velocity_max > 0):
         raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
@@ -126,10 +114,7 @@ def _forces(model: Model, effect: Effect, points: FloatArray) -> FloatArray:
 
 
 def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
-    """Positions, velocities and times at which an effect is evaluated, (n, 3); the first is mid-travel at rest at 0.
-
-    A product grid over those coordinates that the effect depends on, as found by moving one at a time.
-    """
+    """Positions, velocities and times at which an effect is evaluated, (n, 3); the first is mid-travel at rest at 0."""
     ends = zip(model.axis.travel, (-TRAVEL, TRAVEL), strict=True)
     start, stop = (end if np.isfinite(end) else stand_in for end, stand_in in ends)
     position = [np.linspace(start, stop, GRID)]

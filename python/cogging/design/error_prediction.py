@@ -50,17 +50,9 @@ def drawn_machines(
 ) -> tuple[list[DrawnMachine], list[str]]:
     """Draw machines from the intervals of a model, and return them with the parameters that are held, in words.
 
-    Each parameter is normal around the model's value, jointly where a covariance is given; a machine with a value that
-    breaks its field's rule is drawn again. Machine i does not depend on the number of machines.
-
-    Args:
-        intervals: of the model; a parameter without one is held, as is one with an infinite interval.
-        samples: number of machines.
-        seed: of the draws.
-        covariance: paths (p) and covariance (p, p), in place of their intervals.
-
-    Raises:
-        ValueError: an invalid covariance or interval, or intervals with hardly a valid machine.
+    Each parameter is normal around the model's value, those of `covariance`, paths (p) and matrix (p, p), jointly; a
+    machine with a value that breaks its field's rule is drawn again. Machine i does not depend on the number of
+    machines. ValueError: an invalid covariance or interval, or intervals with hardly a valid machine.
     """
     model = intervals.model
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
@@ -105,12 +97,7 @@ def draw(value: float, interval: Interval, normal: float) -> float:
 def covariance_root(
     covariance: tuple[Sequence[str], npt.ArrayLike], paths: tuple[str, ...]
 ) -> tuple[list[str], FloatArray]:
-    """The paths and a matrix R with R R^T the covariance.
-
-    Raises:
-        ValueError: a path that the model has not or twice, a matrix that is not finite, (p, p), symmetric and without
-            negative eigenvalues.
-    """
+    """The paths and a matrix R with R R^T the covariance; ValueError where paths or matrix are invalid."""
     names, matrix = list(covariance[0]), real_array("covariance", covariance[1])
     for name in names:
         if name not in paths:
@@ -146,11 +133,7 @@ def chosen_controllers(
     bandwidth: float | None,
     default: Mapping[str, Interval] | None,
 ) -> tuple[dict[str, AnyController], list[str]]:
-    """The controllers to run on a motion, and why others are left out.
-
-    Raises:
-        ValueError: the names are no list of different known ones, one that was named cannot be had, none is left.
-    """
+    """The controllers to run on a motion, and why others are left out; ValueError: invalid names, or none is left."""
     if isinstance(controllers, Mapping):
         if not controllers:
             raise ValueError("controllers: must be at least one, got none")
@@ -501,10 +484,7 @@ def _index(values: FloatArray) -> PredictedIndex:
 
 
 def _quantile(values: FloatArray, share: float) -> float:
-    """The value below which a further one lies with probability `share`, i.e. order statistic share (n + 1).
-
-    The quantile of the sample itself (numpy's default) is too narrow: with 40 values 90 % instead of 95 %.
-    """
+    """Order statistic share (n + 1): a further value lies below with probability `share` (numpy's are too narrow)."""
     ordered = np.sort(values)
     place = min(max(share * (len(ordered) + 1) - 1.0, 0.0), len(ordered) - 1.0)
     below = int(place)

@@ -27,53 +27,32 @@ OF_SPEED = (effects.StribeckFriction, effects.CoulombAsymmetry, effects.ViscousA
 
 
 class LinearPlant(NamedTuple):
-    """x' = a x + b u(t - delay), reading = c x: deviations from the place and the speed.
+    """x' = a x + b u(t - delay), reading = c x: deviations from the place and the speed."""
 
-    Attributes:
-        a: (n, n); states: position m, velocity m/s, of a flexible mode its deflection m and rate m/s, of each current
-            loop its command V.
-        b: (n, 1).
-        c: (1, n).
-        delay: s.
-        left_out: nonlinear parts that are not included.
-    """
-
+    # (n, n); states: position m, velocity m/s, of a flexible mode its deflection m and rate m/s, of each current loop
+    # its command V
     a: FloatArray
-    b: FloatArray
-    c: FloatArray
-    delay: float
-    left_out: tuple[str, ...]
+    b: FloatArray  # (n, 1)
+    c: FloatArray  # (1, n)
+    delay: float  # s
+    left_out: tuple[str, ...]  # nonlinear parts that are not included
 
 
 class HeldPlant(NamedTuple):
-    """The plant from sample to sample: x[k+1] = transition x[k] + now u[k - whole] + before u[k - whole - 1].
+    """The plant from sample to sample: x[k+1] = transition x[k] + now u[k - whole] + before u[k - whole - 1]."""
 
-    Attributes:
-        transition: (n, n).
-        now: (n, 1), of the command that acts in the rest of a sample.
-        before: (n, 1), of the one before, which acts in its first part.
-        output: (1, n).
-        whole: samples of delay.
-    """
-
-    transition: FloatArray
-    now: FloatArray
-    before: FloatArray
-    output: FloatArray
-    whole: int
+    transition: FloatArray  # (n, n)
+    now: FloatArray  # (n, 1), of the command that acts in the rest of a sample
+    before: FloatArray  # (n, 1), of the one before, which acts in its first part
+    output: FloatArray  # (1, n)
+    whole: int  # samples of delay
 
 
 def linear_plant(model: Model, *, speed: float | None = None, position: float | None = None) -> LinearPlant:
-    """Linearise M x'' = gain u - friction(x, v) - F_cogging(x) + effects about a place and a speed.
+    """Linearise M x'' = gain u - friction(x, v) - F_cogging(x) + effects about a place (m) and a speed (m/s).
 
-    Args:
-        model: of the axis.
-        speed: m/s, at which friction is taken; None: of friction the viscous alone.
-        position: m, at which cogging and all that depends on the place are taken; None: springs and a scale of the
-            encoder alone, which are the same everywhere.
-
-    Raises:
-        ValueError: at this speed friction has no slope.
+    Without a speed only viscous friction counts; without a position only springs and a scale of the encoder, which are
+    the same everywhere. ValueError: at this speed friction has no slope.
     """
     axis = model.axis
     known = [one.resolved(axis, model.cogging) for one in model.effects]
@@ -124,12 +103,7 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
 
 
 def held(plant: LinearPlant, sample_time: float) -> HeldPlant:
-    """The plant behind a command that is held over a sample and acts after its delay, exactly.
-
-    Args:
-        plant: continuous in time.
-        sample_time: s.
-    """
+    """The plant behind a command that is held over a sample (s) and acts after its delay, exactly."""
     from scipy.linalg import expm
 
     size = plant.a.shape[0]

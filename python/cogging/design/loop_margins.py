@@ -29,12 +29,7 @@ class Machine(NamedTuple):
 
 
 def variations_of(setup: Setup, vary: Mapping[str, Any] | str) -> tuple[list[Variation], list[str]]:
-    """The variations between machines, and remarks on them.
-
-    Raises:
-        FieldError: a number that cannot be varied here, or an invalid variation.
-        ValueError: an unknown path; the nearest is named.
-    """
+    """The variations between machines, and remarks; FieldError or ValueError where a number cannot be varied here."""
     notes = []
     if vary == BOUNDS:
         intervals = Intervals(setup.model)
@@ -62,15 +57,8 @@ def variations_of(setup: Setup, vary: Mapping[str, Any] | str) -> tuple[list[Var
 def machines_of(setup: Setup, variations: list[Variation], count: int, seed: int, stream: int) -> list[Machine]:
     """Draw machines on a Latin hypercube; values that break a rule are drawn again. Deterministic.
 
-    Args:
-        setup: the nominal model and motion.
-        variations: of its numbers.
-        count: number of machines.
-        seed: of the draws.
-        stream: of that seed: machines of different streams are independent.
-
-    Raises:
-        ValueError: the distributions have hardly a valid machine.
+    Machines of different `stream`s of a seed are independent. ValueError: the distributions have hardly a valid
+    machine.
     """
     from scipy.stats import qmc
 
@@ -110,33 +98,18 @@ FAR = 1e9  # m: a period much longer than any travel
 
 
 class Push(NamedTuple):
-    """A force pulse on the machine while it moves.
+    """A force pulse on the machine while it moves."""
 
-    Attributes:
-        force: V.
-        start, stop: s.
-        duration: of the run, s; 0 = the motion's own end.
-        every: rows per kept row.
-        moving: kept rows in which the reference moves.
-    """
-
-    force: float
-    start: float
+    force: float  # V
+    start: float  # start, stop: s
     stop: float
-    duration: float
-    every: int
-    moving: npt.NDArray[np.bool_]
+    duration: float  # of the run, s; 0 = the motion's own end
+    every: int  # rows per kept row
+    moving: npt.NDArray[np.bool_]  # kept rows in which the reference moves
 
 
 def push_of(motion: Reference, sample_rate: float, duration: float, command_max: float) -> Push:
-    """The push for a motion: a fifth of the largest command for 50 samples, from half the largest speed.
-
-    Args:
-        motion: that the machine follows.
-        sample_rate: Hz.
-        duration: s; 0 = the motion's own end.
-        command_max: V, the largest without it.
-    """
+    """A fifth of the largest command for 50 samples, from half the largest speed; duration 0 = the motion's own end."""
     end = duration or motion.end
     rows = max(2, int(end * sample_rate))
     every = max(1, rows // ROWS)
@@ -174,12 +147,7 @@ class Loops:
                 break
 
     def share_lost(self, delay: float = 0.0, gain: float = 1.0) -> float:
-        """The share of the machines on which the loop does not hold.
-
-        Args:
-            delay: s, of the command, beside what the machine has.
-            gain: by which the command acts more.
-        """
+        """The share of the machines on which the loop does not hold with more delay (s), or gain of the command."""
         return float(1.0 - self._held(self._traces(delay, gain)).mean())
 
     def delay_margin(self) -> float:

@@ -137,11 +137,7 @@ class MotionLimits(ByValue):
 
 
 def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
-    """Return the text of a limits file with what the model and logs show, and what is assumed.
-
-    Raises:
-        ValueError: neither the model nor a log shows a travel.
-    """
+    """Return the text of a limits file with what the model and logs show, and what is assumed."""
     found = [audit(log) for log in logs]
     low, high = model.axis.travel
     if not math.isfinite(high - low):
@@ -174,7 +170,7 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
     return "\n".join(["## What the machine may do, drafted by `cogging experiment`: check each line.", *lines, ""])
 
 
-def taken_of(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
+def shares_of_limits(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
     """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
 
     The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes

@@ -217,12 +217,8 @@ def _solve(problem: ObserverProblem) -> ObserverDesign | None:
 def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_square: Any, block: Any) -> list[Any]:
     """The matrices of (15) and of the pole disk at both velocities, which must be negative.
 
-    Args:
-        problem: what is designed for.
-        p: Lyapunov matrix, a variable of cvxpy or an array, as the others.
-        gains: P K at both velocities.
-        gamma_square: square of gamma_o, in the time unit 1/r.
-        block: makes a matrix of blocks (cvxpy.bmat or numpy.block).
+    `p`, `gains` (P K at both velocities) and `gamma_square` (in the time unit 1/r) are variables of cvxpy or arrays;
+    `block` makes a matrix of blocks of them (cvxpy.bmat or numpy.block).
     """
     alpha, found = problem.decay_rate / problem.pole_radius, []
     for velocity, gain in zip((problem.velocity_min, problem.velocity_max), gains, strict=True):

@@ -70,31 +70,18 @@ TABLE = Kind((Mapping, type(None)), "a table of gains by path")
 
 
 class Gain(NamedTuple):
-    """One number that is tuned.
+    """One number that is tuned."""
 
-    Attributes:
-        path: `controller.kp` of a model, or the name of an argument of a user's function.
-        low, high: ends of its range.
-        logarithmic: whether it is searched on a logarithmic scale.
-        present: its present value, within the range or not.
-        whole: whether it is a whole number.
-    """
-
-    path: str
-    low: float
+    path: str  # `controller.kp` of a model, or the name of an argument of a user's function
+    low: float  # low, high: ends of its range
     high: float
-    logarithmic: bool
-    present: float
-    whole: bool
+    logarithmic: bool  # whether it is searched on a logarithmic scale
+    present: float  # its present value, within the range or not
+    whole: bool  # whether it is a whole number
 
 
 def gains_of_model(setup: Setup, ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of the model's controller; ranges: tables by path, None for the usual ones.
-
-    Raises:
-        ValueError: the model has no controller, or a path is no number of it.
-        FieldError: a range breaks a rule.
-    """
+    """Return the gains of the model's controller; ranges: tables by path, None for the usual ones."""
     fields = make_controller(setup.model).parameters.to_dict()
     numbers = {path: value for path, value in numbers_of(setup).items() if path.startswith(PREFIX)}
     if ranges is None:
@@ -112,11 +99,7 @@ def gains_of_model(setup: Setup, ranges: Mapping[str, Any] | None) -> list[Gain]
 
 
 def gains_of_function(make: Callable[..., AnyController], ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of a user's own controller, which a function makes from them by keyword.
-
-    Raises:
-        FieldError: the function has no such argument, or a range breaks a rule.
-    """
+    """Return the gains of a user's own controller, which a function makes from them by keyword."""
     parameters = inspect.signature(make).parameters
     open_ended = any(one.kind is one.VAR_KEYWORD for one in parameters.values())
     gains = []
@@ -162,11 +145,7 @@ def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
 
 
 def checked_limits(given: Mapping[str, Any]) -> dict[str, float | Mapping[str, float]]:
-    """Return the limits as given, checked: a number each, or `{"present": factor}`.
-
-    Raises:
-        FieldError: an unknown limit, or a value that breaks a rule.
-    """
+    """Return the limits as given, checked: a number each, or `{"present": factor}`."""
     if not isinstance(given, Mapping):
         raise FieldError("", "limits", f"must be a table of limits by name, got {quoted(given)}")
     refuse_unknown_keys(given, TUNE_INDEXES, "limits")
@@ -186,11 +165,7 @@ def checked_limits(given: Mapping[str, Any]) -> dict[str, float | Mapping[str, f
 
 
 def limits_as_numbers(given: Mapping[str, Any], present: Reached) -> dict[str, float]:
-    """Return the limits as numbers.
-
-    Raises:
-        FieldError: a limit refers to a present value that does not exist.
-    """
+    """Return the limits as numbers; FieldError where one refers to a present value that does not exist."""
     limits = {}
     for name, value in given.items():
         now = getattr(present, name)
@@ -237,17 +212,9 @@ class Trial(NamedTuple):
 class Judge:
     """Runs gains on drawn machines, and compares what they reach with limits.
 
-    Args:
-        machines: the same for all gains.
-        present: the present gains by path, which set the push that measures margins and limits relative to them.
-        make: makes the controller from values of the gains.
-        with_gains: the model with these values in its controller; None for a user's own controller.
-        limits: as checked_limits returns them.
-        against: a margin is measured in each trial if it is the second objective.
-        duration: s; 0: the motion's own end.
-        window: start and stop of the rows that the indexes use, s.
-        quantile: of the rms error over the machines.
-        threads: 0: all cores.
+    The `present` gains set the push that measures margins, and the limits relative to them. `make` makes the controller
+    from values of the gains, `with_gains` the model with them (None for a user's own controller). A margin is measured
+    in each trial if it is the second objective, `against`.
     """
 
     def __init__(
@@ -276,11 +243,7 @@ class Judge:
         self.present = Trial(present, reached, self._excesses(present, reached))
 
     def run(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Reached:
-        """Return what gains reach, without margins.
-
-        Raises:
-            ValueError: the gains break a rule of the controller, or no run can start.
-        """
+        """Return what gains reach, without margins; ValueError: they break a rule, or no run can start."""
         machines = machines or self.machines
         kept = kept_of_runs(
             [machine.setup.model.plant() for machine in machines],
@@ -335,10 +298,7 @@ class Judge:
         return min((margin for margin in found if margin is not None), default=None)
 
     def _excesses(self, gains: Mapping[str, float], reached: Reached) -> dict[str, float]:
-        """Return the relative excess of each limit; 0 or less where it is kept.
-
-        The excess of a delay or gain margin is the share of machines on which the loop fails with that delay or gain.
-        """
+        """Relative excess of each limit; of a delay or gain margin the share of machines that fail with it."""
         found = {ALL_END: reached.failed / len(self.machines)}
         loops = None
         for name, limit in self.limits.items():
@@ -382,15 +342,22 @@ class Judge:
 
 
 def optuna() -> Any:
-    """Return the library that proposes gains.
-
-    Raises:
-        ImportError: it is not installed; names the extra.
-    """
+    """Return the library that proposes gains; ImportError names the extra."""
     try:
         return importlib.import_module("optuna")
     except ImportError as error:
         raise ImportError("optuna is needed for this and is not there: pip install 'cogging[tune]'") from error
+
+
+@contextmanager
+def _quiet(library: Any) -> Iterator[None]:
+    """Let Optuna report errors only."""
+    before = library.logging.get_verbosity()
+    library.logging.set_verbosity(library.logging.ERROR)
+    try:
+        yield
+    finally:
+        library.logging.set_verbosity(before)
 
 
 def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
@@ -400,30 +367,18 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     any other, and continues as it would have.
     """
     library, against = optuna(), judge.against
-
-    @contextmanager
-    def quiet() -> Iterator[None]:
-        before = library.logging.get_verbosity()
-        library.logging.set_verbosity(library.logging.ERROR)
-        try:
-            yield
-        finally:
-            library.logging.set_verbosity(before)
-
-    with quiet():
-        sampler = library.samplers.TPESampler(seed=seed)
-        other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
-        study = library.create_study(sampler=sampler, directions=["minimize", *other])
-        if all(gain.low <= gain.present <= gain.high for gain in gains):
-            study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
-        space = {}
-        for gain in gains:
-            kind, number = ("IntDistribution", int) if gain.whole else ("FloatDistribution", float)
-            distribution = getattr(library.distributions, kind)
-            space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
+    sampler = library.samplers.TPESampler(seed=seed)
+    other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
+    study = library.create_study(sampler=sampler, directions=["minimize", *other])
+    if all(gain.low <= gain.present <= gain.high for gain in gains):
+        study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
+    space = {}
+    for gain in gains:
+        kind, number = ("IntDistribution", int) if gain.whole else ("FloatDistribution", float)
+        distribution = getattr(library.distributions, kind)
+        space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
     for place in range(count):
-        with quiet():
-            proposed = study.ask(space)
+        proposed = study.ask(space)
         values = {gain.path: float(proposed.params[gain.path]) for gain in gains}
         trial = kept.read(place, values) if kept is not None else None
         if trial is None:
@@ -431,19 +386,14 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
             if kept is not None:
                 kept.keep(trial)
         objectives = [trial.reached.error_rms, *([] if against is None else [getattr(trial.reached, against)])]
-        with quiet():
-            for name, value in trial.excess.items():
-                proposed.set_constraint(name, value)
-            study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
+        for name, value in trial.excess.items():
+            proposed.set_constraint(name, value)
+        study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
         yield trial
 
 
 class KeptTrials:
-    """Stores finished trials beside the output, so that an interrupted tuning can continue.
-
-    Raises:
-        InputError: the file holds the trials of another tuning, or cannot be used.
-    """
+    """Finished trials beside the output, with which an interrupted tuning continues; InputError: of another one."""
 
     def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
         target = target_of(out)
@@ -475,21 +425,13 @@ class KeptTrials:
         return None
 
     def keep(self, trial: Trial) -> None:
-        """Store one more trial; written every half second.
-
-        Raises:
-            InputError: it cannot be written, for example on a full disk.
-        """
+        """Store one more trial; written every half second. InputError: for example on a full disk."""
         self._trials.append(trial)
         if time.monotonic() - self._written > WRITTEN_EVERY:
             self.write()
 
     def write(self) -> None:
-        """Write the trials.
-
-        Raises:
-            InputError: they cannot be written.
-        """
+        """Write the trials; InputError: they cannot be written."""
         entries = [[dict(t.gains), vars(t.reached), dict(t.excess)] for t in self._trials]
         try:
             write_text(self._path, json.dumps({"digest": self._digest, "trials": entries}) + "\n")
@@ -640,7 +582,7 @@ def tune(
         kept = None if digest is None else KeptTrials(out, digest)
     found: list[Trial] = []
     try:
-        with steps(progress, "tune", trials) as step:
+        with _quiet(optuna()), steps(progress, "tune", trials) as step:
             least = math.inf
             for number, trial in enumerate(run_trials(ranges, trials, seed, judge, kept), 1):
                 found.append(trial)
@@ -764,11 +706,7 @@ def _require_numbers(counts: Mapping[str, int], seed: int, quantile: float, agai
 
 
 def read_tune(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Return what a tune file holds: the arguments of `tune`, with paths relative to the working directory.
-
-    Raises:
-        InputError: the file cannot be used; names file, line, field, rule and value.
-    """
+    """Return what a tune file holds: the arguments of `tune`, with paths relative to the working directory."""
     document = read_toml(path)
     try:
         require_keys(document, TUNE, TUNE_NEEDED)
@@ -784,9 +722,5 @@ def files_of_tune(arguments: Mapping[str, Any], path: str | os.PathLike[str]) ->
 
 
 def run_tune(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> Tuning:
-    """Return the result of `tune` with what read_tune returns.
-
-    Raises:
-        InputError: an error found by the tuning; names the file, and the line if the value stands in it.
-    """
+    """Return the result of `tune` with what read_tune returns; InputError names the file, and the line of the value."""
     return run_job(path, tune, arguments, options)

@@ -73,21 +73,13 @@ def thinned(log: Log) -> Log:
 
 @dataclass(frozen=True)
 class AxisFit:
-    """Least squares of a command on mass and friction within bounds.
+    """Least squares of a command on mass and friction within bounds."""
 
-    Attributes:
-        whole: power of the command, V^2.
-        free: power that free forces of position and slow time leave, V^2.
-        left: power that the parameters leave of that, V^2.
-        values: of the parameters, and of drag.
-        by_block: `left` by block, V^2.
-    """
-
-    whole: float
-    free: float
-    left: float
-    values: Mapping[str, float]
-    by_block: FloatArray
+    whole: float  # power of the command, V^2
+    free: float  # power that free forces of position and slow time leave, V^2
+    left: float  # power that the parameters leave of that, V^2
+    values: Mapping[str, float]  # of the parameters, and of drag
+    by_block: FloatArray  # `left` by block, V^2
 
     @property
     def ratio(self) -> float:
@@ -97,36 +89,23 @@ class AxisFit:
 
 @dataclass(frozen=True)
 class AxisBalance:
-    """Command and the force that mass and friction need along the motion, low-pass filtered.
+    """Command and the force that mass and friction need along the motion, low-pass filtered."""
 
-    Attributes:
-        command: as logged, V, one entry an even row, (n,).
-        known: contribution of the model's cogging and effects, V, (n,).
-        taken: rows in motion that are used, (m,).
-        needs: force that a unit of mass, viscous and Coulomb friction needs in these, by name, (m,).
-        position: m, (m,); speed: m/s, (m,).
-        block: number of the block of each, (m,).
-        independent: approximate number of independent rows.
-        step: s, from row to row.
-    """
-
-    command: FloatArray
-    known: FloatArray
-    taken: IntArray
+    command: FloatArray  # as logged, V, one entry an even row, (n,)
+    known: FloatArray  # contribution of the model's cogging and effects, V, (n,)
+    taken: IntArray  # rows in motion that are used, (m,)
+    # force that a unit of mass, viscous and Coulomb friction needs in these, by name, (m,)
     needs: Mapping[str, FloatArray]
-    position: FloatArray
+    position: FloatArray  # m, (m,); speed: m/s, (m,)
     speed: FloatArray
-    block: IntArray
-    independent: float
-    step: float
+    block: IntArray  # number of the block of each, (m,)
+    independent: float  # approximate number of independent rows
+    step: float  # s, from row to row
     _acceleration: FloatArray
 
     @classmethod
     def of(cls, log: Log, model: Model, share: float | None = None) -> AxisBalance | None:
-        """The balance of a log; None if the log hardly moves.
-
-        The cut-off is the highest that noise allows, or `share` times the row rate.
-        """
+        """The balance of a log at the highest cut-off that noise allows, or `share` of the row rate; None at rest."""
         share = cutoff_share(log) if share is None else share
         balance = ForceBalance(log, cutoff=share / float(np.median(np.diff(log.time))))
         free = model.replace(axis=model.axis.replace(viscous=0.0, coulomb=0.0))
@@ -185,10 +164,7 @@ class AxisBalance:
 
     @property
     def work(self) -> float:
-        """Mean power of the command in motion, V m/s.
-
-        A force of position is conservative and friction dissipates, so a correctly read command does positive work.
-        """
+        """Mean power of the command in motion, V m/s: positive for a correctly read one, since friction dissipates."""
         return float(np.mean(self.command[self.taken] * self.speed))
 
     @property
@@ -291,23 +267,9 @@ def explained_share(logs: Sequence[Log], model: Model) -> float | None:
 
     1 - sum (u - F)^2 / sum u^2 over rows in motion of all logs. u is the low-pass filtered command, F the force that
     the model needs along the measured motion, through the same filter, with the mass, viscous and Coulomb friction
-    within their bounds (stated_bounds) that fit best. It is a share of force: no smaller mass makes it larger.
-
-    Args:
-        logs: measured.
-        model: of the machine.
-
-    Returns:
-        1 where all is explained, 0 where nothing is, negative where the model is worse than none; None where no log
-        moves or acts.
-
-    Raises:
-        ValueError: the rows of a log cover too little of its time.
-
-    Example:
-        >>> from cogging.estimation.axis_balance import explained_share
-        >>> 0.99 < explained_share([log], model) <= 1.0
-        True
+    within their bounds (stated_bounds) that fit best. It is a share of force: no smaller mass makes it larger. Negative
+    where the model is worse than none; None where no log moves or acts. ValueError: the rows of a log cover too little
+    of its time.
     """
     balances = [balance for log in logs if (balance := AxisBalance.of(thinned(log), model)) is not None]
     if not balances:

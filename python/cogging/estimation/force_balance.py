@@ -35,18 +35,12 @@ NARROW = 0.05  # of the slowest speed that counts: a narrower friction law gives
 
 @dataclass(frozen=True)
 class Motion:
-    """A smooth motion through the readings; entries (n,), those of `middle_*` half-way to the next row.
+    """A smooth motion through the readings; entries (n,), those of `middle_*` half-way to the next row."""
 
-    Attributes:
-        position, middle_position: m.
-        middle_velocity: mean over the interval, m/s.
-        acceleration: mean over the interval, m/s^2.
-    """
-
-    position: FloatArray
+    position: FloatArray  # position, middle_position: m
     middle_position: FloatArray
-    middle_velocity: FloatArray
-    acceleration: FloatArray
+    middle_velocity: FloatArray  # mean over the interval, m/s
+    acceleration: FloatArray  # mean over the interval, m/s^2
 
 
 class ForceBalance:
@@ -151,11 +145,7 @@ class ForceBalance:
         return float(np.sqrt(np.mean(self.of([model])[0, self.mask] ** 2)))
 
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
-        """Residual (n,) and its derivatives (p, n) with respect to parameters, V, by central differences.
-
-        Raises:
-            ValueError: a parameter that cannot be varied.
-        """
+        """Residual (n,) and its derivatives (p, n) with respect to parameters, V, by central differences."""
         steps = [central(model, parameter, scales.step(parameter)) for parameter in parameters]
         table = self._unfiltered([model, *(side for step in steps for side in (step.above, step.below))])
         # The filter is linear: filtering the differences halves the work.
@@ -269,23 +259,14 @@ def mean_held(time: FloatArray, command: FloatArray, even: FloatArray, step: flo
 
 @dataclass(frozen=True)
 class BalanceEstimate:
-    """Parameters fitted on the force balance.
+    """Parameters fitted on the force balance."""
 
-    Attributes:
-        values: (p,).
-        covariance: block jackknife plus the contribution of the prior, (p, p).
-        freedom: degrees of freedom of each variance, (p,).
-        model: with the values.
-        residual_rms: V, one for each log, over the rows in motion, below the cut-off.
-        instruments: whether simulated instruments were used for all logs.
-    """
-
-    values: FloatArray
-    covariance: FloatArray
-    freedom: FloatArray
-    model: Model
-    residual_rms: tuple[float, ...]
-    instruments: bool
+    values: FloatArray  # (p,)
+    covariance: FloatArray  # block jackknife plus the contribution of the prior, (p, p)
+    freedom: FloatArray  # degrees of freedom of each variance, (p,)
+    model: Model  # with the values
+    residual_rms: tuple[float, ...]  # V, one for each log, over the rows in motion, below the cut-off
+    instruments: bool  # whether simulated instruments were used for all logs
 
 
 def fit_force_balance(
@@ -300,15 +281,8 @@ def fit_force_balance(
 ) -> BalanceEstimate:
     """Solve Z^T r = 0 by Newton steps, Z the instruments; least squares where no run can be simulated.
 
-    Args:
-        model: start of the iteration.
-        paths: of the free parameters.
-        balances: of the logs.
-        scales: for the difference steps.
-        simulate: for each log, the noise-free run of a model at the log's times, or None.
-        loose: 1-sigma of a prior about the start, (p,); infinite: none. It keeps poorly determined parameters near
-            their start and lets the covariance of the others allow for them.
-        iterations: at most.
+    `loose`: 1-sigma of a prior about the start, (p,); infinite: none. It keeps poorly determined parameters near their
+    start and lets the covariance of the others allow for them.
     """
     if not paths:
         rms = tuple(balance.residual_rms(model) for balance in balances)

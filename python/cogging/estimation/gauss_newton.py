@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,52 +16,23 @@ from cogging.estimation.whitening import Whitened, whitened
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
+TOLERANCE = 1e-3  # of the last step, in 1-sigma
 
-@dataclass(frozen=True)
-class Estimate:
-    """The result of a fit.
 
-    Attributes:
-        paths: the free parameters.
-        values: (p,).
-        covariance: of the values, from leaving out blocks, (p, p).
-        freedom: degrees of freedom of each variance, (p,).
-        model: with the values.
-        residuals: V, one array (n,) a log.
-        whitened: at the values.
-        iterations: used.
-    """
+class Estimate(NamedTuple):
+    """The result of a fit."""
 
-    paths: tuple[str, ...]
-    values: FloatArray
-    covariance: FloatArray
-    freedom: FloatArray
-    model: Model
-    residuals: tuple[FloatArray, ...]
-    whitened: tuple[Whitened, ...]
-    iterations: int
-
-    @property
-    def cost(self) -> float:
-        """Sum over logs and rows of log rms of the whitened residual: twice the difference is a likelihood ratio."""
-        return float(sum(len(w.residual) * np.log(w.rms) for w in self.whitened))
-
-    @property
-    def deviation(self) -> FloatArray:
-        """1-sigma of each value, (p,)."""
-        return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+    paths: tuple[str, ...]  # the free parameters
+    values: FloatArray  # (p,)
+    covariance: FloatArray  # of the values, from leaving out blocks, (p, p)
+    freedom: FloatArray  # degrees of freedom of each variance, (p,)
+    cost: float  # sum over logs and rows of log rms of the whitened residual
 
 
 def columns_of(
     model: Model, parameters: Sequence[Parameter], logs: Sequence[Residuals], scales: Scales
 ) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Residuals (n,) and their derivatives (p, n), one of each a log.
-
-    Derivatives by `Innovations.columns`, else by central differences of whole runs.
-
-    Raises:
-        ValueError: a parameter that cannot be varied.
-    """
+    """Residuals (n,) and their derivatives (p, n), one of each a log, by prediction or central differences of runs."""
     if all(isinstance(log, Innovations) for log in logs):
         pairs = [log.columns(model, parameters, scales) for log in logs if isinstance(log, Innovations)]
         return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
@@ -76,33 +47,13 @@ def columns_of(
     return residuals, columns
 
 
-def fit(
-    model: Model,
-    paths: Sequence[str],
-    logs: Sequence[Residuals],
-    *,
-    iterations: int = 15,
-    tolerance: float = 1e-3,
-    floors: Mapping[str, float] | None = None,
-    ceilings: Mapping[str, float] | None = None,
-) -> Estimate:
+def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterations: int) -> Estimate:
     """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
     The whitening filter of each log is re-estimated in each iteration; logs are weighted by their whitened rms.
-
-    Args:
-        model: where to start.
-        paths: of the free parameters.
-        logs: to fit.
-        iterations: at most.
-        tolerance: of the last step, in 1-sigma.
-        floors, ceilings: values below and above which a parameter does not go, by path.
-
-    Raises:
-        DivergedError: the model diverges on a log.
+    DivergedError: the model diverges on a log.
     """
     scales = Scales.largest(log.scales for log in logs)
-    limits = floors or {}, ceilings or {}
     done = 0
     while True:
         known = parameters_of(model, together=True)
@@ -118,19 +69,16 @@ def fit(
         step = -np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True) @ (gradient / size) / size
         done += 1
         filters = [s.coefficients for s in seen]
-        model, length = _move(model, parameters, step, logs, residuals, filters, *limits)
+        model, length = _move(model, parameters, step, logs, residuals, filters)
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
-        if length == 0.0 or np.all(np.abs(length * step) < tolerance * deviation + 1e-12 * np.abs(values)):
+        if length == 0.0 or np.all(np.abs(length * step) < TOLERANCE * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more evaluation, at the final values
-    return Estimate(tuple(paths), values, *jackknife(seen), model, tuple(residuals), tuple(seen), done)
+    cost = float(sum(len(w.residual) * np.log(w.rms) for w in seen))
+    return Estimate(tuple(paths), values, *jackknife(seen), cost)
 
 
 def _normal_equations(paths: Sequence[str], seen: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
-    """Curvature (p, p) and gradient (p,) of half the sum of squares.
-
-    Raises:
-        DivergedError: they are not finite.
-    """
+    """Curvature (p, p) and gradient (p,) of half the sum of squares; DivergedError: they are not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
         gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
@@ -150,8 +98,6 @@ def _move(
     logs: Sequence[Residuals],
     residuals: Sequence[FloatArray],
     filters: Sequence[FloatArray],
-    floors: Mapping[str, float],
-    ceilings: Mapping[str, float],
 ) -> tuple[Model, float]:
     """The model after the longest of the steps 1, 1/2, 1/4, ... that lowers the cost under the same filters."""
 
@@ -166,10 +112,7 @@ def _move(
     before = cost(residuals)
     length = 1.0
     while length > 1e-3:
-        values = {
-            p.path: min(max(p.clipped(p.value + length * s), floors.get(p.path, -np.inf)), ceilings.get(p.path, np.inf))
-            for p, s in zip(parameters, step, strict=True)
-        }
+        values = {p.path: p.clipped(p.value + length * s) for p, s in zip(parameters, step, strict=True)}
         try:
             moved = with_values(model, values)
             after = cost([log.of([moved])[0] for log in logs])

@@ -6,15 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cogging._core import Plant, PlantAlong, Prediction, Predictor
+from cogging._core import Plant, Prediction, Predictor
 from cogging.arrays import FloatArray, Mask
-from cogging.effects.effect import Effect, Wave, for_core, kind_of, laws_of
-from cogging.estimation.residuals import SETTLED, START, quiet_plant, settling, since, steps_needed
+from cogging.effects.effect import Wave, kind_of, laws_of
+from cogging.estimation.residuals import START, quiet_plant, since, steps_needed
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, effect_at, one_sided
 
+BANDWIDTH = 20.0  # Hz, of the observer
+SETTLED = 6.0  # time constants after which the observer has forgotten its initial error (7 exp(-6) remains)
 WIDE = 0.03  # relative step of a difference quotient through contacts
 
 #: Hooks that act through a force or the command gain alone, without memory.
@@ -25,51 +27,39 @@ class Innovations:
     """Residuals by one-step prediction: command and position alone, no controller, no reference.
 
     The plant is driven by the recorded command and corrected by an observer of fixed gain; the innovation is expressed
-    as the constant force that would cause it, M (2 pi bandwidth)^2 innovation.
+    as the constant force that would cause it, M (2 pi BANDWIDTH)^2 innovation.
 
-    Rows count if the axis has moved faster than `rest` for six time constants of the observer and the record has no
-    gap: at rest, friction balances any force up to its level.
-
-    Args:
-        log: with at least time, position and command.
-        model: gives mass and friction width for the scaling.
-        bandwidth: of the observer, Hz.
-        rest: m/s; None: the larger of the friction's width and 0.3 % of the largest speed.
-        quick_starts: rows count sooner after a start that is quicker than the observer (see settling).
+    Rows count if the axis has moved faster than `rest` (m/s; None: the larger of the friction's width and 0.3 % of the
+    largest speed) for six time constants of the observer and the record has no gap: at rest, friction balances any
+    force up to its level.
     """
-
-    _joined: tuple[Prediction, Plant, PlantAlong] | None = None  # cache of rows_of_effects
 
     def __init__(
         self,
         log: Log,
         model: Model,
         *,
-        bandwidth: float = 20.0,
         rest: float | None = None,
-        steps_per_sample: int | None = None,
-        quick_starts: bool = False,
     ) -> None:
-        self.log, self.bandwidth, self.quick_starts = log, bandwidth, quick_starts
+        self.log = log
         sample_time = float(np.median(np.diff(log.time)))
-        self.gap = max(5.0 * sample_time, 0.1 / bandwidth)
+        self.gap = max(5.0 * sample_time, 0.1 / BANDWIDTH)
         self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time - log.time[0],  # time counts from the first row
             log.position,
             log.command,
-            bandwidth=bandwidth,
+            bandwidth=BANDWIDTH,
             gap=self.gap,
             initial_velocity=self.initial_velocity,
-            steps_per_sample=steps_needed(model, sample_time) if steps_per_sample is None else steps_per_sample,
+            steps_per_sample=steps_needed(model, sample_time),
         )
-        self.scale = model.axis.mass * (2.0 * np.pi * bandwidth) ** 2
+        self.scale = model.axis.mass * (2.0 * np.pi * BANDWIDTH) ** 2
         self._predicted = ((model, self.predictor.predict(quiet_plant(model))),) * 2
         self.along, self.velocity = self._predicted[0][1], self._predicted[0][1].velocity
-        smooth = max(1, round(0.1 / bandwidth / sample_time))
+        smooth = max(1, round(0.1 / BANDWIDTH / sample_time))
         speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
-        self.settle = SETTLED / (2.0 * np.pi * bandwidth)
         self.mask = self._moves().astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
@@ -87,17 +77,11 @@ class Innovations:
         turned = np.concatenate([[False], velocity[1:] * velocity[:-1] < 0.0])  # between two rows
         still = (np.abs(velocity) < self.rest) | turned
         broken = np.concatenate([[True], np.diff(time) > self.gap])
-        waits = settling(still, time, velocity, self.rest, self.bandwidth) if self.quick_starts else self.settle
-        return np.asarray(~(since(still, time) < waits) & ~(since(broken, time) < max(START, self.settle)))
+        settle = SETTLED / (2.0 * np.pi * BANDWIDTH)
+        return np.asarray(~(since(still, time) < settle) & ~(since(broken, time) < max(START, settle)))
 
     def prediction(self, model: Model) -> Prediction:
-        """The prediction of a model along this log; cached for the first model and the last.
-
-        A fit needs the same model twice: to accept a step, then for the derivatives.
-
-        Raises:
-            DivergedError: it diverged.
-        """
+        """The prediction of a model along this log; cached for the first model and the last. DivergedError."""
         for known, along in self._predicted:
             if known is model:
                 return along
@@ -106,11 +90,7 @@ class Innovations:
         return along
 
     def of(self, models: Sequence[Model]) -> FloatArray:
-        """Residuals (V) of each model, (models, n).
-
-        Raises:
-            DivergedError: a prediction diverged.
-        """
+        """Residuals (V) of each model, (models, n); DivergedError: a prediction diverged."""
         if len(models) == 1:
             return np.asarray(self.scale * self.prediction(models[0]).innovation[None, :])
         return np.asarray(self.scale * self.predictor.innovations([quiet_plant(model) for model in models]))
@@ -120,9 +100,6 @@ class Innovations:
 
         Force parameters are differentiated along the prediction and propagated through the observer; parameters with
         memory, of the amplifier or of the encoder by central differences of whole predictions.
-
-        Raises:
-            ValueError: a parameter that no step may move.
         """
         plant, along = quiet_plant(model), self.prediction(model)
         columns = np.zeros((len(parameters), len(self.log)))
@@ -135,11 +112,22 @@ class Innovations:
             plants = [quiet_plant(step.above) for step in steps]
             columns[forces] = self.rows_of_plants(along, plant, plants, [step.span for step in steps])
         if readings:
-            steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in readings]
-            errors = [reading_difference(step.above, model, along.position) / step.span for step in steps]
-            columns[readings] = self.rows_of_readings(along, np.array(errors), plant.axis.mass)
+            errors = np.zeros((len(readings), len(self.log)))
+            for row, i in zip(errors, readings, strict=True):
+                step = one_sided(model, parameters[i], scales.step(parameters[i]))
+                for mine, its in zip(step.above.effects, model.effects, strict=True):
+                    if "reading" in mine.HOOKS:
+                        row += laws_of(mine).reading_at(along.position) - laws_of(its).reading_at(along.position)
+                row /= step.span
+            columns[readings] = self.predictor.propagate(along, plant.axis.mass, np.zeros_like(errors), errors)
+            columns[readings] *= self.scale
         if others:
-            steps = [central(model, parameters[i], step_through(model, parameters[i], scales)) for i in others]
+            steps = []
+            for parameter in (parameters[i] for i in others):
+                width = scales.step(parameter)
+                if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
+                    width = max(width, WIDE * abs(parameter.value))  # contacts make the residual jump
+                steps.append(central(model, parameter, width))
             table = self.of([side for step in steps for side in (step.above, step.below)])
             columns[others] = (table[0::2] - table[1::2]) / np.array([step.span for step in steps])[:, None]
         return self.scale * along.innovation, columns
@@ -147,13 +135,10 @@ class Innovations:
     def rows_of_plants(
         self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
     ) -> FloatArray:
-        """First-order change of the residuals from a plant to others that differ in forces alone, (p, n).
+        """First-order change of residuals from a plant to others that differ in forces alone, over `spans`, (p, n).
 
-        Args:
-            along: prediction of `plant` on this log.
-            plant: (without quantiser and noise, as the others: see quiet_plant).
-            others: p of them. One of another mass counts by the acceleration that its forces make.
-            spans: what each row is divided by, (p,): rows are V per unit of it.
+        `along` is the prediction of `plant`, all without quantiser and noise; another mass counts by the acceleration
+        that its forces make.
         """
         force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
         # The same acceleration, as a force on the plant's own mass.
@@ -161,83 +146,18 @@ class Innovations:
         force[1:] -= force[0]
         force = force[1:]
         force /= np.asarray(spans)[:, None]
-        return self.rows_of_forces(along, force, plant.axis.mass)
-
-    def rows_of_effects(
-        self, along: Prediction, plant: Plant, effects: Sequence[Effect], units: Sequence[float]
-    ) -> FloatArray:
-        """First-order change of the residuals when each effect is added to a plant, V per unit of it, (p, n).
-
-        Only the effect's own law is evaluated, so this is much quicker than `rows_of_plants`.
-
-        Args:
-            along: prediction of `plant` on this log.
-            plant: (see quiet_plant).
-            effects: p of them, each such that `Predictor.is_addable`.
-            units: what each row is divided by, (p,), above 0.
-
-        Raises:
-            ValueError: an effect that is not addable.
-        """
-        joined = self._joined
-        if joined is None or joined[0] is not along or joined[1] != plant:
-            self._joined = joined = (along, plant, self.predictor.plant_along(along, plant))
-        rows = np.asarray(joined[2].added(for_core(effects), units))
-        rows *= self.scale
-        return rows
-
-    def rows_of_forces(self, along: Prediction, forces: FloatArray, mass: float) -> FloatArray:
-        """Change of the residuals by small forces (V, one an interval, (p, n)), V, (p, n)."""
-        rows = np.asarray(self.predictor.propagate(along, mass, forces))
-        rows *= self.scale
-        return rows
-
-    def rows_of_readings(self, along: Prediction, errors: FloatArray, mass: float) -> FloatArray:
-        """Change of the residuals by small reading errors (m, one a row, (p, n)), V, (p, n)."""
-        rows = np.asarray(self.predictor.propagate(along, mass, np.zeros_like(errors), errors))
-        rows *= self.scale
-        return rows
+        return np.asarray(self.scale * self.predictor.propagate(along, plant.axis.mass, force))
 
 
 def _kind(model: Model, path: str) -> str:
-    if is_force(model, path):
+    """Whether a parameter acts through forces without memory, as a small error of the reading, or otherwise."""
+    if not path.startswith("effects."):
         return "force"
-    return "reading" if is_reading(model, path) else "other"
-
-
-def is_force(model: Model, path: str) -> bool:
-    """Whether a parameter acts through a force or the gain of the command alone, without a memory."""
-    if not path.startswith("effects."):
-        return True
-    return set(effect_at(model, path).HOOKS) <= LINEAR_HOOKS
-
-
-def step_through(model: Model, parameter: Parameter, scales: Scales) -> float:
-    """The step of a difference quotient; wide for effects with states, whose contacts make the residual jump."""
-    step = scales.step(parameter)
-    if parameter.path.startswith("effects.") and "state" in effect_at(model, parameter.path).HOOKS:
-        return max(step, WIDE * abs(parameter.value))
-    return step
-
-
-def is_reading(model: Model, path: str) -> bool:
-    """Whether a parameter belongs to a periodic encoder error, which is small.
-
-    An error that grows along the travel (a scale) resembles mass and friction and is predicted exactly instead.
-    """
-    if not path.startswith("effects."):
-        return False
     effect = effect_at(model, path)
-    return "reading" in effect.HOOKS and kind_of(effect, Wave) is not None
-
-
-def reading_difference(model: Model, other: Model, position: FloatArray) -> FloatArray:
-    """Reading of one model's encoder minus that of another with the same effects, m, (n,)."""
-    difference = np.zeros(len(position))
-    for mine, its in zip(model.effects, other.effects, strict=True):
-        if "reading" in mine.HOOKS:
-            difference += laws_of(mine).reading_at(position) - laws_of(its).reading_at(position)
-    return difference
+    if set(effect.HOOKS) <= LINEAR_HOOKS:
+        return "force"
+    # An error that grows along the travel (a scale) resembles mass and friction and is predicted exactly instead.
+    return "reading" if "reading" in effect.HOOKS and kind_of(effect, Wave) is not None else "other"
 
 
 def initial_velocity(log: Log) -> float:

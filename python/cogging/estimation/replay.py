@@ -98,11 +98,7 @@ class Replay:
         return place_of_reading(float(self.log.position[0]), model.effects)
 
     def of(self, models: Sequence[Model]) -> FloatArray:
-        """Residuals (V) of each model, (models, n).
-
-        Raises:
-            DivergedError: a replay diverged.
-        """
+        """Residuals (V) of each model, (models, n); DivergedError: a replay diverged."""
         alone = len(models) == 1
         commands = np.array([self.run(models[0])["command"]] if alone else self._commands(models))
         if not np.isfinite(commands).all():

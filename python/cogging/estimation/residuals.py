@@ -50,27 +50,7 @@ def steps_needed(model: Model, sample_time: float) -> int:
     return int(np.clip(np.ceil(rate * sample_time), 1, 20))
 
 
-SETTLED = 6.0  # time constants after which the observer has forgotten its initial error (7 exp(-6) remains)
 START = 0.06  # s, omitted at the start and after a gap: earlier commands are unknown
-
-
-def settling(still: Mask, time: FloatArray, velocity: FloatArray, rest: float, bandwidth: float) -> FloatArray:
-    """Time that must pass since the last row at rest before each row counts, s, (n,).
-
-    Friction below `rest` is unknown. At an acceleration a it acts for 2 rest / a and leaves a speed error that the
-    observer forgets as (1 + s) exp(-s) over s time constants. The wait leaves as much of it as SETTLED time constants
-    leave of a force that acted for one time constant or longer; it is at least one time constant.
-    """
-    constant = 1.0 / (2.0 * np.pi * bandwidth)
-    last = np.maximum(np.maximum.accumulate(np.where(still, np.arange(len(time)), -1)), 0)
-    starts = np.unique(last)
-    ahead = np.minimum(np.searchsorted(time, time[starts] + 0.5 * SETTLED * constant), len(time) - 1)
-    acceleration = np.abs(velocity[ahead] - velocity[starts]) / np.maximum(time[ahead] - time[starts], 1e-300)
-    acted = 2.0 * rest / np.maximum(np.maximum(acceleration * constant, 2.0 * rest), 1e-300)
-    waits = np.linspace(1.0, SETTLED, 51)
-    left = (1.0 + waits) * np.exp(-waits)
-    needed = np.interp(-left[-1] / np.maximum(acted, 1e-12), -left, waits)  # np.interp needs increasing abscissae
-    return np.asarray(constant * needed[np.searchsorted(starts, last)])
 
 
 def since(event: Mask, time: FloatArray) -> FloatArray:

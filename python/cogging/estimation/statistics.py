@@ -72,11 +72,7 @@ def shares_of_blocks(
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Contribution of each block of rows (n,) to Z^T columns, (p, p), and to Z^T residual, (p,).
 
-    Args:
-        instruments: Z^T, (p, n): the columns themselves in least squares.
-        columns: d residual / d parameter, (p, n).
-        residual: (n,).
-        block: number of the block of each row, (n,); the rows of a block follow each other.
+    `instruments` are Z^T, (p, n), the columns themselves in least squares; the rows of a block follow each other.
     """
     edges = [*np.flatnonzero(np.diff(block, prepend=block[0] - 1)), len(block)]
     for first, last in itertools.pairwise(edges):
@@ -87,14 +83,7 @@ def shares_of_blocks(
 def widened(
     covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: Mask, blocks: int
 ) -> tuple[FloatArray, FloatArray]:
-    """The covariance (p, p) with that of white residuals for parameters that hang on one block, and its freedom (p,).
-
-    Args:
-        covariance, freedom: from leaving out blocks.
-        white: variances of white residuals, (p,).
-        hangs: which parameters do, (p,).
-        blocks: less the number of parameters: the freedom of those variances.
-    """
+    """Covariance (p, p) and freedom (p,), those of white residuals for parameters that hang on one block."""
     own = np.diag(covariance)
     usual = own[~hangs & (white > 0.0)] / white[~hangs & (white > 0.0)]
     floor = white * max(1.0, float(np.median(usual)) if len(usual) else 1.0)

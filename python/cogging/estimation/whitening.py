@@ -16,30 +16,17 @@ BLOCK = 0.2  # s, length of the jackknife blocks: rows further apart are taken t
 
 @dataclass(frozen=True)
 class Whitened:
-    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only.
+    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only."""
 
-    Attributes:
-        residual: (n,).
-        columns: d residual / d parameter, (p, n).
-        block: number of the block of each row, (n,).
-        coefficients: of the autoregressive filter.
-        rms: of the whitened residual before division, V.
-    """
-
-    residual: FloatArray
-    columns: FloatArray
-    block: npt.NDArray[np.int64]
-    coefficients: FloatArray
-    rms: float
+    residual: FloatArray  # (n,)
+    columns: FloatArray  # d residual / d parameter, (p, n)
+    block: npt.NDArray[np.int64]  # number of the block of each row, (n,)
+    coefficients: FloatArray  # of the autoregressive filter
+    rms: float  # of the whitened residual before division, V
 
 
 class NothingCounts(ValueError):
     """No row of a log shows the axis in motion for long enough."""
-
-
-def order_for(log: Residuals) -> int:
-    """Order of the whitening filter: 20 ms of memory, from 12 to 48 coefficients."""
-    return int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))
 
 
 def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
@@ -47,17 +34,15 @@ def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
     counted = np.abs(residual[log.mask > 0])
     if not len(counted):
         raise NothingCounts("log: must have rows in motion, got an axis that rests or keeps turning back")
+    order = int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))  # 20 ms of memory
     limit = 6.0 * 1.4826 * float(np.median(counted))
     clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
-    return np.asarray(autoregression(clipped, log.mask, order=order_for(log)))
+    return np.asarray(autoregression(clipped, log.mask, order=order))
 
 
-def whitened(
-    log: Residuals, residual: FloatArray, columns: FloatArray, coefficients: FloatArray | None = None
-) -> Whitened:
+def whitened(log: Residuals, residual: FloatArray, columns: FloatArray) -> Whitened:
     """Whiten a residual and its columns, and keep the rows that count."""
-    if coefficients is None:
-        coefficients = whitening_filter(log, residual)
+    coefficients = whitening_filter(log, residual)
     table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
     rows = log.mask > 0
     rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))

@@ -31,38 +31,24 @@ WIDTH = 0.01  # of the top speed: assumed width of the Coulomb law's sign change
 
 @dataclass(frozen=True)
 class Size:
-    """One of mass, viscous and Coulomb friction.
+    """One of mass, viscous and Coulomb friction."""
 
-    Attributes:
-        value: V/(m/s^2), V/(m/s) or V; assumed where it is not identifiable.
-        uncertainty: relative, 1 sigma; None where it is not identifiable.
-        reason: how it was found, or why not.
-    """
-
-    value: float
-    uncertainty: float | None
-    reason: str
+    value: float  # V/(m/s^2), V/(m/s) or V; assumed where it is not identifiable
+    uncertainty: float | None  # relative, 1 sigma; None where it is not identifiable
+    reason: str  # how it was found, or why not
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """Mass and friction from the force balance of a log.
+    """Mass and friction from the force balance of a log."""
 
-    Attributes:
-        sizes: mass, viscous and coulomb by name.
-        offset: constant force that the command balances, V.
-        explained: share of the command's power in motion that they explain; None: no motion.
-        reversed: whether command and position have opposite signs.
-        speed: top speed, m/s.
-        residuals: pairs of position, m, (m,), and unexplained command, V, (m,), in motion: below a high cut-off, for
-            short waves, and below that of the balance; empty without motion.
-    """
-
-    sizes: Mapping[str, Size]
-    offset: float
-    explained: float | None
-    reversed: bool
-    speed: float
+    sizes: Mapping[str, Size]  # mass, viscous and coulomb by name
+    offset: float  # constant force that the command balances, V
+    explained: float | None  # share of the command's power in motion that they explain; None: no motion
+    reversed: bool  # whether command and position have opposite signs
+    speed: float  # top speed, m/s
+    # pairs of position, m, (m,), and unexplained command, V, (m,), in motion: below a high cut-off, for short waves,
+    # and below that of the balance; empty without motion
     residuals: tuple[tuple[FloatArray, FloatArray], ...]
 
 
@@ -79,15 +65,11 @@ class _Fit:
 
 
 def sizes_of(log: Log, units: Units) -> Sizes:
-    """Estimate mass and friction of an axis from a log, without a prior model.
+    """Estimate mass and friction of an axis from a log in SI, without a prior model.
 
     Least squares of the low-pass filtered command on the force that a unit of mass, viscous and Coulomb friction needs
     along the measured motion and a constant; once with a free force of position beside them (cogging, springs) and once
     without. Where the former does not identify a size (a sine's acceleration resembles a spring), the latter is used.
-
-    Args:
-        log: in SI, with the command's sign as it was logged.
-        units: its labels.
     """
     balance = _balance(log)
     if balance is None:
@@ -103,7 +85,7 @@ def sizes_of(log: Log, units: Units) -> Sizes:
     fed /= max(float(np.sqrt(power * np.mean(balance.speed**2))), 1e-300)
     back = plain.values[0] < -SIGMAS * plain.sigmas[0] and plain.explained > EXPLAINED and fed < FED
     sign = -1.0 if back else 1.0
-    sizes = {name: _size(k, name, sign, placed, plain, power, units) for k, name in enumerate(AXIS)}
+    sizes = {name: _size(k, name, sign, placed, plain, units) for k, name in enumerate(AXIS)}
     if sizes["mass"].value <= 0.0:
         top = float(np.quantile(np.abs(needs[0]), 0.99))
         assumed = float(np.sqrt(power)) / top if top > 0.0 and power > 0.0 else 1.0
@@ -158,7 +140,7 @@ def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
     return _Fit(values, sigmas, alone, offset, 1.0 - float(residual @ residual) / power, residual)
 
 
-def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, power: float, units: Units) -> Size:
+def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, units: Units) -> Size:
     """One size: from the fit with a free force of position, else from the plain fit, else not identifiable."""
     for fit, beside in ((placed, True), (plain, False)):
         value, sigma = sign * float(fit.values[k]), SAFE * float(fit.sigmas[k])
@@ -190,28 +172,16 @@ STEPS = 201  # of the search between two lines of the spectrum
 
 @dataclass(frozen=True)
 class Wave:
-    """A wave over position.
+    """A wave over position."""
 
-    Attributes:
-        period: m.
-        sine, cosine: V: the command balances sine sin(2 pi x / period) + cosine cos(2 pi x / period).
-        share: of the power of the residual of mass and friction.
-    """
-
-    period: float
-    sine: float
+    period: float  # m
+    sine: float  # sine, cosine: V: the command balances sine sin(2 pi x / period) + cosine cos(2 pi x / period)
     cosine: float
-    share: float
+    share: float  # of the power of the residual of mass and friction
 
 
 def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) -> Wave | None:
-    """The strongest wave of a force over position that both halves of the rows agree on, or None.
-
-    Args:
-        position: m, (n,).
-        force: V, (n,).
-        command_rms: V, of the whole command; a wave that is small relative to it is not reported.
-    """
+    """The strongest wave of a force over position that both halves of the rows agree on, or None."""
     travel = float(np.ptp(position)) if len(position) else 0.0
     if len(position) < 200 or travel == 0.0:
         return None

@@ -33,25 +33,15 @@ from cogging.shown import nearest, printable
 
 @dataclass(frozen=True)
 class ColumnGuess:
-    """One identified column of a file.
+    """One identified column of a file."""
 
-    Attributes:
-        name: in a log: time, position, command, reference, ...
-        label: header in the file.
-        unit: factor to the unit of the log, that unit's label, and how it is known.
-        reason: why it is this column.
-        sure: STATED (by its name or the user), LIKELY or UNKNOWN.
-        called: its name in the option `--columns`; the whole header if the name alone is ambiguous.
-        scaled: whether `--scale` is needed, also for a factor of 1.
-    """
-
-    name: str
-    label: str
-    unit: Unit
-    reason: str
-    sure: str
-    called: str
-    scaled: bool
+    name: str  # in a log: time, position, command, ...
+    label: str  # header in the file
+    unit: Unit  # factor to the unit of the log, that unit's label, and how it is known
+    reason: str  # why it is this column
+    sure: str  # STATED (by its name or the user), LIKELY or UNKNOWN
+    called: str  # its name in the option `--columns`; the whole header if the name alone is ambiguous
+    scaled: bool  # whether `--scale` is needed, also for a factor of 1
 
     def text(self) -> str:
         """One line."""
@@ -61,17 +51,11 @@ class ColumnGuess:
 
 @dataclass(frozen=True)
 class ColumnGuesses:
-    """The identified columns of a file.
+    """The identified columns of a file."""
 
-    Attributes:
-        used: by their names in a log.
-        unused: headers of the others.
-        notes: further remarks.
-    """
-
-    used: dict[str, ColumnGuess]
-    unused: tuple[str, ...]
-    notes: tuple[str, ...]
+    used: dict[str, ColumnGuess]  # by their names in a log
+    unused: tuple[str, ...]  # headers of the others
+    notes: tuple[str, ...]  # further remarks
 
     @property
     def columns(self) -> dict[str, str]:
@@ -223,17 +207,9 @@ def guess_columns(
     rows: slice | None,
     units: Units | None,
 ) -> ColumnGuesses:
-    """Identify the columns of a log in a file of any format, and their units.
+    """Identify the columns of a log in a file of any format, and their units, beside those that are given.
 
-    Args:
-        path: of the file.
-        columns: names given by the user, by their names in a log.
-        scale: factors given by the user.
-        rows: data rows to use.
-        units: stated beside the log; None: none.
-
-    Raises:
-        InputError: it cannot be read, or time, position or command cannot be identified.
+    InputError: it cannot be read, or time, position or command cannot be identified.
     """
     surveyed = survey_columns(path)
     headers = {label: header_of(label, apart) for label, apart in surveyed}

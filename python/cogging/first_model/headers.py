@@ -49,24 +49,10 @@ NAMES = {
 WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
 #: Factors to SI of units of position, time and command, and the label of the command's unit.
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "microns": 1e-6, "nm": 1e-9}
-LENGTHS |= {
-    "cm": 1e-2,
-    "km": 1e3,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "meter": 1.0,
-    "metre": 1.0,
-    "meters": 1.0,
-    "metres": 1.0,
-}
+LENGTHS |= {"cm": 1e-2, "km": 1e3, "in": 0.0254, "inch": 0.0254}
+LENGTHS |= dict.fromkeys(("meter", "metre", "meters", "metres"), 1.0)
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "grad": math.pi / 180.0}
-ANGLES |= {
-    "rev": 2.0 * math.pi,
-    "revs": 2.0 * math.pi,
-    "turn": 2.0 * math.pi,
-    "turns": 2.0 * math.pi,
-    "u": 2.0 * math.pi,
-}
+ANGLES |= dict.fromkeys(("rev", "revs", "turn", "turns", "u"), 2.0 * math.pi)
 COUNTS = ("counts", "count", "cnt", "cnts", "inc", "incs", "inkr", "inkremente", "ticks", "steps", "lsb")
 TIMES = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "sek": 1.0, "sekunden": 1.0, "ms": 1e-3, "msec": 1e-3}
 TIMES |= {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "usec": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
@@ -88,21 +74,13 @@ RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNO
 
 @dataclass(frozen=True)
 class Header:
-    """Quantity and unit in the header of a column.
+    """Quantity and unit in the header of a column."""
 
-    Attributes:
-        label: the whole text.
-        bare: the name without its unit.
-        unit: as written, or "".
-        kind: quantity, a key of WORDS, or "".
-        rank: 0 for the most specific name, larger for others.
-    """
-
-    label: str
-    bare: str
-    unit: str
-    kind: str
-    rank: int
+    label: str  # the whole text
+    bare: str  # the name without its unit
+    unit: str  # as written, or ""
+    kind: str  # quantity, a key of WORDS, or ""
+    rank: int  # 0 for the most specific name, larger for others
 
     @property
     def kind_of_unit(self) -> str:
@@ -206,19 +184,12 @@ MANY = 1000  # span from which whole numbers are counts
 
 @dataclass(frozen=True)
 class Unit:
-    """The unit of a column.
+    """The unit of a column."""
 
-    Attributes:
-        factor: to the unit of the log.
-        label: of the log's unit: s, m, rad, V, A, N, Nm, ...
-        reason: why, in words.
-        sure: STATED (in the header), LIKELY or UNKNOWN.
-    """
-
-    factor: float
-    label: str
-    reason: str
-    sure: str
+    factor: float  # to the unit of the log
+    label: str  # of the unit of the log: s, m, rad, V, A, ...
+    reason: str  # why, in words
+    sure: str  # STATED (in the header), LIKELY or UNKNOWN
 
 
 def unit_of_time(header: Header, time: FloatArray) -> Unit:
@@ -260,14 +231,7 @@ def stated_unit(header: Header) -> Unit | None:
 
 
 def unit_of_position(header: Header, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
-    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration.
-
-    Args:
-        header: of the column.
-        time: s, (n,).
-        position: as written, (n,).
-        turns: whether it is an angle.
-    """
+    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration."""
     stated, label = stated_unit(header), "rad" if turns else "m"
     if stated is not None:
         return stated

@@ -354,11 +354,7 @@ class ModelDraft(ByValue):
 
 
 def require_new(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Refuse to replace files, which may have been edited by hand.
-
-    Raises:
-        InputError: one exists.
-    """
+    """Refuse to replace files, which may have been edited by hand."""
     for path in paths:
         if os.path.lexists(path):
             raise InputError(f"{path}: must not exist yet: a draft does not replace files; name another, or remove it")

@@ -26,32 +26,17 @@ NO_JERK = 0.02  # of a ramp's time, in which the jerk acts: less counts as unlim
 
 @dataclass(frozen=True)
 class Motion:
-    """The recognised motion of a log.
+    """The recognised motion of a log."""
 
-    Attributes:
-        kind: rest, sine, point_to_point or sampled.
-        fields: of the reference file's type.
-        description: in words.
-        left: rms residual of the motion with these fields, m.
-        moves: number of moves between rests.
-    """
-
-    kind: str
-    description: str
-    fields: Mapping[str, float] = field(default_factory=dict)
-    left: float = 0.0
-    moves: int = 0
+    kind: str  # rest, sine, point_to_point or sampled
+    description: str  # in words
+    fields: Mapping[str, float] = field(default_factory=dict)  # of the reference file's type
+    left: float = 0.0  # rms residual of the motion with these fields, m
+    moves: int = 0  # number of moves between rests
 
 
 def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units: Units) -> Motion:
-    """Recognise a motion from the reference of a log, or else its position.
-
-    Args:
-        time: s, (n,), from any start.
-        position: m, (n,).
-        quantum: m, of the readings; 0 of a reference.
-        units: labels of the position's unit.
-    """
+    """Recognise a motion from the reference of a log, or else its position (`quantum`: of the readings, m)."""
     t, span = time - time[0], float(np.ptp(position))
     if span <= STILL * quantum or span == 0.0:
         return Motion("rest", f"it rests: {span:.3g} {units.position} from end to end")

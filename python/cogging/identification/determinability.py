@@ -23,20 +23,13 @@ TRADE = 0.95  # correlation above which two parameters trade against each other
 
 @dataclass(frozen=True)
 class Determinability:
-    """Which parameters the logs determine.
+    """Which parameters the logs determine."""
 
-    Attributes:
-        paths: of the parameters.
-        sigma: predicted 1-sigma with all others free, relative to the parameter's size, (p,); infinite if no row
-            depends on it.
-        in_balance: whether the force balance depends on it, else only the output error may, (p,).
-        notes: one sentence each.
-    """
-
-    paths: tuple[str, ...]
+    paths: tuple[str, ...]  # of the parameters
+    # predicted 1-sigma with all others free, relative to the parameter's size, (p,); infinite if no row depends on it
     sigma: FloatArray
-    in_balance: tuple[bool, ...]
-    notes: tuple[str, ...]
+    in_balance: tuple[bool, ...]  # whether the force balance depends on it, else only the output error may, (p,)
+    notes: tuple[str, ...]  # one sentence each
 
     def determined(self, path: str) -> bool:
         """Whether the logs determine the parameter at a path."""
@@ -62,15 +55,8 @@ def determinability(
 ) -> Determinability:
     """Predict from a linearised fit which parameters the logs determine.
 
-    Where a run can be simulated, its noise-free motion is used: noise in the measured motion is no excitation.
-
-    Args:
-        model: to linearise about.
-        paths: of the parameters.
-        balances: force balances of the logs.
-        scales: of all of them.
-        simulate: for each log, the noise-free run of a model, or None.
-        sources: makes the output errors of the logs, used where the force balance does not depend on a parameter.
+    Where `simulate` has a run for a log its noise-free motion is used: noise in the measured motion is no excitation.
+    `sources` makes the output errors of the logs, used where the force balance does not depend on a parameter.
     """
     known = parameters_of(model)
     parameters = [known[path] for path in paths]

@@ -279,14 +279,7 @@ def percent(share: float) -> str:
 def warnings_of(
     logs: Sequence[LogFit], parameters: Sequence[ParameterEstimate], held: Sequence[str], unit: str
 ) -> tuple[str, ...]:
-    """Sentences that speak against a fit, the most important first.
-
-    Args:
-        logs: of the result.
-        parameters: as fitted.
-        held: paths of parameters that keep their prior because of unmodelled forces.
-        unit: of the command.
-    """
+    """Sentences that speak against a fit, the most important first; `held`: paths kept because of unmodelled forces."""
     warnings = []
     for log in logs:
         worse = f"{log.name}: the fit is worse than the model as given"

@@ -35,11 +35,7 @@ class LoggedReplay(Replay):
         self.sample_time = float(log.time[-1] - log.time[0]) / (len(log) - 1)
 
     def as_run(self, model: Model) -> Model:
-        """The model as it is run: with the controller of the log.
-
-        Raises:
-            DivergedError: its mass is too small for a stable loop.
-        """
+        """The model with the controller of the log; DivergedError: too small a mass for a stable loop."""
         axis = model.axis
         if axis.mass < LIGHTEST * self.mass:
             raise DivergedError(
@@ -53,11 +49,7 @@ class LoggedReplay(Replay):
         return super().as_run(model.replace(axis=axis, controller=self.controller))
 
     def log_of(self, model: Model) -> Log:
-        """The simulated log of one model, at the times of the measured one.
-
-        Raises:
-            DivergedError: the replay diverged.
-        """
+        """The simulated log of a model, at the times of the measured one; DivergedError: the replay diverged."""
         run = self.run(model)
         if not (np.isfinite(run["position"]).all() and np.isfinite(run["command"]).all()):
             raise DivergedError("the replay diverged")
@@ -66,40 +58,23 @@ class LoggedReplay(Replay):
 
 @dataclass(frozen=True)
 class LoggedRun:
-    """One log as a fit uses it.
+    """One log as a fit uses it."""
 
-    Attributes:
-        name: of the log.
-        log: measured.
-        audit: of it.
-        replay: the closed loop on its reference; None if controller or reference are unknown or do not fit.
-        line: remark on the stated controller, or "".
-        repairs: remark on corrected time stamps and spikes.
-        sparse: remark on too few rows for the controller, or "".
-        hold: s, of each command where the controller gave several a row; None: from row to row.
-    """
-
-    name: str
-    log: Log
-    audit: Audit
+    name: str  # of the log
+    log: Log  # measured
+    audit: Audit  # of it
+    # the closed loop on its reference; None if controller or reference are unknown or do not fit
     replay: LoggedReplay | None
-    line: str
-    repairs: str = ""
-    sparse: str = ""
-    hold: float | None = None
+    line: str  # remark on the stated controller, or ""
+    repairs: str = ""  # remark on corrected time stamps and spikes
+    sparse: str = ""  # remark on too few rows for the controller, or ""
+    hold: float | None = None  # s, of each command where the controller gave several a row; None: from row to row
 
     @classmethod
     def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
-        """Audit a log and check the controller that made it.
+        """Audit a log and check the controller that made it; InputError: units that cannot be those of the model.
 
-        Args:
-            log: measured.
-            model: whose controller is stated.
-            name: of the log, for errors.
-            added_command: what was added to the controller's command, V, (n,).
-
-        Raises:
-            InputError: units that cannot be those of the model.
+        `added_command`: what was added to the controller's command, V, (n,).
         """
         added = None if added_command is None else real_array("added_command", added_command)
         check_against_model(log, model, name)
@@ -147,10 +122,8 @@ class LoggedRun:
     def relative_errors(self, model: Model) -> dict[str, float]:
         """Relative error of the replay in position, velocity and command (norms); empty without a replay.
 
-        Both velocities are differences of positions low-pass filtered at 400 Hz at most.
-
-        Raises:
-            DivergedError: the replay diverged.
+        Both velocities are differences of positions low-pass filtered at 400 Hz at most. DivergedError: the replay
+        diverged.
         """
         if self.replay is None:
             return {}
@@ -169,10 +142,7 @@ class LoggedRun:
 
 
 def _between_rows(log: Log, model: Model) -> tuple[Log, float | None, str]:
-    """The log with interpolated commands where the controller gave several a row, their hold, and a remark.
-
-    The mean of a row's command and the next is closer to what acted in between than the row's own.
-    """
+    """The log with means of neighbouring commands where several act in a row, their hold, and a remark."""
     step = float(np.median(np.diff(log.time)))
     if model.controller is None or step * model.controller.sample_rate < SPARSE:
         return log, None, ""

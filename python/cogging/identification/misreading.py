@@ -15,14 +15,13 @@ from cogging.estimation.axis_balance import AXIS, AxisBalance, AxisFit, Bounds, 
 from cogging.log_check.controller_check import check_controller, compared
 from cogging.log_check.controller_recovery import recover_controller
 from cogging.log_check.encoder_readings import encoder_quantum
-from cogging.log_check.log_audit import ANGLES, position_units
+from cogging.log_check.log_audit import ANGLES, TIME_UNITS, position_units
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
 from cogging.model.units import Units
 
 # Units
-TIMES = {1e-3: "ms", 1e-6: "us"}
 COMMANDS = {  # by the factor to the model's unit
     1e-3: "thousandths of the model's unit",
     1e3: "thousands of the model's unit",
@@ -65,23 +64,15 @@ SHIFTS = 60  # tried either way before the best is refined
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a log differently.
+    """One way to read a log differently."""
 
-    Attributes:
-        column: that is read differently.
-        kind: sign, scale, swap, derivative, shift, or reference.
-        said: what is wrong, a clause with the column as its subject.
-        factors: by column.
-        renamed: the column that takes the place of another, by the name of that place.
-        shift: rows by which the command is too late, negative: too early.
-    """
-
-    column: str
-    kind: str
-    said: str
-    factors: Mapping[str, float] = field(default_factory=dict)
+    column: str  # that is read differently
+    kind: str  # sign, scale, swap, derivative, shift, or reference
+    said: str  # what is wrong, a clause with the column as its subject
+    factors: Mapping[str, float] = field(default_factory=dict)  # by column
+    # the column that takes the place of another, by the name of that place
     renamed: Mapping[str, str] = field(default_factory=dict)
-    shift: int = 0
+    shift: int = 0  # rows by which the command is too late, negative: too early
 
     def of(self, log: Log) -> Log:
         """The log read this way."""
@@ -127,33 +118,20 @@ class Reading:
 
 @dataclass(frozen=True)
 class Misreading:
-    """A column of a log that was read as something else.
+    """A column of a log that was read as something else."""
 
-    Attributes:
-        column: of the log.
-        misreading: sign, scale, swap, derivative (of the position), shift, or reference (given as position).
-        factor: by which the column is to be multiplied, or None.
-        rows: by which the command is too late, negative: too early; or None.
-        option: to give on the command line, or "" where no option does it.
-        alternatives: options that these logs cannot distinguish from it.
-        explained: share of the command's power in motion that the model explains as the log was read; None: unknown.
-        explained_otherwise: the same with the column read correctly.
-        logs: names of the logs.
-        advice: what to do.
-        text: all of it in a sentence.
-    """
-
-    column: str
-    misreading: str
-    factor: float | None
-    rows: int | None
-    option: str
-    alternatives: tuple[str, ...]
+    column: str  # of the log
+    misreading: str  # sign, scale, swap, derivative (of the position), shift, or reference (given as position)
+    factor: float | None  # by which the column is to be multiplied, or None
+    rows: int | None  # by which the command is too late, negative: too early; or None
+    option: str  # to give on the command line, or "" where no option does it
+    alternatives: tuple[str, ...]  # options that these logs cannot distinguish from it
+    # share of the command's power in motion that the model explains as the log was read; None: unknown
     explained: float | None
-    explained_otherwise: float | None
-    logs: tuple[str, ...]
-    advice: str
-    text: str
+    explained_otherwise: float | None  # the same with the column read correctly
+    logs: tuple[str, ...]  # names of the logs
+    advice: str  # what to do
+    text: str  # all of it in a sentence
 
     def to_dict(self) -> dict[str, Any]:
         """All fields for JSON."""
@@ -162,27 +140,15 @@ class Misreading:
 
 @np.errstate(all="ignore")  # extreme values are refused where they are used
 def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = None) -> Misreading | None:
-    """Find the simple misreading that would explain logs which a model does not explain.
+    """Find the simple misreading that would explain logs which a model does not explain; None where none is clear.
 
-    Tried for each log: the sign of command, position or reference; units of command, position and time; swapped
-    columns; a velocity, or the reference, in place of the position; a command that is rows too late or far too early.
-    The evidence is the columns themselves, the stated controller, and the force balance: mass and friction, which
-    cannot be negative, beside a free force of position and a slow one in time. The balance decides only where the log
-    as read is excluded even with mass and friction far from the model's, and the other reading fits. A command that
-    acts up to 15 ms or 10 rows late is left to the effects that cause such a delay.
-
-    Args:
-        logs: each is judged by itself.
-        model: of the machine.
-        names: of the logs; None: their numbers.
-
-    Returns:
-        The misreading of the first log that has one, and of all that share it; None where none is clear.
-
-    Example:
-        >>> pushed = cogging.Log(log.time, log.position, -log.command)
-        >>> misreading([pushed], model).option
-        '--scale command=-1'
+    Tried for each log by itself: the sign of command, position or reference; units of command, position and time;
+    swapped columns; a velocity, or the reference, in place of the position; a command that is rows too late or far too
+    early. The evidence is the columns themselves, the stated controller, and the force balance: mass and friction,
+    which cannot be negative, beside a free force of position and a slow one in time. The balance decides only where the
+    log as read is excluded even with mass and friction far from the model's, and the other reading fits. A command that
+    acts up to 15 ms or 10 rows late is left to the effects that cause such a delay. The result is the misreading of the
+    first log that has one, and of all that share it.
     """
     called = list(names) if names is not None else [f"log {i + 1}" for i in range(len(logs))]
     clean = [repaired(log, spikes(log.position), spikes(log.command))[0] for log in logs]
@@ -414,18 +380,12 @@ def _length_unit(factor: float, units: Units) -> Reading:
 
 @dataclass(frozen=True)
 class Evidence:
-    """When a reading is clearly better; shares of the power that free forces of position and time leave of a command.
+    """When a reading is clearly better; shares are of the power that free forces of position and time leave."""
 
-    Attributes:
-        unexplained: of the log as read, at least, whatever mass and friction.
-        explained: of the other reading, at most.
-        margin: ratio of both, at least.
-        stretches: effective number of blocks that support it, at least: (sum of gains)^2 over the sum of squares.
-    """
-
-    unexplained: float
-    explained: float
-    margin: float = 4.0
+    unexplained: float  # of the log as read, at least, whatever mass and friction
+    explained: float  # of the other reading, at most
+    margin: float = 4.0  # ratio of both, at least
+    # effective number of blocks that support it, at least: (sum of gains)^2 over the sum of squares
     stretches: float = 9.0
 
     def favours(self, after: AxisFit, before: AxisFit) -> bool:
@@ -601,7 +561,7 @@ class BalanceCase:
             if rate > 0.0:
                 yield Reading("time", "scale", "is the number of the sample", {"time": float(f"{1.0 / rate:.3g}")})
         else:
-            for factor, unit in TIMES.items():
+            for factor, unit in TIME_UNITS.items():
                 yield Reading("time", "scale", f"is in {unit}", {"time": factor})
 
     def swaps(self) -> Winners:

@@ -17,7 +17,7 @@ from cogging.estimation.statistics import student
 from cogging.identification.determinability import UNDETERMINED, Determinability, determinability, size_of
 from cogging.identification.identification_result import CHECK, Identification, LogFit, ParameterEstimate, warnings_of
 from cogging.identification.logged_run import LoggedRun
-from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled, freed, misfit
+from cogging.identification.unmodelled import AS_NOISE, WITH_FORCES, Unmodelled, other_answers
 from cogging.log_check.encoder_readings import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.intervals import SIGMAS_95
@@ -46,15 +46,7 @@ def answer_of(paths: Sequence[str], values: FloatArray, covariance: FloatArray, 
 
 
 class ParameterFit:
-    """Fit the parameters `paths` of a model to logs.
-
-    Args:
-        model: the prior.
-        runs: the logs.
-        paths: of the free parameters.
-        cutoffs: of the filter, Hz; the first at which reading noise is small is used.
-        rest: rows slower than this do not count, m/s; None: 2 % of the largest speed.
-    """
+    """Fit the parameters `paths` of a model to logs; of the `cutoffs` (Hz) the first with small noise is used."""
 
     def __init__(
         self,
@@ -151,10 +143,7 @@ class ParameterFit:
         return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
 
     def _fit_output(self, start: Model) -> Estimate | None:
-        """Fit the whitened output error of the determined parameters, from the better of two starts.
-
-        As a mere check of a model that lacks much, a few iterations from the first start suffice.
-        """
+        """Fit the whitened output error of the determined parameters from two starts; as a check, briefly from one."""
         paths = [path for path in self.paths if self.seen.determined(path)]
         if not paths:
             return None
@@ -193,18 +182,13 @@ class ParameterFit:
         return spread
 
     def _other_answers(self) -> dict[str, Answer]:
-        """Answers of other ways to fit the balance, by the way.
-
-        First with unmodelled forces beside the model, then biased by them, then at twice and half the cut-off and with
-        every second row.
-        """
+        """Answers by the way: beside unmodelled forces, biased by them, at other cut-offs, with half the rows."""
         paths = self.moving
         if not paths:
             return {}
         model, known, loose = self.estimate.model, parameters_of(self.estimate.model), self._loose(paths)
         parameters = [known[path] for path in paths]
-        moved, halves = freed(model, parameters, self.balances, self.left, self.scales, loose)
-        bent = misfit(model, parameters, self.balances, self.left, self.scales, loose)
+        moved, halves, bent = other_answers(model, parameters, self.balances, self.left, self.scales, loose)
         values = self.estimate.values
         found: dict[str, Answer] = {}
 
@@ -340,9 +324,8 @@ class ParameterFit:
     def _doubted_interval(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
         """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
 
-        The interval covers those of both estimators and those of the balance with unmodelled forces beside the model
-        and biased by them. The prior is kept unless these exclude it, with its stated uncertainty; then the answer
-        beside those forces replaces it.
+        The interval covers those of both estimators and those beside and with unmodelled forces. The prior is kept
+        unless these exclude it, with its stated uncertainty; then the answer beside those forces replaces it.
         """
         path = prior.path
         others = [other[path] for other in list(self.others.values())[:2] if path in other]

@@ -32,27 +32,16 @@ BURIED = 4.0  # ... residual over noise, from which parameters keep their prior 
 
 @dataclass(frozen=True)
 class Unmodelled:
-    """The residual of one log's force balance.
+    """The residual of one log's force balance."""
 
-    Attributes:
-        residual: rms over the rows in motion, V.
-        command: rms of the filtered command over the same rows, V.
-        noise: rms that no force of position, speed, direction, acceleration or time explains, V.
-        inflation: spectral density of that noise at low frequencies over that of white noise of the same rms.
-        freedom: number of independent rows less the forces fitted.
-        slow: as `inflation`, of the whole residual.
-        forces: of position, speed, direction and time, (q, m), of rms 1.
-        rows: of the balance that are used, (m,).
-    """
-
-    residual: float
-    command: float
-    noise: float
-    inflation: float
-    freedom: float
-    slow: float
-    forces: FloatArray
-    rows: IntArray
+    residual: float  # rms over the rows in motion, V
+    command: float  # rms of the filtered command over the same rows, V
+    noise: float  # rms that no force of position, speed, direction, acceleration or time explains, V
+    inflation: float  # spectral density of that noise at low frequencies over that of white noise of the same rms
+    freedom: float  # number of independent rows less the forces fitted
+    slow: float  # as `inflation`, of the whole residual
+    forces: FloatArray  # of position, speed, direction and time, (q, m), of rms 1
+    rows: IntArray  # of the balance that are used, (m,)
 
     @property
     def structured(self) -> float:
@@ -72,13 +61,7 @@ class Unmodelled:
 
     @classmethod
     def of(cls, balance: ForceBalance, model: Model, run: Simulator | None) -> Unmodelled:
-        """Split what a model leaves of a log.
-
-        Args:
-            balance: of the log.
-            model: fitted.
-            run: simulates the noise-free motion; None: the measured motion is used.
-        """
+        """Split what a fitted model leaves of a log; `run`: simulates the noise-free motion; None: use the measured."""
         residual = balance.of([model])[0]
         command = balance.filtered(balance.command[None, :])[0]
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * balance.cutoff * balance.sample_time)))
@@ -107,23 +90,26 @@ class Unmodelled:
         return cls(rms, of_command, min(noise, rms), inflation, freedom, _memory(left)[1], forces, rows)
 
 
-def freed(
+def other_answers(
     model: Model,
     parameters: Sequence[Parameter],
     balances: Sequence[ForceBalance],
     left: Sequence[Unmodelled],
     scales: Scales,
     loose: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """How far parameters move with unmodelled forces beside the model, (p,), and halves of their intervals, (p,).
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Moves of parameters beside unmodelled forces, half intervals there, and those with the residual as noise, (p,).
 
-    Least squares with the forces of `left` beside the model's own columns, each with a prior of 0 +- ALLOWED times the
-    structured residual; the move is that against least squares without them. Kennedy and O'Hagan 2001.
+    Beside forces: least squares with those of `left` beside the model's own columns, each with a prior of 0 +- ALLOWED
+    times the structured residual; the move is that against least squares without them (Kennedy and O'Hagan 2001). As
+    noise: an unmodelled force biases the parameters as much as coloured noise of its size and bandwidth could. The
+    scatter between blocks does not show that, since each block is biased alike.
     """
     p = len(parameters)
     prior = np.diag(1.0 / loose**2)
     plain, right = prior.copy(), np.zeros(p)
     bordered, beside = prior.copy(), np.zeros(p)
+    information = prior.copy()
     for balance, one in zip(balances, left, strict=True):
         residual, columns = balance.columns(model, parameters, scales)
         columns, rest = columns[:, one.rows], residual[one.rows]
@@ -136,34 +122,15 @@ def freed(
         solved = np.linalg.solve(own, np.column_stack([cross.T, weight * one.forces @ rest]))
         bordered += weight * columns @ columns.T - cross @ solved[:, :p]
         beside += weight * columns @ rest - cross @ solved[:, p]
-    size = np.sqrt(np.diag(plain))
-    inverse = np.linalg.pinv(bordered / np.outer(size, size), rcond=1e-13, hermitian=True)
-    moved = -inverse @ (beside / size) / size
-    moved += np.linalg.pinv(plain / np.outer(size, size), rcond=1e-13, hermitian=True) @ (right / size) / size
-    freedom = sum(one.freedom for one in left)
-    return moved, student(freedom) * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
-
-
-def misfit(
-    model: Model,
-    parameters: Sequence[Parameter],
-    balances: Sequence[ForceBalance],
-    left: Sequence[Unmodelled],
-    scales: Scales,
-    loose: FloatArray,
-) -> FloatArray:
-    """Halves of the intervals (p,) of parameters with the whole residual as coloured noise.
-
-    An unmodelled force biases the parameters as much as coloured noise of its size and bandwidth could. The scatter
-    between blocks does not show that, since each block is biased alike.
-    """
-    information = np.diag(1.0 / loose**2)
-    for balance, one in zip(balances, left, strict=True):
-        columns = balance.columns(model, parameters, scales)[1][:, one.rows]
         information += columns @ columns.T / max(one.residual**2 * one.slow, 1e-300)
-    size = np.sqrt(np.diag(information))
-    inverse = np.linalg.pinv(information / np.outer(size, size), rcond=1e-13, hermitian=True)
-    return np.asarray(SIGMAS_95 * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size)
+    size, as_noise = np.sqrt(np.diag(plain)), np.sqrt(np.diag(information))
+    inverse, without, noisy = (
+        np.linalg.pinv(matrix / np.outer(scale, scale), rcond=1e-13, hermitian=True)
+        for matrix, scale in ((bordered, size), (plain, size), (information, as_noise))
+    )
+    moved = -inverse @ (beside / size) / size + without @ (right / size) / size
+    halves = student(sum(one.freedom for one in left)) * np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size
+    return moved, halves, SIGMAS_95 * np.sqrt(np.maximum(np.diag(noisy), 0.0)) / as_noise
 
 
 def _smooth_forces(balance: ForceBalance, coarse: IntArray) -> list[FloatArray]:

@@ -28,30 +28,20 @@ EXPLAINS = 0.7  # of the difference: spikes are left out if less than this remai
 
 @dataclass(frozen=True)
 class Compared:
-    """A log and the command of the stated controller for it, one entry a sample.
+    """A log and the command of the stated controller for it, one entry a sample."""
 
-    Attributes:
-        samples: of the log.
-        computed: V, with the initial integral.
-        start: V, that integral, constant between gaps.
-        judged: samples that are compared.
-        doubted: samples whose command is a spike that the controller did not give.
-        unseen: rows of the log, (n,), whose reading is a spike that the controller did not see.
-        shifts: rms difference by the shift of the command, V.
-    """
-
-    samples: Samples
-    computed: FloatArray
-    start: FloatArray
-    judged: Mask
-    doubted: Mask
-    unseen: Mask
-    shifts: Mapping[int, float]
+    samples: Samples  # of the log
+    computed: FloatArray  # V, with the initial integral
+    start: FloatArray  # V, that integral, constant between gaps
+    judged: Mask  # samples that are compared
+    doubted: Mask  # samples whose command is a spike that the controller did not give
+    unseen: Mask  # rows of the log, (n,), whose reading is a spike that the controller did not see
+    shifts: Mapping[int, float]  # rms difference by the shift of the command, V
 
 
 def compared(log: Log, model: Model, kind: str) -> Compared:
     """Compare a log with its controller, without spikes where these explain the difference."""
-    reference = _reference(log, kind)
+    reference = _reference(log)
     found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * root_mean_square(log.command):
         return found
@@ -115,7 +105,7 @@ def _lags(kind: str, controller: Any) -> tuple[int, ...]:
     return (0, whole, whole + 1, whole + 2)
 
 
-def _reference(log: Log, kind: str) -> FloatArray:
+def _reference(log: Log) -> FloatArray:
     if log.reference is not None:
         return log.reference
     assert log.reference_velocity is not None

@@ -20,36 +20,19 @@ SEGMENT = 20  # smallest number of usable rows of a segment
 
 @dataclass(frozen=True)
 class Samples:
-    """The inputs of a controller, one entry a sample, (m,); without gaps these are the log's rows.
+    """The inputs of a controller, one entry a sample, (m,); without gaps these are the log's rows."""
 
-    Attributes:
-        time: s.
-        motion: reference and derivatives by name, as a replay takes them.
-        position: m; interpolated where the log has no row.
-        command: V, likewise.
-        known: whether the log has a row there.
-        row: the row of the log, the one before where it has none.
-        segment: number of the stretch between gaps too long to be filled.
-    """
-
-    time: FloatArray
-    motion: dict[str, FloatArray]
-    position: FloatArray
-    command: FloatArray
-    known: Mask
-    row: npt.NDArray[np.int64]
-    segment: npt.NDArray[np.int64]
+    time: FloatArray  # s
+    motion: dict[str, FloatArray]  # reference and derivatives by name, as a replay takes them
+    position: FloatArray  # m; interpolated where the log has no row
+    command: FloatArray  # V, likewise
+    known: Mask  # whether the log has a row there
+    row: npt.NDArray[np.int64]  # the row of the log, the one before where it has none
+    segment: npt.NDArray[np.int64]  # number of the stretch between gaps too long to be filled
 
     @classmethod
     def of(cls, log: Log, reference: FloatArray, rate: float, left_out: Mask | None = None) -> Samples:
-        """The samples of a log.
-
-        Args:
-            log: measured.
-            reference: m, (n,).
-            rate: samples a second.
-            left_out: rows treated as missing.
-        """
+        """The samples of a log at `rate` (Hz) with a reference (m, (n,)); rows `left_out` are treated as missing."""
         motion = Sampled(log.time, reference, log.reference_velocity, log.reference_acceleration).samples
         n = len(log)
         missing = missing_samples(log.time, rate)
@@ -99,10 +82,7 @@ class Samples:
 
 
 def missing_samples(time: FloatArray, rate: float) -> npt.NDArray[np.int64]:
-    """Number of missing controller samples between each two rows, (n - 1,).
-
-    The clock of the rows may drift against the controller's and jitter by less than half a sample.
-    """
+    """Number of missing controller samples between each two rows, (n - 1,); the clock may drift and jitter."""
     steps = np.diff(time)
     missing = np.zeros(len(steps), dtype=np.int64)
     own = steps[(steps > 0.5 / rate) & (steps * rate < LONG)]

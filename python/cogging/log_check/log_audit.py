@@ -250,15 +250,7 @@ QUANTUM = 1.5  # largest ratio of the step of the readings to the stated resolut
 
 
 def hints(found: Audit, model: Model) -> list[str]:
-    """Remarks on saturation, rest, lost samples, slow or uneven rows and a coarse encoder, where they matter.
-
-    Args:
-        found: audit of the log.
-        model: gives the encoder's resolution and the units.
-
-    Returns:
-        A sentence each, with its figure.
-    """
+    """Remarks on saturation, rest, lost samples, slow or uneven rows and a coarse encoder, where they matter."""
     said, of = [], model.units.of
     if found.saturation_share > SATURATED:
         top = max(abs(value) for value in found.command)

@@ -18,23 +18,14 @@ LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regula
 
 @dataclass(frozen=True)
 class SplineFit:
-    """force = A_r^T S_r(x) + nuisance columns, fitted.
+    """force = A_r^T S_r(x) + nuisance columns, fitted."""
 
-    Attributes:
-        basis: S_r(x), p coefficients; None = the nuisance columns alone, p = 0.
-        coefficients: (p + q,), V: A_r as CoggingModel stores it, then those of the nuisance columns.
-        residual: V, (n,).
-        variance: V^2, of the residual, per degree of freedom.
-        determined: (p + q,), share of each coefficient determined by the points and not the prior, 0 to 1.
-        prior: weight of the prior, (p + q, p + q), added to the normal matrix.
-    """
-
-    basis: SplineHarmonics | None
-    coefficients: FloatArray
-    residual: FloatArray
-    variance: float
-    determined: FloatArray
-    prior: FloatArray
+    basis: SplineHarmonics | None  # S_r(x), p coefficients; None = the nuisance columns alone, p = 0
+    coefficients: FloatArray  # (p + q,), V: A_r as CoggingModel stores it, then those of the nuisance columns
+    residual: FloatArray  # V, (n,)
+    variance: float  # V^2, of the residual, per degree of freedom
+    determined: FloatArray  # (p + q,), share of each coefficient determined by the points and not the prior, 0 to 1
+    prior: FloatArray  # weight of the prior, (p + q, p + q), added to the normal matrix
     _normal: FloatArray
     _inverse: FloatArray
 
@@ -42,8 +33,7 @@ class SplineFit:
         """Covariance of the coefficients, V^2, (p + q, p + q).
 
         A^-1 (D N D + variance prior) A^-1 with N the normal matrix, A = N + prior and D^2 the noise level (V^2) at each
-        column's own frequency, (p + q,): a regressor that lives at one frequency feels the noise of that frequency, so
-        correlated noise is accounted for. Along coefficients that the points do not decide it is the prior's.
+        column's own frequency, (p + q,), so correlated noise is accounted for.
         """
         root = np.sqrt(level)
         noise = self._normal * np.outer(root, root) + self.variance * self.prior
@@ -54,17 +44,11 @@ class SplineFit:
 def fit_splines(
     basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
 ) -> SplineFit:
-    """Fit the coefficients of the cogging model and of the nuisance columns.
+    """Fit the coefficients of the cogging model (None: none) and of the nuisance columns (n, q), the first constant.
 
     The prior: neighbouring control points of a harmonic differ by 0 +- the standard deviation of the force, all
     harmonics alike. Its weight is therefore the residual's variance over that of the force, small where the points
     determine the coefficients.
-
-    Args:
-        basis: S_r(x); None for the nuisance columns alone.
-        position: m, (n,).
-        force: V, (n,).
-        nuisance: (n, q), columns of order 1; the first is constant.
     """
     normal, right = normal_equations(basis, position, force, nuisance)
     p = len(normal) - nuisance.shape[1]
@@ -143,16 +127,9 @@ def rows_of(basis: SplineHarmonics, coefficients: FloatArray) -> tuple[FloatArra
 def normal_equations(
     basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """A^T A and A^T force of the columns A = [S_r(x), nuisance], span by span, since few control points act in each.
+    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)].
 
-    Args:
-        basis: S_r(x), p coefficients; None for p = 0.
-        position: m, (n,).
-        force: V, (n,).
-        nuisance: further columns, (n, q).
-
-    Returns:
-        Arrays (p + q, p + q) and (p + q,).
+    Span by span, since few control points act in each.
     """
     p = 0 if basis is None else basis.coefficients
     normal = np.zeros((p + nuisance.shape[1],) * 2)
@@ -186,17 +163,11 @@ ROUNDS = 100  # of the search; each removes one component
 
 @dataclass(frozen=True)
 class Line:
-    """A significant line.
+    """A significant line."""
 
-    Attributes:
-        frequency: 1/m, that of the harmonic where it belongs to one.
-        harmonic: of the pitch, or None: no modulation of a harmonic either.
-        amplitude: V, of the strongest line of the component.
-    """
-
-    frequency: float
-    harmonic: int | None
-    amplitude: float
+    frequency: float  # 1/m, that of the harmonic where it belongs to one
+    harmonic: int | None  # of the pitch, or None: no modulation of a harmonic either
+    amplitude: float  # V, of the strongest line of the component
 
 
 class HarmonicSpectrum:
@@ -271,11 +242,6 @@ class HarmonicSpectrum:
         The running median of the lines without a component, divided by ln 2: noise power is exponentially distributed,
         and the median ignores the few significant lines. A power law in f is removed first if it is significant, since
         friction is noisier over long distances. With too few lines the mean square of the force is used instead.
-
-        Args:
-            power: V^2, of a residual (see `power`).
-            taken: lines that are not noise, in the shape of `frequency`.
-            mean_square: V^2, of that residual.
         """
         free = np.flatnonzero((self.present & ~taken).ravel())
         smallest = np.finfo(float).tiny
@@ -295,8 +261,7 @@ class HarmonicSpectrum:
     def false_alarm(self, ratio: float, degrees: float) -> float:
         """The probability that noise alone lifts any line of the spectrum to `ratio` times its level.
 
-        lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution, since the level is
-        itself an estimate.
+        lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution.
         """
         tail = float(np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees)))
         return min(1.0, float(self.present.sum()) * tail)
@@ -304,16 +269,11 @@ class HarmonicSpectrum:
     def find(
         self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
     ) -> list[Line]:
-        """The significant lines in the order found; each harmonic once.
+        """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
 
-        The strongest line is removed with its modulation and the rest searched again, so that a strong harmonic
-        neither hides a weak one nor leaks into it.
-
-        Args:
-            force: V, (n,).
-            nuisance: columns of offset, friction and trend, (n, q), which are fitted with every component.
-            false_alarm: the probability at which a scan of noise alone yields any line.
-            taken: lines excluded from the start (see `taken_by`).
+        The strongest line is removed with its modulation, offset, friction and trend (`nuisance`, (n, q)), and the rest
+        searched again, so that a strong harmonic neither hides a weak one nor leaks into it. `false_alarm` is the
+        probability at which a scan of noise alone yields any line; `taken` lines are excluded from the start.
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]

@@ -31,21 +31,13 @@ from cogging.resources import on_one_blas_thread
 
 @dataclass(frozen=True)
 class Noise:
-    """The noise of a fit.
+    """The noise of a fit."""
 
-    Attributes:
-        level: V^2, of every line.
-        turned: V^2, likewise of direction times residual: what differs between the directions.
-        degrees: degrees of freedom of the levels.
-        covariance: V^2, of the coefficients, (p + q, p + q).
-        standard_errors: V, of the coefficients, (p + q,).
-    """
-
-    level: FloatArray
-    turned: FloatArray
-    degrees: float
-    covariance: FloatArray
-    standard_errors: FloatArray
+    level: FloatArray  # V^2, of every line
+    turned: FloatArray  # V^2, likewise of direction times residual: what differs between the directions
+    degrees: float  # degrees of freedom of the levels
+    covariance: FloatArray  # V^2, of the coefficients, (p + q, p + q)
+    standard_errors: FloatArray  # V, of the coefficients, (p + q,)
 
     @classmethod
     def of(
@@ -118,15 +110,7 @@ LAGS = 2001  # that are tried over one period of the highest harmonic
 def direction_content(
     spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: Noise, harmonics: list[int]
 ) -> tuple[tuple[HarmonicAmplitude, ...], float, float | None]:
-    """Amplitudes, rms (V) and lag (m) of g(x), which changes its sign with the direction of motion (see MapFit).
-
-    Args:
-        spectrum: of the scan.
-        scan: its points.
-        fit: with the columns of `direction_columns` after offset and Coulomb friction.
-        noise: of the fit.
-        harmonics: of g(x).
-    """
+    """Amplitudes, rms (V) and lag (m) of g(x), which changes its sign with the direction of motion (see MapFit)."""
     if not harmonics:
         return (), 0.0, None
     first = (0 if fit.basis is None else fit.basis.coefficients) + 2
@@ -167,14 +151,7 @@ def direction_columns(scan: Scan, pitch: float, harmonics: list[int]) -> FloatAr
 def find_direction_lines(
     spectrum: HarmonicSpectrum, scan: Scan, residual: FloatArray, false_alarm: float
 ) -> list[Line]:
-    """Find the significant lines of direction times residual; none in a scan that goes one way only.
-
-    Args:
-        spectrum: of the scan.
-        scan: its points.
-        residual: what the map with offset, trend and Coulomb friction leaves, V, (n,).
-        false_alarm: the probability at which noise alone yields any.
-    """
+    """Find the significant lines of direction times residual; none in a scan that goes one way only."""
     if not scan.both_ways or np.std(residual) <= FLOOR * np.std(scan.force):
         return []
     steady = np.stack([np.ones_like(residual), scan.direction], axis=1)
@@ -209,14 +186,7 @@ TREND_TRAVEL = 2.0  # pitches: over a shorter travel a trend looks like the firs
 
 
 def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> FloatArray:
-    """Return the columns of offset, friction where it is separable, and a trend over the travel, (n, 1 or more).
-
-    Args:
-        scan: the points.
-        pitch: m.
-        odd: harmonics of the friction, or of what else changes sign with the direction of motion.
-        trend: whether there is a column of it, the last.
-    """
+    """Return the columns of offset, friction where it is separable, and a trend over the travel, (n, 1 or more)."""
     x = (scan.position - 0.5 * (scan.position.min() + scan.position.max())) / scan.travel
     ways = [scan.direction, *direction_columns(scan, pitch, odd).T] if scan.both_ways else []
     return np.stack([np.ones_like(x), *ways, *([x] if trend else [])], axis=1)

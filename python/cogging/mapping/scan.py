@@ -22,29 +22,17 @@ CELLS_PER_PERIOD = 20  # of the highest harmonic: averaging over a cell reduces 
 
 @dataclass(frozen=True)
 class Scan:
-    """The points of a scan, at most one a cell and pass, in the order of the passes.
+    """The points of a scan, at most one a cell and pass, in the order of the passes."""
 
-    Attributes:
-        position: m, (n,).
-        force: V, (n,): F_cogging + friction, whatever the sensor's sign was.
-        direction: (n,), +1 where the position rose, -1 where it fell.
-        spacing: m, of neighbouring points, whatever their pass.
-        both_ways: whether friction is separable from the offset.
-        resolvable: the highest harmonic that the points resolve.
-        highest: the highest harmonic searched.
-        notes: remarks on the rows.
-        units: labels of force and position.
-    """
-
-    position: FloatArray
-    force: FloatArray
-    direction: FloatArray
-    spacing: float
-    both_ways: bool
-    resolvable: int
-    highest: int
-    notes: tuple[str, ...]
-    units: Units
+    position: FloatArray  # m, (n,)
+    force: FloatArray  # V, (n,): F_cogging + friction, whatever the sensor's sign was
+    direction: FloatArray  # (n,), +1 where the position rose, -1 where it fell
+    spacing: float  # m, of neighbouring points, whatever their pass
+    both_ways: bool  # whether friction is separable from the offset
+    resolvable: int  # the highest harmonic that the points resolve
+    highest: int  # the highest harmonic searched
+    notes: tuple[str, ...]  # remarks on the rows
+    units: Units  # labels of force and position
 
     @property
     def travel(self) -> float:
@@ -59,16 +47,12 @@ class Scan:
 def read_scan(
     position: npt.ArrayLike, force: npt.ArrayLike, units: Units, *, pitch: float, force_sign: int, highest_harmonic: int
 ) -> Scan:
-    """Check a scan, find its directions and average rows that are close together.
+    """Check a scan, find its directions and average rows that are close together; ValueError: an invalid one.
 
-    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn.
-
-    Directions come from the reversals: places from which the position goes back by more than 1 % of the travel. Rows
-    within that distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass
-    within a cell of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
-
-    Raises:
-        ValueError: names the field, the rule and the value.
+    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn. Directions come
+    from the reversals: places from which the position goes back by more than 1 % of the travel. Rows within that
+    distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass within a cell
+    of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
     """
     x, y = _numbers("position", position), _numbers("force", force)
     if y.size != x.size:
@@ -105,15 +89,7 @@ def read_scan(
 def _kept(
     x: FloatArray, direction: FloatArray, turns: FloatArray, turned: Mask, pitch: float
 ) -> tuple[bool, Mask, list[str]]:
-    """Whether a scan goes both ways, which rows are kept, and what to note.
-
-    Args:
-        x: positions, (n,).
-        direction: of each row's pass, (n,).
-        turns: where each row's pass began, (n,).
-        turned: rows just after a reversal, (n,).
-        pitch: m.
-    """
+    """Whether a scan goes both ways, which rows are kept, and what to note; `turned`: rows just after a reversal."""
     ways = [direction == way for way in (1.0, -1.0)]
     # From where it turned: a way back over one pitch is a whole one, though its first rows are left out.
     if all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways):
@@ -158,10 +134,7 @@ def _spacing(position: FloatArray) -> float:
 
 
 def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
-    """For each row the number of its pass, the pass's direction and where the motion turned into it.
-
-    The row at which the motion turns belongs to the pass that arrives there.
-    """
+    """For each row the number of its pass, the pass's direction and where the motion turned into it."""
     limit = TURN * float(np.ptp(position))
     x = position.tolist()
     starts, directions, way, low, high = [0], [0.0], 0.0, 0, 0
