@@ -20,22 +20,6 @@ def test_the_comparison_is_that_of_the_evidence():
             assert (line[:-11] if table is result.tables[0] else line).rstrip() in evidence, line
 
 
-def test_the_winner_has_the_smallest_index_and_the_lead_is_the_next_ones_ratio():
-    random = np.random.default_rng(3)
-    indexes = ("rms", "max", "transient", "rms_heavy", "chatter")
-    found = {
-        (place, name): dict(zip(indexes, random.uniform(1.0, 9.0, len(indexes)), strict=True))
-        for place in comparison.MACHINES
-        for name in comparison.SCALED
-    }
-    for row in comparison.winners_table(found).rows:
-        place, index = row.labels["machine"], row.index.split(",")[0]
-        if place != "all":
-            first, second = sorted(found[place, name][index] for name in comparison.SCALED)[:2]
-            assert found[place, row.controller][index] == first
-            assert row.simulated == pytest.approx(second / first)
-
-
 @pytest.mark.parametrize("name", ["pid", "observer_based"])
 def test_scaled_controllers_have_the_stated_delay_margin(name):
     for axis in gantry.AXES.values():

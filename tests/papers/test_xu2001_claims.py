@@ -67,31 +67,9 @@ def test_the_rate_that_is_needed_by_runs():
     assert above.error == pytest.approx(1.187e-6, rel=0.01)
 
 
-def test_few_of_128_choices_of_robust_terms_run():
-    assert len(set(robust_terms.subsets())) == 128
-    rows = [row for row in table_of("xu2001", "robust_subsets").rows if "terms" in row.labels]
-    running = {row.labels["terms"] for row in rows if row.labels["plant"] == "calibrated"}
-    assert running == {"none", "c_phi_1", "c_theta_2", "u_s3", "c_phi_1 + c_theta_2", "c_phi_1 + u_s3"}
-
-
-def test_the_condition_of_theorem_1_is_what_a_4_needs():
-    """(A.4) with drawn gains and regressors; its left side is at most the right with the condition, and above below."""
+def test_the_printed_gains_meet_the_condition_of_theorem_1():
+    """Which (A.4) needs: the margins by hand from section 4.3."""
     assert backstepping.condition_margin(epoxy_motor.arc_parameters()) == pytest.approx((5.0, 50.0))
-    random, rows, w = np.random.default_rng(4), 20_000, np.array([1.0, 0.1])
-    slope, phi, z = random.normal(size=(rows, 3)), random.normal(size=(2, rows, 3)), random.normal(size=(2, rows))
-    gamma, c_theta = 10.0 ** random.uniform(-1, 1, (2, rows, 3))
-    tau = sum(w[k] * phi[k] * z[k][:, None] for k in (0, 1))
-    left = w[1] * np.abs(np.sum(slope * gamma * tau, axis=1) * z[1])
-
-    def share(margin):
-        right = w[1] * np.sum((slope * c_theta) ** 2, axis=1) * z[1] ** 2
-        for k in (0, 1):
-            c_phi_square = margin * w[k] * w[1] / (2 * c_theta**2)
-            right = right + w[k] * np.sum(c_phi_square * (gamma * phi[k]) ** 2, axis=1) * z[k] ** 2
-        return np.max(left / right)
-
-    assert 0.8 < share(1.0) <= 1.0
-    assert share(0.25) > 1.0, "with a smaller C_phi it does not hold"
 
 
 def test_v_2_stays_under_its_bound_without_adaptation_on_drawn_machines():

@@ -14,20 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging import effects
-from cogging._core import (
-    Arc,
-    Dcarc,
-    DivergedError,
-    ObserverBased,
-    ObserverBasedParameters,
-    OutputFeedbackArc,
-    Pid,
-    PidParameters,
-    Plant,
-    closed_loop,
-    performance,
-)
+from cogging import _core, effects
+from cogging._core import Arc, Dcarc, DivergedError, ObserverBased, OutputFeedbackArc, Pid, Plant
 from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
@@ -125,7 +113,7 @@ def scaled(
     if name == "pid":
         kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
         friction = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
-        return Pid(PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
+        return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
     if name == "output_feedback_arc":
         return _output_feedback_arc(axis, factor)
     if name == "observer_based":
@@ -174,7 +162,7 @@ def observer_problem(
 
 def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], axis: GantryAxis) -> ObserverBased:
     return ObserverBased(
-        ObserverBasedParameters(
+        _core.ObserverBasedParameters(
             sample_rate=SAMPLE_RATE,
             periods=list(problem.periods),
             observer_gain=list(observer_gain),
@@ -207,12 +195,12 @@ def measure(
 
     def run(mass_factor: float) -> Log | None:
         try:
-            return Log.of(closed_loop(machine(mass_factor, axis, more), controller, motion))
+            return Log.of(_core.closed_loop(machine(mass_factor, axis, more), controller, motion))
         except DivergedError:
             return None
 
     def last(log: Log) -> Any:
-        return performance(log.time, log.error, log.command, start=motion.end - motion.period)
+        return _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
 
     begin = time.perf_counter()
     log = run(1.0)

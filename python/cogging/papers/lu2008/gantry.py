@@ -13,19 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import (
-    AdaptiveRobustParameters,
-    AxisParameters,
-    CoggingModel,
-    Dcarc,
-    DivergedError,
-    EncoderParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    SplineHarmonics,
-    performance,
-)
+from cogging import _core
+from cogging._core import AdaptiveRobustParameters, CoggingModel, Dcarc, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.calibrated import shipped_toml
@@ -184,10 +173,10 @@ def shipped_amplitudes(axis: GantryAxis, fit: str = PRESENT) -> Amplitudes:
 
 def plant(axis: GantryAxis, cogging: CoggingModel | None, effects: Sequence[Any] = (), **axis_changes: Any) -> Plant:
     """Return the machine (eq. 1, 2): nominal mass and friction, a cogging map, further effects, the 0.5 um encoder."""
-    nominal = AxisParameters(
+    nominal = _core.AxisParameters(
         mass=axis.mass, viscous=axis.viscous, coulomb=axis.coulomb, coulomb_width=COULOMB_WIDTH, travel=list(TRAVEL)
     )
-    encoder = EncoderParameters(resolution=RESOLUTION)
+    encoder = _core.EncoderParameters(resolution=RESOLUTION)
     return Plant(nominal.replace(**axis_changes), cogging=cogging, effects=list(effects), encoder=encoder)
 
 
@@ -225,7 +214,7 @@ def controller_parameters(
 def reference(axis: GantryAxis, **changes: Any) -> PointToPoint:
     """Return the moves of 0.4 m there and back (sections "Comparative Experimental Results")."""
     limits = {"velocity": axis.velocity, "acceleration": axis.acceleration, "jerk": axis.jerk}
-    moves = PointToPointParameters(start=START, distance=0.4, dwell=DWELL, repeats=axis.repeats, **limits)
+    moves = _core.PointToPointParameters(start=START, distance=0.4, dwell=DWELL, repeats=axis.repeats, **limits)
     return PointToPoint(moves.replace(**changes))
 
 
@@ -250,7 +239,7 @@ def last_move(controllers: Sequence[Any], machines: Sequence[Plant], motion: Poi
     start, seeds = motion.end - motion.period, [0] * len(machines)
     batch = closed_loop_batch(list(machines), list(controllers), motion, seeds=seeds, start=start)
     for failure in batch.failures:
-        raise DivergedError(failure.reason)
+        raise _core.DivergedError(failure.reason)
     return batch
 
 
@@ -267,7 +256,7 @@ def last_errors(
 
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
     """Return e_inf and e_2 (m): maximum and rms of reading minus reference over the last move there and back."""
-    result = performance(log.time, log.error, log.command, start=motion.end - motion.period)
+    result = _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
     return result.error_max, result.error_rms
 
 

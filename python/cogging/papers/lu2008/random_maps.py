@@ -30,35 +30,25 @@ LEVEL = 0.06  # V, of the fundamental: about two thirds of the largest coefficie
 _PRINTED = {"e_inf": "error_max", "e_2": "error_rms"}
 
 
-def random_map(seed: int, level: float = LEVEL) -> CoggingModel:
-    """Return a random cogging map: harmonics of random strength and phase, each changing along the travel.
-
-    Harmonic h has level / h (V) on average.
-    """
+def random_machine(axis: GantryAxis, seed: int, kind: str = KINDS[0]) -> Plant:
+    """Return an axis with a random map of one of KINDS: harmonics of random strength and phase that change with x."""
     random = np.random.default_rng([2008, seed])
-    strength = level * random.lognormal(0.0, 0.4, len(HARMONICS)) / np.array(HARMONICS)
+    strength = LEVEL * random.lognormal(0.0, 0.4, len(HARMONICS)) / np.array(HARMONICS)
     phase = random.uniform(0.0, 2.0 * np.pi, len(HARMONICS))
     depth = random.uniform(0.2, 0.8, len(HARMONICS))
     profile = 1.0 + depth[:, None] * random.uniform(-1.0, 1.0, (len(HARMONICS), CONTROL_POINTS))
     sine, cosine = ((strength * part(phase))[:, None] * profile for part in (np.cos, np.sin))
-    return CoggingModel(gantry.cogging_basis(), sine, cosine)
-
-
-def random_machine(axis: GantryAxis, seed: int, kind: str = KINDS[0], level: float = LEVEL) -> Plant:
-    """Return an axis with a random map of one of KINDS."""
     lines, random = [], np.random.default_rng([2008, 1, seed])
     for harmonic in HARMONICS if kind == KINDS[1] else ():
         period = gantry.PITCH / (harmonic + random.uniform(-BESIDE, BESIDE))
-        size, phase = level / harmonic * random.uniform(*BESIDE_SIZES), random.uniform(0.0, 2.0 * np.pi)
+        size, phase = LEVEL / harmonic * random.uniform(*BESIDE_SIZES), random.uniform(0.0, 2.0 * np.pi)
         lines.append(CoggingHarmonic(period=period, sine=size * np.sin(phase), cosine=size * np.cos(phase)))
-    return gantry.plant(axis, random_map(seed, level), lines)
+    return gantry.plant(axis, CoggingModel(gantry.cogging_basis(), sine, cosine), lines)
 
 
-def errors_on_maps(
-    axis: GantryAxis, maps: int = MAPS, kind: str = KINDS[0], level: float = LEVEL
-) -> dict[str, FloatArray]:
+def errors_on_maps(axis: GantryAxis, maps: int = MAPS, kind: str = KINDS[0]) -> dict[str, FloatArray]:
     """Return e_inf and e_2 (m) of C1, C2, C3 over the last move on random maps, (maps, 3) each."""
-    found = gantry.last_errors(axis, [random_machine(axis, seed, kind, level) for seed in range(maps)])
+    found = gantry.last_errors(axis, [random_machine(axis, seed, kind) for seed in range(maps)])
     return {"e_inf": found[..., 0], "e_2": found[..., 1]}
 
 

@@ -43,21 +43,19 @@ THINNED = 20  # lines are fitted to one sample of so many
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 
 
-def logs_under(
-    motor: Motor, gains: Calibrated, conditions: Conditions, draw: int = 0, *, strokes: int = 0
-) -> dict[str, Log]:
+def logs_under(motor: Motor, gains: Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
     """Run PID and observer with a cogging of gains.amplitude for the first strokes; 0: all."""
-    plant = causes.machine(motor, gains.amplitude, conditions, draw)
+    plant = causes.machine(motor, gains.amplitude, conditions)
     laws = controllers(motor, gains, 1.0 + conditions.thrust)
     return {name: run(plant, law, motor, strokes=strokes) for name, law in laws.items()}
 
 
-def logs_of_table_1(draw: int = 0) -> dict[str, dict[str, Log]]:
-    """Run Table I with one draw of the lines and phases; logs by motor and controller."""
+def logs_of_table_1() -> dict[str, dict[str, Log]]:
+    """Run Table I with the first draw of the lines and phases; logs by motor and controller."""
     found = {}
     for motor in MOTORS.values():
         conditions, gains = causes.shipped_table_1(motor)
-        found[motor.name] = logs_under(motor, gains, conditions, draw)
+        found[motor.name] = logs_under(motor, gains, conditions)
     return found
 
 

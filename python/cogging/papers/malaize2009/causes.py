@@ -101,8 +101,7 @@ class Cause:
     field: str  # of Conditions
     unit: str  # SI
     sizes: tuple[float, float]  # range in which its size is searched
-    verdict: str  # on its plausibility
-    reason: str  # of the verdict
+    verdict: str  # on its plausibility; studies.malaize2009.causes_study has the reasons
     draws: int = 1  # over which an accuracy is the mean
     any_phases: bool = False  # the phases are drawn too: its size follows the amplitude, which depends on them
 
@@ -112,69 +111,13 @@ class Cause:
 
 
 CAUSES = (
-    Cause(
-        "unmodelled lines",
-        "lines",
-        "1",
-        (0.004, 0.1),
-        "likely",
-        "section V calls the ironcore's spectrum much more chaotic; one share nearly serves both motors",
-        DRAWS,
-        any_phases=True,
-    ),
-    Cause(
-        "period error",
-        "period_error",
-        "1",
-        (0.003, 0.05),
-        "possible",
-        "whole millimetres, from a transform over a stroke; but 7 and 24 % of the PID's lines would be left, where "
-        "section V sees none",
-        DRAWS,
-        any_phases=True,
-    ),
-    Cause(
-        "thrust error",
-        "thrust",
-        "1",
-        (1e-4, 1e-2),
-        "unlikely alone",
-        "nine times less on the ironless, 0.04 %, and no motor's constant is known that well",
-    ),
-    Cause(
-        "delay",
-        "delay",
-        "s",
-        (1e-6, 1e-4),
-        "unlikely alone",
-        "seven times less on the ironless, 4 us, where like drives would have like delays",
-    ),
-    Cause(
-        "encoder noise",
-        "noise",
-        "m",
-        (1e-8, 1e-6),
-        "unlikely",
-        "three and four counts of the assumed encoders, most of it at rest too, where Table I has the same accuracy",
-    ),
-    Cause(
-        "encoder step",
-        "step",
-        "m",
-        (3e-8, 3e-6),
-        "unlikely",
-        "two and four times the printed accuracy, which such an encoder cannot show",
-        STEP_DRAWS,
-    ),
-    Cause(
-        "smooth friction",
-        "width",
-        "m/s",
-        (1e-5, 1e-3),
-        "possible",
-        "one value serves both motors, but under assumed levels of friction, with errors where the motion turns alone, "
-        "and section II calls friction a lesser limitation",
-    ),
+    Cause("unmodelled lines", "lines", "1", (0.004, 0.1), "likely", DRAWS, any_phases=True),
+    Cause("period error", "period_error", "1", (0.003, 0.05), "possible", DRAWS, any_phases=True),
+    Cause("thrust error", "thrust", "1", (1e-4, 1e-2), "unlikely alone"),
+    Cause("delay", "delay", "s", (1e-6, 1e-4), "unlikely alone"),
+    Cause("encoder noise", "noise", "m", (1e-8, 1e-6), "unlikely"),
+    Cause("encoder step", "step", "m", (3e-8, 3e-6), "unlikely", STEP_DRAWS),
+    Cause("smooth friction", "width", "m/s", (1e-5, 1e-3), "possible"),
 )
 
 

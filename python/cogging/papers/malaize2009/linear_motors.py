@@ -14,21 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    CoggingModel,
-    EncoderParameters,
-    ObserverBased,
-    ObserverBasedParameters,
-    Pid,
-    PidParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    SplineHarmonics,
-    closed_loop,
-)
+from cogging import _core, effects
+from cogging._core import CoggingModel, ObserverBased, Pid, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
@@ -150,10 +137,10 @@ def plant(
     listed += [effects.CoggingHarmonic(period=period, sine=size) for period, size in ripples]
     coulomb, travel = motor.friction if friction is None else friction, [-0.1, motor.stroke + 0.1]
     return Plant(
-        AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, travel=travel),
+        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, travel=travel),
         cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
         effects=listed,
-        encoder=EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
+        encoder=_core.EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
     )
 
 
@@ -165,7 +152,7 @@ def cogging_rms(motor: Motor, amplitude: float) -> float:
 def reference(motor: Motor) -> PointToPoint:
     """Return strokes there and back at the motor's speed and acceleration (Fig. 2: lengths and rests are assumed)."""
     return PointToPoint(
-        PointToPointParameters(
+        _core.PointToPointParameters(
             distance=motor.stroke,
             velocity=motor.velocity,
             acceleration=motor.acceleration,
@@ -180,14 +167,16 @@ def pid(thrust: float = 1.0) -> ListedController:
     """Return the PID: three equal poles, feedforward of mass and mu; thrust: the motor's over the believed one."""
     kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
     return Pid(
-        PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd - thrust * VISCOUS, mass=thrust, viscous=thrust)
+        _core.PidParameters(
+            sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd - thrust * VISCOUS, mass=thrust, viscous=thrust
+        )
     )
 
 
 def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
     """Return the observer (6) with law (8); stretch: its periods over the true ones."""
     return ObserverBased(
-        ObserverBasedParameters(
+        _core.ObserverBasedParameters(
             sample_rate=SAMPLE_RATE,
             periods=[stretch * period for period in motor.periods],
             observer_gain=list(gains.observer_gain),
@@ -209,7 +198,7 @@ def controllers(motor: Motor, gains: Calibrated, thrust: float = 1.0) -> dict[st
 def run(machine: Plant, controller: ListedController, motor: Motor, *, strokes: int = 0) -> Log:
     """Return the log of a controller along the motor's first strokes; 0: all."""
     motion = reference(motor)
-    return Log.of(closed_loop(machine, controller, motion, duration=0.5 * strokes * motion.period))
+    return Log.of(_core.closed_loop(machine, controller, motion, duration=0.5 * strokes * motion.period))
 
 
 def true_error(log: Log) -> FloatArray:

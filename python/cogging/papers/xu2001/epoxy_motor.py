@@ -13,23 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    DivergedError,
-    EncoderParameters,
-    FilteredSine,
-    FilteredSineParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
-    Pid,
-    PidParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    closed_loop,
-    performance,
-)
+from cogging import _core, effects
+from cogging._core import FilteredSine, OutputFeedbackArc, OutputFeedbackArcParameters, Pid, PidParameters, Plant
 from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
@@ -120,7 +105,7 @@ def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
 def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     """Return the machine of a set: payload in set 2, the 0.5 V step in set 3."""
     coulomb, width = unknowns.coulomb, unknowns.coulomb_width
-    axis = AxisParameters(
+    axis = _core.AxisParameters(
         mass=MASSES[set_name], viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL)
     )
     listed: list[Any] = [
@@ -134,7 +119,7 @@ def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     if set_name == "3":
         force, start, stop = DISTURBANCE
         listed.append(effects.DisturbanceStep(force=force, start=start, stop=stop))
-    encoder = EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise)
+    encoder = _core.EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise)
     return Plant(axis.replace(**axis_changes), effects=listed, encoder=encoder)
 
 
@@ -189,18 +174,20 @@ def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
 def reference() -> FilteredSine:
     """Return case 1: 0.05 sin(4 t) through the generator (58) with beta_1 = 100, beta_2 = 2500."""
     return FilteredSine(
-        FilteredSineParameters(amplitude=0.05, frequency=4.0 / (2.0 * np.pi), beta_1=100.0, beta_2=2500.0)
+        _core.FilteredSineParameters(amplitude=0.05, frequency=4.0 / (2.0 * np.pi), beta_1=100.0, beta_2=2500.0)
     )
 
 
-def fast_reference() -> PointToPoint:
+def fast_reference() -> _core.PointToPoint:
     """Return case 2: 1 m/s and 12 m/s^2 back and forth; stroke 0.4 m, dwell 0.5 s and no jerk limit are assumed."""
-    return PointToPoint(PointToPointParameters(distance=0.4, velocity=1.0, acceleration=12.0, dwell=0.5, repeats=3))
+    return _core.PointToPoint(
+        _core.PointToPointParameters(distance=0.4, velocity=1.0, acceleration=12.0, dwell=0.5, repeats=3)
+    )
 
 
 def indexes(log: Log) -> dict[str, float]:
     """Return the six indexes of section 4.2, of the encoder reading minus the reference and of the whole command."""
-    found = performance(log.time, log.error, log.command, final_window=FINAL_WINDOW)
+    found = _core.performance(log.time, log.error, log.command, final_window=FINAL_WINDOW)
     return dict(zip(INDEXES, (getattr(found, name) for name in CORE_INDEXES), strict=True))
 
 
@@ -229,7 +216,7 @@ def after_earlier_runs(machine: Plant, controller: ListedController, earlier_run
         return controller
     first = controller.parameters
     for number in range(earlier_runs):
-        columns = closed_loop(
+        columns = _core.closed_loop(
             machine, controller, reference(), duration=DURATION, seed=seed - 1 - number, record_estimates=True
         )
         theta_1, theta_2, _ = columns["estimates"][-1]
@@ -280,7 +267,7 @@ class Conditions:
             final_window=FINAL_WINDOW,
         )
         if batch.failures:
-            raise DivergedError(batch.failures[0].reason)
+            raise _core.DivergedError(batch.failures[0].reason)
         return np.stack([batch.indexes[name] for name in CORE_INDEXES], axis=-1).reshape(len(sets), len(seeds), -1)
 
     def table(self) -> dict[str, FloatArray]:

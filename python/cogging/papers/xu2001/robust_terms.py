@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
-from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.compared import PRINTED
 from cogging.papers.result import Row, Table, explored
@@ -108,15 +107,11 @@ def time_to_divergence(sample_rate: float, duration: float) -> Lasting:
     return Lasting(duration, float(batch.indexes["error_max"][0]), "ran to its end")
 
 
-def gain_along_the_run() -> tuple[FloatArray, FloatArray]:
-    """Return time (s) and K_2 (1/s) of the printed robust terms along the start of a run that follows case 1."""
-    run = arc_parameters(sample_rate=FINE)
-    found = closed_loop(rigid(0.0), OutputFeedbackArc(run), reference(), duration=START, record_estimates=True)
-    return found["time"], backstepping(Log.of(found), arc_parameters(sample_rate=FINE, **ALL_TERMS)).gain_2
-
-
 def one_count_table() -> Table:
-    """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate."""
+    """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate.
+
+    unstable_from is where K_2 of the robust terms, along a run without them that follows case 1, exceeds its limit.
+    """
     name = "ARC, all terms"
     counts = {
         "one sample after the start": one_count(RESOLUTION, held=1),
@@ -124,9 +119,11 @@ def one_count_table() -> Table:
         "settled, by hand": by_hand(RESOLUTION),
     }
     rows = [explored(name, "one_count", "V", abs(value), count=said) for said, value in counts.items()]
-    time, gain = gain_along_the_run()
+    law = OutputFeedbackArc(arc_parameters(sample_rate=FINE))
+    log = Log.of(closed_loop(rigid(0.0), law, reference(), duration=START, record_estimates=True))
+    gain = backstepping(log, arc_parameters(sample_rate=FINE, **ALL_TERMS)).gain_2
     for rate in RATES:
-        label, unstable = f"{rate:.0e} Hz", time[np.argmax(gain > STABLE * rate)]
+        label, unstable = f"{rate:.0e} Hz", log.time[np.argmax(gain > STABLE * rate)]
         rows.append(explored(name, "diverges_at", "s", time_to_divergence(rate, SHORT).time, rate=label))
         rows.append(explored(name, "unstable_from", "s", unstable, rate=label))
     rows.append(explored(name, "rate_needed", "Hz", gain.max() / STABLE))
