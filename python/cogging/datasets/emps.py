@@ -88,8 +88,8 @@ def controller() -> CascadeParameters:
 
     Its limit is 10 V. A fit to the logs gives an inner gain 4 % larger.
     """
-    gains = {"kp": 160.18, "kv": 243.45 * FORCE_CONSTANT}  # 1/s, N s/m
-    return CascadeParameters(sample_rate=1000.0, **gains, command_limit=10.0 * FORCE_CONSTANT)
+    kp, kv, limit = 160.18, 243.45 * FORCE_CONSTANT, 10.0 * FORCE_CONSTANT  # 1/s, N s/m, N
+    return CascadeParameters(sample_rate=1000.0, kp=kp, kv=kv, command_limit=limit)
 
 
 def published() -> Model:

@@ -156,7 +156,8 @@ def frame_of(
     by_position = [one for one in known if not isinstance(one, others) and {"force", "command_gain"} & set(one.HOOKS)]
     left_out = tuple(one.NAME for one in by_position)
     direction, is_stated = -1 if reverse else 1, scale is not None or stated == unit
-    frame = Frame(model.cogging, waves, left_out, direction, sign, factor, zero, *model.axis.travel, turn, is_stated)
+    low, high = model.axis.travel
+    frame = Frame(model.cogging, waves, left_out, direction, sign, factor, zero, low, high, turn, is_stated)
     for period in frame.periods if turn else ():
         times = turn / period
         if times < 0.5 or abs(times - round(times)) > CLOSES:

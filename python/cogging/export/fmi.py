@@ -221,7 +221,7 @@ def _description(model: Model, name: str, token: str, rate: float, parameters: l
         variableNamingConvention="structured",
     )
     able = dict.fromkeys(("canHandleVariableCommunicationStepSize", "canGetAndSetFMUState"), "true")
-    xml.SubElement(root, "CoSimulation", modelIdentifier=name, **able)
+    xml.SubElement(root, "CoSimulation", {"modelIdentifier": name, **able})
     variables = list(_variables(model, parameters))
     definitions = xml.SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(attributes["unit"] for _, attributes in variables if "unit" in attributes):
@@ -239,7 +239,7 @@ def _description(model: Model, name: str, token: str, rate: float, parameters: l
     # Outputs depend on the state alone: a command acts from the next step on.
     for kind, more in (("Output", {"dependencies": ""}), ("InitialUnknown", {})):
         for reference in outputs:
-            xml.SubElement(structure, kind, valueReference=reference, **more)
+            xml.SubElement(structure, kind, {"valueReference": reference, **more})
     xml.indent(root)
     text: str = xml.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

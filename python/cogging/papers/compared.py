@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 WIDTH, HEAD, PANEL = 8.0, 1.3, 1.7  # inches
 HEADROOM = 1.12  # the scale ends at so many times the largest value
 #: Line of a printed value.
-PRINTED = {"color": LIMIT, "linestyle": (0, (6, 3)), "linewidth": 1.0}
+PRINTED: dict[str, Any] = {"color": LIMIT, "linestyle": (0, (6, 3)), "linewidth": 1.0}
 
 
 class Trace(NamedTuple):
@@ -56,8 +56,9 @@ def compared(
             shown = (trace.time >= start) & (trace.time <= stop)
             draw_trace(axes, over(trace.time[shown]), scale(trace.error[shown]), linewidth=0.8, **look(0, dense=True))
             axes.margins(x=0.01)
-            for side in (-1.0, 1.0) if trace.printed is not None else ():
-                axes.axhline(side * float(scale(trace.printed)), **PRINTED)
+            if trace.printed is not None:
+                for side in (-1.0, 1.0):
+                    axes.axhline(side * float(scale(trace.printed)), **PRINTED)
         row[0].set(ylabel=scale.label("error"), ylim=(-end, end))
         row[0].set_title(trace.name, fontsize="small", loc="left", pad=3.0)
         if trace.printed is not None:

@@ -112,17 +112,17 @@ def scaled(
     """
     if name == "pid":
         kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
-        friction = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
+        friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
         return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
     if name == "output_feedback_arc":
         return _output_feedback_arc(axis, factor)
     if name == "observer_based":
         problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
-        return _observer_based(problem, gain, axis)
+        return _observer_based(problem, list(gain), axis)
     law, structure = name.split()
-    gains = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
-    return {"arc": Arc, "dcarc": Dcarc}[law](gantry.controller_parameters(axis, structure, **gains))
+    gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
+    return (Arc if law == "arc" else Dcarc)(gantry.controller_parameters(axis, structure, **gains))
 
 
 def _output_feedback_arc(axis: GantryAxis, factor: float) -> OutputFeedbackArc:

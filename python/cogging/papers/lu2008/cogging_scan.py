@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 
 SIZE = (8.0, 3.4)  # inches
 SCAN_STEP = 0.001  # m (section "System Identification")
-POSITION = TRAVEL[0] + SCAN_STEP * np.arange(round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1)  # m, of a scan
+POSITION: FloatArray = TRAVEL[0] + SCAN_STEP * np.arange(
+    round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1, dtype=np.float64
+)  # m, of a scan
 SCAN_NOISE = 0.003  # V rms of the force sensor, not reported, assumed
 HIGHEST = 19  # highest harmonic of which points 1 mm apart sample a period more than 2.5 times
 FALSE_ALARM = 0.01  # of a scan of noise alone, not reported, assumed

@@ -41,8 +41,8 @@ def random_machine(axis: GantryAxis, seed: int, kind: str = KINDS[0]) -> Plant:
     lines, random = [], np.random.default_rng([2008, 1, seed])
     for harmonic in HARMONICS if kind == KINDS[1] else ():
         period = gantry.PITCH / (harmonic + random.uniform(-BESIDE, BESIDE))
-        size, phase = LEVEL / harmonic * random.uniform(*BESIDE_SIZES), random.uniform(0.0, 2.0 * np.pi)
-        lines.append(CoggingHarmonic(period=period, sine=size * np.sin(phase), cosine=size * np.cos(phase)))
+        size, angle = LEVEL / harmonic * random.uniform(*BESIDE_SIZES), random.uniform(0.0, 2.0 * np.pi)
+        lines.append(CoggingHarmonic(period=period, sine=size * np.sin(angle), cosine=size * np.cos(angle)))
     return gantry.plant(axis, CoggingModel(gantry.cogging_basis(), sine, cosine), lines)
 
 

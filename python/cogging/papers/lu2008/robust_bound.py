@@ -163,7 +163,9 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     """
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
-    estimates = {name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)}
+    estimates: dict[str, Any] = {
+        name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)
+    }
     basis, largest = gantry.cogging_basis(axis.compensated), axis.cogging_bound
     cogging = CoggingModel(
         basis, *rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))

@@ -49,7 +49,8 @@ class Conditions:
 def unmodelled_lines(draw: int, rms: float) -> list[effects.CoggingHarmonic]:
     """Draw lines of one size with evenly distributed logarithms of periods, and phases; rms: of all, m/s^2."""
     random = np.random.default_rng([SEED, draw])
-    periods = np.exp(random.uniform(*np.log(LINE_PERIODS), LINE_COUNT))
+    shortest, longest = np.log(LINE_PERIODS)
+    periods = np.exp(random.uniform(shortest, longest, LINE_COUNT))
     phases, size = random.uniform(0.0, 2.0 * np.pi, LINE_COUNT), rms * np.sqrt(2.0 / LINE_COUNT)
     return [
         effects.CoggingHarmonic(period=period, sine=size * np.cos(phase), cosine=size * np.sin(phase))
