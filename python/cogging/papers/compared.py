@@ -37,11 +37,7 @@ def compared(
 ) -> Figure:
     """Return a figure of errors, a panel each; dashed lines mark the printed values.
 
-    Args:
-        title: of the figure.
-        traces: from the top.
-        zoom: start and end (s) of the part that a second column shows; None: there is none.
-        limit: end of the scale, m, where a paper cuts errors off; None: all is shown.
+    zoom: start and end (s) of a second column; limit: end of the scale, m, where a paper cuts errors off.
     """
     sizes = [np.nanmax(np.abs(trace.error)) for trace in traces]
     sizes += [trace.printed for trace in traces if trace.printed is not None]

@@ -102,13 +102,9 @@ def at_equal_margin(axis: GantryAxis) -> dict[str, ListedController]:
 def scaled(
     name: str, axis: GantryAxis, factor: float = 1.0, observer_gain: Sequence[float] | None = None
 ) -> ListedController:
-    """Return a controller tuned by its paper's rule for an axis, its bandwidth times a factor.
+    """Return a controller of SCALED or OWN tuned by its paper's rule for an axis, all poles times a factor.
 
-    Args:
-        name: one of SCALED or OWN.
-        axis: all that is known of the machine.
-        factor: on the poles, or the gains that set them.
-        observer_gain: of observer_based at this factor; None: designed here (extra `design`).
+    observer_gain: of observer_based at this factor; None: designed here (extra `design`).
     """
     if name == "pid":
         kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56

@@ -186,13 +186,7 @@ def controller_parameters(
     """Return the parameters of C1 (no cogging compensation), C2 (periodic) or C3 (B-spline), all printed numbers.
 
     The gains are k_s1 alone: epsilon and u_s2 are not reported. Initial estimates are not reported: nominal, and
-    zero for cogging and disturbance.
-
-    Args:
-        axis: the axis.
-        name: "C1", "C2" or "C3".
-        periodic: harmonics of C2; none: those of C3.
-        changes: of any field.
+    zero for cogging and disturbance. periodic: harmonics of C2; none: those of C3; changes: of any field.
     """
     fields: dict[str, Any] = {name: getattr(axis, name) for name in ("error_gain", "feedback_gain", *ESTIMATED[:3])}
     for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):
@@ -231,11 +225,7 @@ def run(
 
 
 def last_move(controllers: Sequence[Any], machines: Sequence[Plant], motion: PointToPoint) -> Batch:
-    """Run controllers on machines, pair by pair; return the indexes of the last move there and back.
-
-    Raises:
-        DivergedError: of the first run that diverged.
-    """
+    """Run controllers on machines, pair by pair; return the indexes of the last move, or raise DivergedError."""
     start, seeds = motion.end - motion.period, [0] * len(machines)
     batch = closed_loop_batch(list(machines), list(controllers), motion, seeds=seeds, start=start)
     for failure in batch.failures:

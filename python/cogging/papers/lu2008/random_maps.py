@@ -60,12 +60,9 @@ def orders(errors: FloatArray) -> dict[str, int]:
 
 
 def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) -> Table:
-    """Tabulate the share of maps on which each part of the claim holds, with Wilson's 95 % interval.
+    """Tabulate the share of maps of errors_on_maps, by kind and axis, on which each part of the claim holds.
 
     The last row of each group counts maps on which C3 / C2 is below that of the paper's table.
-
-    Args:
-        errors: by kind and axis, from errors_on_maps.
     """
     rows = []
     for kind, by_axis in errors.items():
@@ -83,11 +80,7 @@ def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) ->
 
 @drawn
 def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
-    """Draw C2 / C1 and C3 / C2 of each random map beside the paper's own machine.
-
-    Args:
-        errors: by axis, from errors_on_maps.
-    """
+    """Draw C2 / C1 and C3 / C2 of errors_on_maps, by axis, beside the paper's own machine."""
     figure = new_figure((8.0, 3.8))
     panels = figure.subplots(1, 2, sharey=True)
     largest = 1.0

@@ -154,12 +154,7 @@ class Trial:
 def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: Any) -> Trial:
     """Draw a machine inside the printed bounds or at their corners, estimates within them, d~ within delta_d.
 
-    Args:
-        axis: gives bounds, motion and default gains.
-        seed: of the machine.
-        law: of the controller.
-        width: of S_f, in machine and controller, m/s.
-        gains: error_gain (1/s), feedback_gain (V/(m/s)).
+    width: of S_f, in machine and controller, m/s; gains: error_gain (1/s), feedback_gain (V/(m/s)) for the printed.
     """
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
@@ -287,17 +282,8 @@ def errors_by_period(
 ) -> FloatArray:
     """Return the rms error (m) of DCARC in each move there and back on a random machine with d~ = 0, (periods,).
 
-    Cogging of C3's harmonics, parameters and initial estimates within the bounds, an ideal encoder, no u_s2.
-
-    Args:
-        axis: gives bounds, motion and default gains.
-        sample_rate: Hz.
-        periods: moves there and back.
-        faster: factor on all printed adaptation rates.
-        gains: error_gain (1/s), feedback_gain (V/(m/s)).
-
-    Raises:
-        DivergedError: the run diverged.
+    Cogging of C3's harmonics, parameters and initial estimates within the bounds, an ideal encoder, no u_s2. faster:
+    factor on all printed adaptation rates; gains: as of `draw`.
     """
     trial, motion = draw(axis, 0, Dcarc), gantry.reference(axis, repeats=periods)
     printed = controller_parameters(axis, "C3")

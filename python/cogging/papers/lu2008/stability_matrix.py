@@ -33,11 +33,8 @@ def steepest(axis: GantryAxis) -> tuple[float, float]:
 def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: Any) -> tuple[float, float]:
     """Return the smallest eigenvalue of (29) over the printed bounds, in SI units, and its decay rate, 1/s.
 
-    Args:
-        axis: the axis.
-        friction_slope: the largest g_f, 1/(m/s).
-        share: of the largest |theta_4b^T g_r| within the bounds.
-        gains: error_gain (1/s), feedback_gain (V/(m/s)) in place of the printed ones.
+    friction_slope: the largest g_f, 1/(m/s); share: of the largest |theta_4b^T g_r| within the bounds; gains:
+    error_gain (1/s), feedback_gain (V/(m/s)) in place of the printed ones.
     """
     parameters, slope = gantry.controller_parameters(axis, "C3", **gains), share * steepest(axis)[1]
     return _core.desired_compensation_condition(parameters, friction_slope=friction_slope, cogging_slope=slope)

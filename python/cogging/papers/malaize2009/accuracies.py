@@ -79,12 +79,9 @@ def accuracies_as_believed() -> dict[str, dict[str, FloatArray]]:
 
 
 def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
-    """Return Table I under a cause: accuracy after the first stroke, the mean over the draws, and lambda*.
+    """Return Table I under a cause of one size: accuracy after the first stroke, mean over the draws, and lambda*.
 
-    Args:
-        cause: whose one size was fitted to the observer row.
-        found: accuracies_of_table_1 under it.
-        believed: accuracies_as_believed, shown before; there the observer row was predicted.
+    found: accuracies_of_table_1, fitted; believed: accuracies_as_believed, where the observer row was predicted.
     """
     labels = {
         (motor, name): {f"of {cause.draws} draws": f"{1e6 * each.min():.3g} to {1e6 * each.max():.3g} um"}
@@ -169,8 +166,7 @@ def _speed(log: Log) -> FloatArray:
 def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[FloatArray, float]:
     """Fit lines of some periods (m) to the true error at constant speed in each stroke but the first.
 
-    Returns:
-        Amplitude (m) of each, rms over the strokes, (periods,); rms of the residual over that of all.
+    Returns amplitudes (m), rms over the strokes, (periods,), and the rms of the residual over that of all.
     """
     half = 0.5 * reference(motor).period
     powers, left, all_ = [], 0.0, 0.0

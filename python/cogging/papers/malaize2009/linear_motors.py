@@ -124,12 +124,8 @@ def plant(
 ) -> Plant:
     """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
 
-    Args:
-        motor: one of MOTORS.
-        amplitude: of the first period, m/s^2.
-        ripples: further ones that no controller knows: period (m), amplitude (m/s^2).
-        resolution: m; None: the motor's.
-        friction: m/s^2; None: the motor's.
+    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2);
+    resolution (m), friction (m/s^2): None for the motor's.
     """
     phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
@@ -224,12 +220,8 @@ def batch_errors(
 ) -> FloatArray:
     """Return `accuracy`, or the rms error, of each machine under its controller, m, (n,); infinite if it diverged.
 
-    Args:
-        machines: the seed of the encoder noise is the number of the machine.
-        controllers: one for each machine.
-        motor: gives the strokes.
-        strokes: how many, from the start; 0: all.
-        reduction: "true_error_max" or "true_error_rms".
+    The number of a machine is the seed of its encoder noise. strokes: how many, from the start; 0: all; reduction:
+    "true_error_max" or "true_error_rms".
     """
     period = reference(motor).period
     found = closed_loop_batch(

@@ -34,12 +34,9 @@ def rippled(motor: Motor, share: float) -> Plant:
 
 
 def with_friction(motor: Motor, width: float, excess: float = 0.0) -> Plant:
-    """Return the machine with friction that is smooth about rest.
+    """Return the machine with friction that is smooth about rest over a width (m/s); 0: dry friction that sticks.
 
-    Args:
-        motor: one of MOTORS.
-        width: m/s; 0 is exact dry friction, which sticks.
-        excess: of Stribeck friction at rest over the dry friction.
+    excess: of Stribeck friction at rest over the dry friction.
     """
     machine = plant(motor, shipped(motor).amplitude)
     listed = list(machine.effects)

@@ -37,15 +37,10 @@ class Solution:
 
 
 def as_printed(task: ObserverProblem, rate: float, *, from_rest: bool = False) -> Solution:
-    """Solve Theorem 3 as it is printed, B_o with its 2 N + 1 columns and no bound on the poles.
+    """Solve Theorem 3 as it is printed, B_o with its 2 N + 1 columns and no bound on the poles (needs cvxpy).
 
-    Args:
-        task: periods, velocities, position loop and decay rate; its pole radius is ignored.
-        rate: 1/s, one over the unit of time in which the problem is given to the solver.
-        from_rest: whether the range of velocities begins at 0.
-
-    Raises:
-        ImportError: cvxpy is not installed.
+    rate: 1/s, one over the unit of time in which the problem is given to the solver; the task's pole radius is ignored;
+    from_rest: the range of velocities begins at 0.
     """
     cp: Any = importlib.import_module("cvxpy")
     task = replace(task, pole_radius=rate)
@@ -100,11 +95,7 @@ def unobserved(task: ObserverProblem, velocity: float) -> int:
 
 
 def theorem_3() -> Table:
-    """Tabulate Theorem 3 for the ironcore motor, printed and with bounded poles; not in the paper.
-
-    Raises:
-        ImportError: cvxpy is not installed.
-    """
+    """Tabulate Theorem 3 for the ironcore motor, printed and with bounded poles; not in the paper (needs cvxpy)."""
     task = problem(MOTORS["ironcore"], RADII[0])
     rows: list[Row] = []
     for rate in RATES:

@@ -250,10 +250,7 @@ class Conditions:
     def by_seed(self, controller: str, sets: Sequence[str] = SETS, seeds: Sequence[int] = SEEDS) -> FloatArray:
         """Return the indexes of a controller by set, seed of the encoder noise and index, (sets, seeds, 6).
 
-        All seeds share the earlier runs.
-
-        Raises:
-            DivergedError: a run diverged.
+        All seeds share the earlier runs. Raises DivergedError if a run diverged.
         """
         machines = [plant(self.unknowns, name) for name in sets]
         made = self.controller(controller)
@@ -286,6 +283,6 @@ def conditions_of(part: Mapping[str, Any]) -> Conditions:
     return Conditions(Unknowns(**part["unknowns"]), **fields)
 
 
-def joint_conditions(law: str = JOINT_LAW) -> Conditions:
-    """Return the conditions fitted to all numbers of Table 1, by friction law: those of the reproduced table."""
-    return conditions_of(shipped_file()["joint"][law])
+def joint_conditions() -> Conditions:
+    """Return the conditions fitted to all numbers of Table 1: those of the reproduced table."""
+    return conditions_of(shipped_file()["joint"][JOINT_LAW])

@@ -65,12 +65,10 @@ def increment(factor: float, sample_rate: float, resolution: float) -> float:
 
 
 def one_count(resolution: float, held: int = SETTLED) -> float:
-    """Return the command (V) due to one encoder count (m) with all printed robust terms, at rest at 2.5 kHz.
+    """Return the command (V) due to one encoder count (m) with all printed robust terms after samples at rest.
 
-    Args:
-        resolution: m.
-        held: samples of rest before. The gains grow with the filter psi (12), which rises from zero: one sample after
-            the start a count moves the command 3,600 times less than settled.
+    The gains grow with the filter psi (12), which rises from zero: one sample after the start a count moves the command
+    3,600 times less than settled.
     """
     controller = OutputFeedbackArc(arc_parameters(**ALL_TERMS))
     for _ in range(held):
