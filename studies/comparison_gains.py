@@ -55,7 +55,7 @@ def factor_of(name: str, axis: lu2008.GantryAxis) -> float:
 
 def gains_toml() -> str:
     """The text of comparison_gains.toml, which comes with the package (extra `design` to write it anew)."""
-    lines = ["# Gains of the comparison, by cogging.papers.comparison.gains_toml.", "[own]"]
+    lines = ["# Gains of the comparison, by studies.comparison_gains.", "[own]"]
     for name, radius in POLE_RADII.items():
         lines.append(f'"{name}" = {_digits(design_observer(observer_problem(radius)).observer_gain)}')
     for axis in lu2008.AXES.values():

@@ -50,7 +50,7 @@ def gains_toml() -> str:
             "lambda_star": found.lambda_star,
             "observer_gain": list(found.observer_gain),
         }
-    head = "# Amplitude (m/s^2), pole radius (1/s), lambda* (m/s^2) and gains, by malaize2009_calibration.\n"
+    head = "# Amplitude (m/s^2), pole radius (1/s), lambda* (m/s^2) and gains, by studies.malaize2009.calibration.\n"
     return head + to_toml(document)
 
 

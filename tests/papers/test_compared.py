@@ -12,39 +12,32 @@ def traces(seed, count):
     time = np.arange(int(random.integers(500, 20_000))) / random.choice([1000.0, 5000.0])
     sizes = 10.0 ** random.uniform(-9, -3, count)
     printed = [float(2.0 * size) if random.random() < 0.7 else None for size in sizes]
-    values = [size * np.sin(2 * np.pi * random.uniform(1, 50) * time) for size in sizes]
-    return [Trace(f"C{i}", time, y, p) for i, (y, p) in enumerate(zip(values, printed, strict=True))]
+    errors = [size * np.sin(2 * np.pi * random.uniform(1, 50) * time) for size in sizes]
+    return [Trace(f"C{i}", time, error, p) for i, (error, p) in enumerate(zip(errors, printed, strict=True))]
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_all_panels_have_one_scale_that_holds_trace_and_printed_value(seed):
-    drawn = traces(seed, count=seed % 3 + 1)
-    zoom = (0.1, 0.3) if seed % 2 else None
-    figure = compared("title", drawn, zoom=zoom)
+@pytest.mark.parametrize(("seed", "zoom", "share"), [(0, None, 0.3), (1, (0.1, 0.3), None), (2, None, None)])
+def test_all_panels_have_one_scale_that_holds_trace_and_printed_value(seed, zoom, share):
+    drawn = traces(seed, count=seed + 1)
+    limit = share and share * max(trace.error.max() for trace in drawn)
+    figure = compared("title", drawn, zoom=zoom, limit=limit)
     columns = 2 if zoom else 1
     assert len(figure.axes) == columns * len(drawn)
-    assert len({axes.get_ylim() for axes in figure.axes}) == 1
-    low, high = figure.axes[0].get_ylim()
+    ((low, high),) = {axes.get_ylim() for axes in figure.axes}
     assert low == -high
     # Every line: the trace in the unit of its label, then the printed value on both sides.
     unit = {"m": 1.0, "mm": 1e3, "µm": 1e6, "nm": 1e9}[figure.axes[0].get_ylabel().split("(")[1].rstrip(")")]
+    if share:
+        assert high == pytest.approx(unit * limit)
     for axes, trace in zip(figure.axes[::columns], drawn, strict=True):
         line, *marks = axes.lines
-        assert np.nanmax(line.get_ydata()) == pytest.approx(unit * trace.values.max())
+        assert np.nanmax(line.get_ydata()) == pytest.approx(unit * trace.error.max())
         expected = [] if trace.printed is None else [-unit * trace.printed, unit * trace.printed]
         assert [mark.get_ydata()[0] for mark in marks] == pytest.approx(expected)
-        assert all(abs(mark.get_ydata()[0]) < high for mark in marks)
+        assert share or all(abs(mark.get_ydata()[0]) < high for mark in marks)
     if zoom:
         shown = figure.axes[1].lines[0].get_xdata()
         assert zoom[0] <= shown.min() < shown.max() <= zoom[1]
-
-
-def test_a_limit_cuts_the_scale_as_a_paper_does():
-    (trace,) = traces(0, 1)
-    figure = compared("title", [trace, trace], limit=0.3 * trace.values.max())
-    for axes in figure.axes:
-        ends = axes.get_ylim()[1] / np.nanmax(axes.lines[0].get_ydata())
-        assert ends == pytest.approx(0.3)
 
 
 def counted(errors, statuses):
@@ -53,14 +46,12 @@ def counted(errors, statuses):
     return Table("t", "T", [*rows, Row("C", "none", "m", None, 1.0, "exploratory")], free=["a", "b"])
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_counts_are_of_printed_numbers_by_their_status(seed):
-    random = np.random.default_rng([21, seed])
-    errors = random.uniform(-0.6, 0.6, 30)
-    statuses = random.choice(["calibrated", "predicted"], 30)
+def test_counts_are_of_printed_numbers_by_their_status():
+    random = np.random.default_rng(21)
+    errors, statuses = random.uniform(-0.6, 0.6, 90), random.choice(["calibrated", "predicted"], 90)
     found = counted(errors, statuses).counts()
-    assert (found.numbers, found.free) == (30, 2)
-    assert found.calibrated == (statuses == "calibrated").sum() == 30 - found.predicted
+    assert (found.numbers, found.free) == (90, 2)
+    assert found.calibrated == (statuses == "calibrated").sum() == 90 - found.predicted
     assert found.within == tuple((np.abs(errors) <= share).sum() for share in (0.05, 0.15, 0.40))
     predicted = np.abs(errors[statuses == "predicted"])
     assert found.predicted_within == tuple((predicted <= share).sum() for share in (0.05, 0.15, 0.40))

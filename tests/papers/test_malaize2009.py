@@ -1,80 +1,49 @@
-"""Table I of Malaize and Levine 2009, what it hides, and the comparison of the three papers' controllers."""
+"""Table I of Malaize and Levine 2009: its calibration, machines under conditions, spectra. Numbers: test_numbers.py."""
 
 import importlib.resources
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import cogging
 from cogging.files import parse_toml
-from cogging.papers import comparison
-from cogging.papers.lu2008 import gantry as lu2008_setup
-from cogging.papers.malaize2009 import linear_motors as malaize2009_setup
-from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS
-from studies import comparison_gains
-from studies.malaize2009 import calibration as malaize2009_calibration
-from tests.fixtures.reproduced import numbers_of, table_of
+from cogging.papers.malaize2009 import causes
+from cogging.papers.malaize2009.accuracies import lines_at_speed
+from cogging.papers.malaize2009.causes import CAUSES, Conditions, drawn_accuracies, machine, unmodelled_lines
+from cogging.papers.malaize2009.linear_motors import (
+    MOTORS,
+    accuracy,
+    batch_errors,
+    cogging_rms,
+    observer,
+    pid,
+    plant,
+    reference,
+    run,
+    shipped,
+    true_error,
+)
+from studies.malaize2009 import calibration, causes_calibration, causes_study
+from tests.fixtures.reproduced import table_of
+
+EACH_MOTOR = pytest.mark.parametrize("motor", MOTORS.values(), ids=MOTORS)
 
 
-def test_table_1_is_near_the_papers_under_either_cause_and_was_not_as_believed():
+def test_table_1_is_calibrated_under_either_cause_and_was_predicted_as_believed():
     lines, friction = table_of("malaize2009", "table1"), table_of("malaize2009", "table1_width")
-    for table, within in ((lines, (4, 6, 6)), (friction, (6, 6, 6))):
-        counts = table.counts()
-        assert (counts.numbers, counts.calibrated, counts.free, counts.within) == (6, 6, 5, within)
-    before = lines.before.counts()
-    assert (before.calibrated, before.predicted, before.free) == (4, 2, 4)
-    assert (before.within, before.predicted_within) == ((4, 4, 4), (0, 0, 0))
-    predicted = [row for row in lines.before.rows if row.status == "predicted"]
-    assert {(row.controller, row.index) for row in predicted} == {("observer", "accuracy")}
+    assert {row.status for table in (lines, friction) for row in table.rows} == {"calibrated"}
+    assert (len(lines.free), len(friction.free), len(lines.before.free)) == (5, 5, 4)
+    predicted = {(row.controller, row.index) for row in lines.before.rows if row.status == "predicted"}
+    assert predicted == {("observer", "accuracy")}
     for row in lines.rows:
-        if row.index == "accuracy":  # a mean over draws, whose label says how far they lie apart
+        if row.index == "accuracy":  # a mean over draws, whose label gives their range
             low, high = map(float, row.labels["of 10 draws"].removesuffix(" um").split(" to "))
             assert low < 1e6 * row.simulated < high
-
-
-def test_the_imperfections_say_where_the_observer_is_worse():
-    rows = {
-        (row.labels["motor"], row.labels["case"], row.controller): row
-        for row in table_of("malaize2009", "imperfections").rows
-    }
-    assert len(rows) == 2 * 16 * len(CONTROLLERS)
-    for (motor, case, name), row in rows.items():
-        worse = row.simulated > rows[motor, case, "PID"].simulated
-        assert ("note" in row.labels) == (worse and name == "observer"), (motor, case)
-
-
-def test_each_cause_explains_the_motor_that_it_was_fitted_on():
-    """Within 6 %, but where the accuracy jumps with the size: a quantiser, friction that sticks."""
-    for row in table_of("malaize2009", "held_out").rows:
-        here = row.labels["motor"] == row.labels["fitted on"]
-        assert row.status == ("calibrated" if here else "predicted")
-        rough = {"thrust error": 0.12, "encoder step": 0.3}.get(row.labels["cause"], 0.06)
-        assert not here or row.simulated == pytest.approx(row.paper, rel=rough), row.labels
-    found = numbers_of("malaize2009", "what_else", "cause", "motor")
-    for motor in MOTORS:
-        # Section V: the cogging's lines vanish from the spectrum. A wrong period alone leaves some of them.
-        left = {
-            name: size for (_, index, name, place), size in found.items() if (index, place) == ("lines_left", motor)
-        }
-        assert left.pop("period error") > 0.06 > 5 * max(left.values()) > 0.0
-        # Section V: in ramps as good as at constant speed. Smooth friction errs where the motion turns.
-        ramps = [found["observer", "ramps", name, motor] for name in ("unmodelled lines", "smooth friction")]
-        assert ramps[0] < 0.7 < 2.5 < ramps[1]
-
-
-@pytest.mark.parametrize(("motor", "expected"), [("ironcore", [24.0, 16.0, 12.0]), ("ironless", [42.0, 21.0])])
-def test_the_spectrum_proposes_the_papers_periods(motor, expected):
-    machine = malaize2009_setup.plant(MOTORS[motor], malaize2009_setup.shipped(MOTORS[motor]).amplitude)
-    log = malaize2009_setup.run(machine, malaize2009_setup.pid(), MOTORS[motor])
-    found = cogging.tracking_spectrum(log)
-    np.testing.assert_allclose(1e3 * np.array(found.periods), expected, rtol=0.01)
 
 
 def test_the_calibration_regenerates_the_shipped_values():
     text = importlib.resources.files("cogging.papers.malaize2009").joinpath("gains.toml").read_text()
     for name, part in parse_toml(text).items():
-        found = malaize2009_calibration.calibrate(MOTORS[name])
+        found = calibration.calibrate(MOTORS[name])
         assert found.amplitude == part["amplitude"]
         assert found.pole_radius == pytest.approx(part["pole_radius"], rel=1e-3)
         assert found.lambda_star == pytest.approx(part["lambda_star"], rel=1e-3)
@@ -82,33 +51,74 @@ def test_the_calibration_regenerates_the_shipped_values():
         np.testing.assert_allclose(found.observer_gain, part["observer_gain"], rtol=0.02, atol=1e-3 * 1e7)
 
 
-def test_the_comparison_names_the_best_of_each_use_and_is_that_of_the_evidence():
-    result = cogging.compare()
-    own, equal, winners = result.tables
-    assert {row.status for table in result.tables for row in table.rows} == {"exploratory"}
-    assert all(np.isfinite(row.simulated) for row in own.rows if row.index in ("rms", "max", "rms_heavy"))
-    found = {(row.labels["machine"], row.controller, row.index): row.simulated for row in equal.rows}
-    for row in winners.rows:
-        place, index = row.labels["machine"], row.index.split(",")[0]
-        assert row.simulated >= 1.0
-        if place != "all":
-            assert found[place, row.controller, index] == min(found[place, name, index] for name in comparison.SCALED)
-    evidence = (Path(__file__).parents[2] / "docs" / "evidence.md").read_text(encoding="utf-8")
-    for table in result.tables:
-        for line in table.text().splitlines()[1:]:  # but for the last column of the first, the time of a step
-            assert (line[:-11] if table is own else line).rstrip() in evidence, line
+@pytest.mark.study
+def test_the_calibration_regenerates_the_shipped_conditions():
+    text = importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text()
+    assert causes_calibration.conditions_toml() == text
 
 
-@pytest.mark.parametrize("name", ["pid", "observer_based"])
-def test_scaled_controllers_have_the_delay_margin_that_is_said(name):
-    for axis in lu2008_setup.AXES.values():
-        margin = comparison_gains.delay_margin(comparison.at_equal_margin(axis)[name], axis)
-        assert margin == pytest.approx(comparison.DELAY_MARGIN, rel=0.08), axis.name
+def test_no_amplitude_where_the_pid_errs_by_more_without_cogging():
+    motor = MOTORS["ironless"]
+    with pytest.raises(ValueError, match=r"^ironless: no amplitude gives the PID the printed accuracy"):
+        causes_calibration.recalibrated(motor, shipped(motor), Conditions(thrust=0.1))
 
 
-def test_the_comparisons_gains_are_those_of_the_design():
-    shipped = comparison.shipped()["own"]
-    assert set(shipped) == set(comparison.POLE_RADII)
-    for name, radius in comparison.POLE_RADII.items():
-        made = cogging.design_observer(comparison.observer_problem(radius)).observer_gain
-        np.testing.assert_allclose(shipped[name], made, rtol=0.02, atol=1e-3 * np.abs(made).max())
+@pytest.mark.parametrize("cause", CAUSES, ids=lambda cause: cause.name)
+def test_the_observers_error_grows_with_the_size(cause):
+    for motor in MOTORS.values():
+        size = causes.conditions_file()[cause.field][motor.name]["size"]
+        small, large = (
+            drawn_accuracies(motor, shipped(motor), cause.of(share * size), "observer", 1).mean()
+            for share in (1 / 3, 3.0)
+        )
+        assert small < 0.7 * large, motor.name
+
+
+@EACH_MOTOR
+def test_a_machine_without_conditions_is_that_of_the_setup(motor):
+    gains = shipped(motor)
+    by_hand = [
+        accuracy(run(plant(motor, gains.amplitude), controller, motor), motor)
+        for controller in (pid(), observer(motor, gains))
+    ]
+    machines = [machine(motor, gains.amplitude, Conditions())] * 2
+    assert batch_errors(machines, [pid()] * 2, motor).tolist() == [by_hand[0]] * 2
+    assert drawn_accuracies(motor, gains, Conditions(), "observer", 1).tolist() == by_hand[1:]
+
+
+def test_the_lines_have_the_rms_that_was_asked_for_and_differ_by_draw():
+    motor = MOTORS["ironcore"]
+    assert cogging_rms(motor, 0.2) == pytest.approx(0.2 * np.sqrt((1.0 + 0.36 + 0.16) / 2))
+    rms = 0.03 * cogging_rms(motor, 0.2)
+    x = np.linspace(0.0, 50.0, 400_001)
+    force = np.zeros_like(x)
+    for line in unmodelled_lines(0, rms):
+        assert causes.LINE_PERIODS[0] <= line.period <= causes.LINE_PERIODS[1]
+        force -= line.sine * np.sin(2 * np.pi * x / line.period) + line.cosine * np.cos(2 * np.pi * x / line.period)
+    assert np.sqrt(np.mean(force**2)) == pytest.approx(rms, rel=0.02)
+    listed = machine(motor, 0.2, Conditions(lines=0.03)).effects
+    assert len(listed) == 1 + causes.LINE_COUNT
+    assert not {line.period for line in unmodelled_lines(1, rms)} & {each.period for each in listed[1:]}
+
+
+def test_lines_at_speed_finds_lines_of_known_size():
+    motor = MOTORS["ironless"]
+    log = run(plant(motor, 0.01635, friction=0.0, resolution=0.0), pid(), motor)
+    amplitudes, left = lines_at_speed(log, motor, motor.periods)
+    rows = np.abs(log.reference_velocity) >= 0.99 * motor.velocity
+    # At constant speed the error is its two lines and the decay of the ramps before them.
+    assert np.sqrt(0.5 * np.sum(amplitudes**2)) == pytest.approx(np.std(true_error(log)[rows]), rel=0.1)
+    assert 0.0 < left < 0.3
+
+
+@EACH_MOTOR
+def test_the_spectrum_proposes_the_papers_periods_in_every_draw_of_the_lines(motor):
+    assert causes_study.draws_that_propose(motor, 5) == 5
+
+
+@pytest.mark.parametrize(("motor", "acceleration"), [("ironcore", 4.0), ("ironless", 2.5)])
+def test_the_strokes_have_the_printed_acceleration(motor, acceleration):
+    motion = reference(MOTORS[motor])
+    _, velocity, found = motion.sample(np.linspace(0.0, motion.period, 20_001))
+    assert np.abs(found).max() == pytest.approx(acceleration, rel=1e-9)
+    assert [velocity.max(), -velocity.min()] == pytest.approx([MOTORS[motor].velocity] * 2, rel=1e-9)

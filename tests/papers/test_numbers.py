@@ -28,10 +28,10 @@ def test_each_step_is_reported_in_its_order():
 
 def test_the_command_writes_tables_and_figures(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: reproduced(paper))
-    assert main(["reproduce", "lu2008", "--out", str(tmp_path)]) == 0
+    assert main(["reproduce", "xu2001", "--out", str(tmp_path)]) == 0
     assert {"calibrated", "predicted"} <= set(capsys.readouterr().out.split())
-    document = json.loads((tmp_path / "lu2008.json").read_text())
-    assert document == json.loads(json.dumps(reproduced("lu2008").to_dict()))
-    stated = {"controller": "C1", "index": "e_inf", "unit": "m", "paper": 1.65e-05, "status": "calibrated"}
+    document = json.loads((tmp_path / "xu2001.json").read_text())
+    assert document == json.loads(json.dumps(reproduced("xu2001").to_dict()))
+    stated = {"controller": "PID", "index": "e_M", "unit": "m", "paper": 5.12e-05, "status": "calibrated", "set": "1"}
     assert document["tables"][0]["rows"][0].items() >= stated.items()
-    assert {path.stem for path in tmp_path.glob("*.png")} == set(reproduced("lu2008").figures)
+    assert {path.stem for path in tmp_path.glob("*.png")} == set(reproduced("xu2001").figures)

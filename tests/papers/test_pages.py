@@ -1,4 +1,4 @@
-"""The pages of the papers: every item stands where the page says, is checked as it says, and numbers are today's."""
+"""The pages of the papers: every item is where the page says, is checked as it says, and numbers are today's."""
 
 import functools
 import re
@@ -13,20 +13,18 @@ from tests.fixtures.shown_commands import missing, shown
 
 ROOT = Path(__file__).parents[2]
 HEAD = ["item", "what it says", "where it stands", "how it is checked", "status"]
-STATUSES = {"as printed", "mended", "read", "derived", "calibrated", "predicted", "not reproduced", "background"}
-#: Numbers of each paper's equations, tables and figures.
-EQUATIONS = {
-    "lu2008": [str(number) for number in range(1, 31)],
-    "malaize2009": [str(number) for number in range(1, 17)],
-    "xu2001": [*(str(number) for number in range(1, 59)), *(f"A.{number}" for number in range(1, 9))],
+STATUSES = ("as printed", "mended", "read", "derived", "calibrated", "predicted", "not reproduced", "background")
+#: Equations, tables and the number of figures of each paper.
+CONTENT = {
+    "lu2008": ([str(number) for number in range(1, 31)], ["Table 1", "Table 2"], 10),
+    "malaize2009": ([str(number) for number in range(1, 17)], ["Table I"], 4),
+    "xu2001": ([*map(str, range(1, 59)), *(f"A.{number}" for number in range(1, 9))], ["Table 1"], 6),
 }
-TABLES = {"lu2008": ["Table 1", "Table 2"], "malaize2009": ["Table I"], "xu2001": ["Table 1"]}
-FIGURES = {"lu2008": range(1, 11), "malaize2009": range(1, 5), "xu2001": range(1, 7)}
 NUMBER = r"(?:A\.)?\d+"
+EACH_PAPER = pytest.mark.parametrize("paper", PAPERS)
 
 
 def page(paper):
-    """Text of a paper's page."""
     return (ROOT / "docs" / "papers" / f"{paper}.md").read_text(encoding="utf-8")
 
 
@@ -38,24 +36,16 @@ def cells(line):
 
 def items(paper):
     """Rows of the tables of items."""
-    lines, found = page(paper).splitlines(), []
-    for start, line in enumerate(lines):
-        if line.startswith("|") and cells(line) == HEAD:
-            for row in lines[start + 2 :]:
-                if not row.startswith("|"):
-                    break
-                found.append(cells(row))
-    return found
+    tables = re.findall(r"(?:^\|.*\n)+", page(paper), re.MULTILINE)
+    rows = [[cells(line) for line in table.splitlines()] for table in tables]
+    return [row for head, _, *table in rows if head == HEAD for row in table]
 
 
 def numbers(item):
     """Numbers of equations that an item names: (3), (12)-(14), (A.1) to (A.3)."""
-    found = []
     for first, last in re.findall(rf"\(({NUMBER})\)(?:\s*(?:-|–|to)\s*\(({NUMBER})\))?", item):
         prefix, begin = ("A.", first[2:]) if first.startswith("A.") else ("", first)
-        end = last.removeprefix("A.") or begin
-        found += [f"{prefix}{number}" for number in range(int(begin), int(end) + 1)]
-    return found
+        yield from (f"{prefix}{n}" for n in range(int(begin), int(last.removeprefix("A.") or begin) + 1))
 
 
 def places(cell):
@@ -66,41 +56,32 @@ def places(cell):
             yield path, symbol
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@EACH_PAPER
 def test_every_equation_table_and_figure_is_there(paper):
-    rows = items(paper)
-    assert len(rows) > 20
-    said = [number for item, *_ in rows for number in numbers(item)]
-    assert sorted(set(said) - set(EQUATIONS[paper])) == []
-    assert [number for number in EQUATIONS[paper] if number not in said] == []
-    told = " ".join(item for item, *_ in rows)
-    for table in TABLES[paper]:
-        assert re.search(rf"\b{table}\b", told), table
-    figures = {
-        number
-        for first, last in re.findall(r"Figs?\. (\d+)(?:\s*(?:-|–|to|and|,)\s*(\d+))?", told)
-        for number in range(int(first), int(last or first) + 1)
-    }
-    assert figures >= set(FIGURES[paper])
+    equations, tables, figures = CONTENT[paper]
+    text = " ".join(item for item, *_ in items(paper))
+    assert set(numbers(text)) == set(equations)
+    assert all(re.search(rf"\b{table}\b", text) for table in tables)
+    found = re.findall(r"Figs?\. (\d+)(?:\s*(?:-|–|to|and|,)\s*(\d+))?", text)
+    assert {n for first, last in found for n in range(int(first), int(last or first) + 1)} >= set(range(1, figures + 1))
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@EACH_PAPER
 def test_every_item_stands_and_is_checked_where_the_page_says(paper):
     tables = {table.id for table in reproduced(paper).tables}
     for item, says, where, how, status in items(paper):
         assert says, item
-        assert status.startswith(tuple(STATUSES)), (item, status)
+        assert status.startswith(STATUSES), (item, status)
         for path, symbol in (*places(where), *places(how)):
-            assert (ROOT / path).exists(), (item, path)
+            text = (ROOT / path).read_text()
             for name in filter(None, symbol.split("::")):
-                assert re.search(rf"\b{re.escape(name.split('.')[-1])}\b", (ROOT / path).read_text()), (item, name)
+                assert re.search(rf"\b{re.escape(name.split('.')[-1])}\b", text), (item, name)
         if status != "background":
-            assert [*places(where), *places(how)], (item, "no place")
             named = {word for word in re.findall(r"`([^`/]+)`", how) if word in tables}
             assert named or any(path.startswith("tests/") for path, _ in places(how)), (item, how)
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@EACH_PAPER
 def test_the_page_shows_what_reproduce_prints_today(paper):
     blocks = [block for block in shown(ROOT / "docs" / "papers" / f"{paper}.md") if paper in block[0]]
     assert blocks
@@ -111,12 +92,10 @@ def test_the_page_shows_what_reproduce_prints_today(paper):
         assert gone is None, gone
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@EACH_PAPER
 def test_every_figure_that_is_named_is_drawn(paper):
-    named = set(re.findall(rf"\b({paper}_\w+)(?:\.png)?\b", page(paper)))
-    drawn = set(reproduced(paper).figures)
-    assert sorted(name for name in named - drawn if not name.endswith("_sweep")) == []
-    assert sorted(drawn - named) == []
+    named = {name for name in re.findall(rf"\b({paper}_\w+)(?:\.png)?\b", page(paper)) if not name.endswith("_sweep")}
+    assert named == set(reproduced(paper).figures)
 
 
 # Quoted numbers -------------------------------------------------------------------------------------------------------
@@ -132,7 +111,7 @@ SCALES = {"m": (1e6, 1e3, 1e9), "s": (1e3, 1e6, 1.0), "m/s": (1e3,), "Hz": (1e-6
 
 
 def figures_in(text):
-    """Each number of a text as it stands, its value, and half a unit of its last digit."""
+    """Each number of a text, its value, and half a unit of its last digit."""
     for found in FIGURE.findall(LEFT_OUT.sub(" ", text)):
         mantissa, _, power = found.replace("−", "-").replace(",", "").partition("e")
         digits = len(mantissa.partition(".")[2])
@@ -146,7 +125,7 @@ def printed(paper, name):
     found = [value for _, value, _ in figures_in(table.title)]
     for part in filter(None, (table, table.before)):
         for row in part.rows:
-            values = [row.simulated, *((row.paper, row.simulated / row.paper) if row.paper else ())]
+            values = [value for value in (row.simulated, row.paper, row.ratio) if value is not None]
             found += [value * scale for value in values for scale in SCALES.get(row.unit, (1.0,))]
             found += [value for _, value, _ in figures_in(" ".join(row.labels.values()))]
         counts = part.counts()
@@ -155,33 +134,24 @@ def printed(paper, name):
     return found
 
 
-def quoted(page):
-    """The marked blocks of a page: names of tables by paper, further numbers, relative tolerance, the block."""
-    for mark, block in MARK.findall(page.read_text(encoding="utf-8")):
-        parts = mark.split("; ")
-        tables = [
-            (paper, name) for paper, _, names in (part.partition(": ") for part in parts) for name in names.split()
-        ]
-        also = [float(word) for part in parts if part.startswith("also ") for word in part.split()[1:]]
-        yield tables, also, 0.5 * ("roughly" in parts), block
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_numbers_of_marked_blocks_are_printed_today(page):
-    strangers, blocks = [], list(quoted(page))
+    strangers, blocks = [], MARK.findall(page.read_text(encoding="utf-8"))
     assert blocks
-    for tables, also, share, block in blocks:
-        values = np.abs(np.array([*(value for place in tables for value in printed(*place)), *also]))
+    for mark, block in blocks:
+        parts = mark.split("; ")
+        values = [float(word) for part in parts if part.startswith("also ") for word in part.split()[1:]]
+        for paper, _, names in (part.partition(": ") for part in parts):
+            for name in names.split():
+                values += printed(paper, name)
+        share = 0.5 * ("roughly" in parts)
         for text, value, half in figures_in(block):
-            if np.abs(values - abs(value)).min() > max(half, share * abs(value)) * (1 + 1e-6):
-                strangers.append((text, tables, block[:60]))
+            if np.abs(np.abs(values) - abs(value)).min() > max(half, share * abs(value)) * (1 + 1e-6):
+                strangers.append((text, mark, block[:60]))
     assert not strangers
 
 
 def test_a_number_that_no_command_prints_is_found():
-    assert [value for _, value, _ in figures_in("8.1 of 1,700 at 1e15, not `3` nor $4$ nor (5) nor x6")] == [
-        8.1,
-        1700,
-        1e15,
-    ]
+    text = "8.1 of 1,700 at 1e15, not `3` nor $4$ nor (5) nor x6"
+    assert [value for _, value, _ in figures_in(text)] == [8.1, 1700, 1e15]
     assert np.abs(np.array(printed("xu2001", "table1")) - 155.0).min() > 0.5  # µm: the paper says 156

@@ -63,13 +63,12 @@ def run(arguments: argparse.Namespace) -> None:
             rest = ", ".join(option_of(other) for other in sorted(taken)) or "no option"
             rule = f"must be one that the form {form.name} takes ({rest})"
             raise InputError(f"{option_of(name)}: {rule}, got one that is not")
-    read = [options[option.name] for option in form.options if option.reads and option.name in options]
     json = {"--json": json_file(arguments)}
-    check_outputs({"--out": arguments.out, **json}, [arguments.model, *read])
+    check_outputs({"--out": arguments.out, **json}, [arguments.model])
     with status_line(arguments, "export"):
         made = to(arguments.model, arguments.to, **options)
     files = made.files(arguments.out)
-    check_outputs({**{name: name for name in files}, **json}, [arguments.model, *read])
+    check_outputs({**{name: name for name in files}, **json}, [arguments.model])
     document = {"form": form.name, "files": list(files), "said": made.text.splitlines()}
     following = after_export(arguments, of_map=form.of_map)
     print_result(arguments, made.text, document=document, files=files, next_command=following)

@@ -22,7 +22,6 @@ from cogging.logs.columns import read_columns
 from cogging.logs.log import Log, read_log
 from cogging.model.model import Model
 from cogging.model.units import Units
-from cogging.shown import nearest
 
 SOURCE = Source("emps", "nonlinearbenchmark.org", "no licence stated: cite Janot, Gautier and Brunot 2019")
 FILES = ("DATA_EMPS", "DATA_EMPS_PULSES")  # the second has another motion, and pulses added to the command
@@ -44,14 +43,11 @@ AUTHORS_ERRORS = MappingProxyType(
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """Find the two files.
+    """Return the paths of the two files by their names without `.mat`.
 
     Args:
         folder: of the data (see cogging.datasets). Without it, and if COGGING_DATA does not contain them, the package
-            `nonlinear-benchmarks` downloads them once (2 MB) into its own folder, if it is installed.
-
-    Returns:
-        Their paths by their names without `.mat`.
+            `nonlinear-benchmarks`, if installed, downloads them once (2 MB) into its own folder.
 
     Raises:
         InputError: a file is missing or could not be fetched; names source and licence.
@@ -60,32 +56,25 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
 
 
 def read(name: str = "DATA_EMPS", folder: str | os.PathLike[str] | None = None) -> Log:
-    """Read one of the two logs.
+    """Read one of the two logs, 24,841 rows: time s, position and reference m, command N.
 
     Args:
-        name: of FILES.
+        name: one of FILES.
         folder: see `files`.
 
-    Returns:
-        Time s, position and reference m, command N, 24,841 rows.
-
     Raises:
-        ValueError: `name` is not of FILES.
+        ValueError: an unknown name.
         InputError: the file is missing or invalid.
     """
-    if name not in FILES:
-        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
+    SOURCE.require_name(name, FILES)
     return read_log(_find(name, folder), columns=COLUMNS, scale={"command": FORCE_CONSTANT})
 
 
 def pulses(folder: str | os.PathLike[str] | None = None) -> FloatArray:
-    """Read the pulses added to the controller's command in DATA_EMPS_PULSES.
+    """Read the pulses in the command of DATA_EMPS_PULSES, N, one for each row.
 
     Args:
         folder: see `files`.
-
-    Returns:
-        N, (n,), one for each row of the log; its command contains them.
 
     Raises:
         InputError: the file is missing or has no pulses.
@@ -95,32 +84,20 @@ def pulses(folder: str | os.PathLike[str] | None = None) -> FloatArray:
 
 
 def controller() -> CascadeParameters:
-    """Return the published controller, u = kv (kp (reference - position) - velocity), limited to 10 V.
+    """Return the published controller, u = kv (kp (reference - position) - velocity), for a command in newtons.
 
-    A fit to the logs gives an inner gain 4 % larger.
-
-    Returns:
-        Its parameters for a command in newtons: kp 1/s, kv N s/m, limit N.
+    Its limit is 10 V. A fit to the logs gives an inner gain 4 % larger.
     """
-    return CascadeParameters(
-        sample_rate=1000.0, kp=160.18, kv=243.45 * FORCE_CONSTANT, command_limit=10.0 * FORCE_CONSTANT
-    )
+    kp, kv, limit = 160.18, 243.45 * FORCE_CONSTANT, 10.0 * FORCE_CONSTANT  # 1/s, N s/m, N
+    return CascadeParameters(sample_rate=1000.0, kp=kp, kv=kv, command_limit=limit)
 
 
 def published() -> Model:
-    """Return the published model.
-
-    Returns:
-        Mass, viscous and Coulomb friction by the sign of the velocity, a constant force, and the published cascade.
-    """
+    """Return the published model: mass, viscous and exact Coulomb friction, a constant force, the cascade."""
+    mass, viscous, coulomb, force = PUBLISHED.values()
     return Model(
-        axis=AxisParameters(
-            mass=PUBLISHED["axis.mass"],
-            viscous=PUBLISHED["axis.viscous"],
-            coulomb=PUBLISHED["axis.coulomb"],
-            coulomb_width=0.0,
-        ),
-        effects=(effects.ConstantForce(force=PUBLISHED["effects.constant_force.force"]),),
+        axis=AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=0.0),
+        effects=(effects.ConstantForce(force=force),),
         controller=controller(),
         controller_type="cascade",
         units=Units(command="N"),

@@ -19,7 +19,6 @@ from cogging.arrays import FloatArray
 from cogging.datasets.source import Source
 from cogging.logs.columns import read_columns
 from cogging.logs.log import Log
-from cogging.shown import nearest
 
 SOURCE = Source(
     "laas",
@@ -35,28 +34,17 @@ TURN = 2 * np.pi  # rad, the pitch of the motor's map
 SPEED_LOOP = MappingProxyType({"gain": 0.09, "reference": TURN, "delay": 2e-3})
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class RotaryLog:
-    """Rows of a log of a motor.
+    """Rows of a log of a motor; arrays of shape (n,)."""
 
-    Attributes:
-        time: s, (n,).
-        position: rad, (n,).
-        velocity: rad/s, as the drive reports it, (n,).
-        current: A, (n,).
-    """
-
-    time: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    current: FloatArray
+    time: FloatArray  # s
+    position: FloatArray  # rad
+    velocity: FloatArray  # rad/s, as the drive reports it
+    current: FloatArray  # A
 
     def __len__(self) -> int:
         return len(self.time)
-
-    def __repr__(self) -> str:
-        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "no time"
-        return f"RotaryLog({len(self)} rows, {span}: position rad, velocity rad/s, current A)"
 
     def between(self, start: float, stop: float) -> RotaryLog:
         """Return the rows with start <= time < stop (s)."""
@@ -73,13 +61,10 @@ class RotaryLog:
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """Find the three files.
+    """Return the paths of the three files by their names without `.txt`.
 
     Args:
         folder: of the data (see cogging.datasets): side by side, or as in a clone of the repository.
-
-    Returns:
-        Their paths by their names without `.txt`.
 
     Raises:
         InputError: a file is missing; names source and licence.
@@ -91,19 +76,15 @@ def read(name: str, folder: str | os.PathLike[str] | None = None, *, compensated
     """Read one of the three logs.
 
     Args:
-        name: of FILES.
+        name: one of FILES.
         folder: see `files`.
         compensated: of `speed_test1`, the rows with the authors' compensation instead of those without.
 
-    Returns:
-        Time s, position rad, velocity rad/s and current A of those rows.
-
     Raises:
-        ValueError: `name` is not of FILES, or was never compensated.
+        ValueError: an unknown name, or one that was never compensated.
         InputError: the file is missing or invalid.
     """
-    if name not in FILES:
-        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
+    SOURCE.require_name(name, FILES)
     names = {"time": "Time", "position": "Position", "velocity": "Velocity", "current": "Iq"}
     if name == "speed_test1":
         names["compensation"] = "Function Activated"

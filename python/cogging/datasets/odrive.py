@@ -20,7 +20,7 @@ from cogging.arrays import FloatArray
 from cogging.datasets.source import Source
 from cogging.files import InputError
 from cogging.logs.log import Log
-from cogging.shown import nearest, one_line
+from cogging.shown import one_line
 
 SOURCE = Source(
     "odrive",
@@ -51,25 +51,17 @@ REWIND_REST = 0.3  # s, settling time after the return
 
 
 class Scan(NamedTuple):
-    """Holding current at rest.
+    """Holding current at rest."""
 
-    Attributes:
-        position: rad, (n,).
-        current: A, (n,).
-    """
-
-    position: FloatArray
-    current: FloatArray
+    position: FloatArray  # rad, (n,)
+    current: FloatArray  # A, (n,)
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """Find the slow runs and the scans.
+    """Return the paths of the slow runs and the scans by the names of FILES and SCANS.
 
     Args:
         folder: of the data (see cogging.datasets): side by side, or as in a clone of the repository.
-
-    Returns:
-        Their paths by the names of FILES and SCANS.
 
     Raises:
         InputError: a file is missing; names source and licence.
@@ -80,27 +72,23 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
 def read(
     name: str, folder: str | os.PathLike[str] | None = None, *, smoothed: bool = False, rewind: bool = False
 ) -> Log:
-    """Read one of the slow runs.
+    """Read one of the slow runs: time s, position rad, command A.
 
     The reported current i lags the actual current u: T di/dt = u - i with T = SMOOTHING. Between two rows dt apart
     u = (i_1 - e i_0) / (1 - e), e = exp(-dt / T), assigned to the first of them; the last row is omitted.
 
     Args:
-        name: of FILES.
+        name: one of FILES.
         folder: see `files`.
         smoothed: the current as recorded, delayed by SMOOTHING; fast harmonics of the cogging appear smaller, that of
             28 per turn by a fifth to two thirds.
         rewind: include the return to the start in `slow2_nocomp_1`, `slow2_nocomp_2` and `slow2_slower_comp_0`.
 
-    Returns:
-        Time s, position rad and command A.
-
     Raises:
-        ValueError: `name` is not of FILES.
+        ValueError: an unknown name.
         InputError: the file is missing or invalid.
     """
-    if name not in FILES:
-        raise ValueError(f"name: must be one of {', '.join(FILES)}, got {name!r}{nearest(name, FILES)}")
+    SOURCE.require_name(name, FILES)
     path = _find(name, folder)
     table = _array(path)
     if table.ndim != 2 or table.shape[0] != 3 or table.shape[1] < 3:
@@ -112,26 +100,24 @@ def read(
     if not smoothed:
         kept = np.exp(-np.diff(time) / SMOOTHING)
         time, position, current = time[:-1], position[:-1], (current[1:] - kept * current[:-1]) / (1.0 - kept)
-    start = 0 if rewind else _after_rewind(time, position)
+    start, fast = 0, np.flatnonzero(np.abs(np.diff(position)) / np.diff(time) > REWIND_SPEED)
+    if len(fast) and not rewind:
+        start = int(np.searchsorted(time, time[fast[-1]] + REWIND_REST))
     return Log(time=time[start:], position=position[start:], command=current[start:])
 
 
 def scan(name: str, folder: str | os.PathLike[str] | None = None) -> Scan:
-    """Read the holding current by position.
+    """Read the holding current at every 16th count of a turn.
 
     Args:
-        name: of SCANS.
+        name: one of SCANS.
         folder: see `files`.
 
-    Returns:
-        Position and current at every 16th count of a turn.
-
     Raises:
-        ValueError: `name` is not of SCANS.
+        ValueError: an unknown name.
         InputError: the file is missing or invalid.
     """
-    if name not in SCANS:
-        raise ValueError(f"name: must be one of {', '.join(SCANS)}, got {name!r}{nearest(name, SCANS)}")
+    SOURCE.require_name(name, SCANS)
     path = _find(name, folder)
     held = _array(path)
     if held.shape != (COUNTS,):
@@ -161,10 +147,3 @@ def _array(path: Path) -> FloatArray:
     if not np.isfinite(values).all():
         raise InputError(f"{path}: must hold finite numbers, holds others")
     return values
-
-
-def _after_rewind(time: FloatArray, position: FloatArray) -> int:
-    """Return the first row at rest after a return; 0 if there is none."""
-    speed = np.abs(np.diff(position)) / np.diff(time)
-    fast = np.flatnonzero(speed > REWIND_SPEED)
-    return int(np.searchsorted(time, time[fast[-1]] + REWIND_REST)) if len(fast) else 0

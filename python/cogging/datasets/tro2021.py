@@ -30,39 +30,25 @@ SETTLING = 20  # rows at the start of a constant-speed run that its mean omits
 
 
 class Run(NamedTuple):
-    """A run of the drive.
+    """A run of the drive."""
 
-    Attributes:
-        time: s, (n,).
-        speed: rpm, averaged by the drive, (n,).
-        torque: % of the nominal torque, averaged by the drive, (n,).
-    """
-
-    time: FloatArray
-    speed: FloatArray
-    torque: FloatArray
+    time: FloatArray  # s, (n,)
+    speed: FloatArray  # rpm, averaged by the drive, (n,)
+    torque: FloatArray  # % of the nominal torque, averaged by the drive, (n,)
 
 
 class SteadySpeeds(NamedTuple):
-    """Means of constant-speed runs.
+    """Means of constant-speed runs, in the order of the files' names."""
 
-    Attributes:
-        speed: rpm, (n,), 16 each way in the whole set.
-        torque: % of the nominal torque, (n,).
-    """
-
-    speed: FloatArray
-    torque: FloatArray
+    speed: FloatArray  # rpm, (n,), 16 each way in the whole set
+    torque: FloatArray  # % of the nominal torque, (n,)
 
 
 def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
-    """Find the runs.
+    """Return the paths of the runs: `steady_state/0.096kg/20`, `.../n20` the other way, `start_stop/200`.
 
     Args:
         folder: of the data (see cogging.datasets): a clone of the repository, or its `driveNo1`.
-
-    Returns:
-        Their paths by name: `steady_state/0.096kg/20`, `steady_state/0.096kg/n20` the other way, `start_stop/200`.
 
     Raises:
         InputError: no file was found; names source and licence.
@@ -75,13 +61,10 @@ def files(folder: str | os.PathLike[str] | None = None) -> dict[str, Path]:
 
 
 def read(path: str | os.PathLike[str]) -> Run:
-    """Read one run.
+    """Read one run, without rows that have no values.
 
     Args:
         path: of a file, as `files` gives it.
-
-    Returns:
-        Its rows, without those that have no values.
 
     Raises:
         InputError: the file is invalid; names the row.
@@ -112,9 +95,6 @@ def steady_speeds(folder: str | os.PathLike[str] | None = None) -> SteadySpeeds:
 
     Args:
         folder: see `files`.
-
-    Returns:
-        Speed rpm and torque %, in the order of the files' names.
 
     Raises:
         InputError: no run was found, or one is invalid or too short.

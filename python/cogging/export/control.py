@@ -52,12 +52,12 @@ class LoopMargins(ByValue):
     """
 
     stable: bool
-    gain: float
-    gain_down: float
-    phase: float
-    delay: float
-    modulus: float
-    crossover: float
+    gain: float = 0.0
+    gain_down: float = 0.0
+    phase: float = 0.0
+    delay: float = 0.0
+    modulus: float = 0.0
+    crossover: float = 0.0
 
     def _brief(self) -> str:
         return self.text().replace("\n", "; ")
@@ -113,8 +113,8 @@ class ControlLoop(ByValue):
         if self.loop is None:
             raise ValueError("controller: must be given for margins, got a model without [controller]")
         stable = bool(np.abs(self.sensitivity.poles()).max(initial=0.0) < UNIT_CIRCLE)
-        poles = np.linalg.eigvals(self.sampled.transition)
-        return margins_of(self.response, 1.0 / self.plant.dt, LOWEST, poles, stable=stable)
+        poles = np.linalg.eigvals(self.sampled.transition).astype(complex)
+        return _margins_of(self.response, 1.0 / self.plant.dt, poles) if stable else LoopMargins(False)
 
     def response(self, frequency: FloatArray) -> ComplexArray:
         """Return L(e^(i 2 pi f Ts)), or P for a model without a controller.
@@ -146,10 +146,10 @@ def to_control(
     except ImportError as error:
         need = "python-control is needed but not installed: pip install 'cogging[control]'"
         raise ImportError(need) from error
+    own_rate = None if model.controller is None else float(model.controller.sample_rate)
+    sample_rate = own_rate if sample_rate is None else sample_rate
     if sample_rate is None:
-        if model.controller is None:
-            raise ValueError("sample_rate: must be given for a model without [controller], got nothing")
-        sample_rate = float(model.controller.sample_rate)
+        raise ValueError("sample_rate: must be given for a model without [controller], got nothing")
     if not (math.isfinite(sample_rate) and sample_rate > 0.0):
         raise ValueError(f"sample_rate: must be finite and above 0, got {quoted(sample_rate)}")
     if not 0 <= pade <= 20:
@@ -166,28 +166,20 @@ def to_control(
     continuous = control.ss(linear.a, linear.b, linear.c, 0.0)
     if linear.delay > 0.0 and pade > 0:
         continuous = continuous * control.tf2ss(*control.pade(linear.delay, pade))
-    found = _polynomials(model, speed, sample_rate)
-    if found is None:
+    if own_rate is None:
         return ControlLoop(plant, continuous, None, None, None, None, linear.left_out, sampled, None)
-    controller = control.tf(*found, time)
-    loop, one = plant * control.tf2ss(controller), control.ss([], [], [], [[1.0]], time)
-    sensitivity, complementary = control.feedback(one, loop), control.feedback(loop, one)
-    return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, linear.left_out, sampled, found)
-
-
-def _polynomials(model: Model, speed: float | None, sample_rate: float) -> Polynomials | None:
-    """Return numerator and denominator of C(z), or None for a model without a controller."""
-    if model.controller is None:
-        return None
     found = linear_controller(model, speed=speed)
     if found is None:
         kind = str(model.controller_type)
         why = NOT_LINEAR.get(kind, "it is not linear in the error")
         raise ValueError(f"controller: must be linear in the error, got {kind}: {why}")
-    if sample_rate != model.controller.sample_rate:
-        own = f"{model.controller.sample_rate:g}"
-        raise ValueError(f"sample_rate: must be that of the controller, {own}, got {quoted(sample_rate)}")
-    return found
+    if sample_rate != own_rate:
+        rule = f"must be that of the controller, {own_rate:g}"
+        raise ValueError(f"sample_rate: {rule}, got {quoted(sample_rate)}")
+    controller = control.tf(*found, time)
+    loop, one = plant * control.tf2ss(controller), control.ss([], [], [], [[1.0]], time)
+    sensitivity, complementary = control.feedback(one, loop), control.feedback(loop, one)
+    return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, linear.left_out, sampled, found)
 
 
 def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -208,21 +200,15 @@ def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, F
     return a, b, c, np.zeros((1, 1))
 
 
-def margins_of(
-    response: Callable[[FloatArray], Any], sample_rate: float, lowest: float, poles: npt.ArrayLike, *, stable: bool
-) -> LoopMargins:
-    """Return the margins of a loop.
-
-    Args:
-        response: L at frequencies in Hz.
-        sample_rate: Hz.
-        lowest: frequency over the sample rate.
-        poles: of the loop, in z; the response is refined around lightly damped ones.
-        stable: whether the closed loop is stable.
-    """
-    if not stable:
-        return LoopMargins(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    frequency = _frequencies(sample_rate, lowest, np.asarray(poles, dtype=complex))
+def _margins_of(response: Callable[[FloatArray], Any], sample_rate: float, poles: ComplexArray) -> LoopMargins:
+    """Return the margins of a stable loop with a response L (Hz), finer around its lightly damped poles in z."""
+    parts = [np.geomspace(LOWEST, 0.5, POINTS)]
+    for pole in poles[(poles.imag > 0.0) & (np.abs(poles) > 0.0)]:
+        place, width = np.angle(pole) / (2.0 * np.pi), max(-math.log(abs(pole)) / (2.0 * np.pi), 1e-9)
+        near = width * np.geomspace(1e-2, 1e2, AROUND)
+        parts.append(np.concatenate([[place], place + near, place - near]))
+    found = np.unique(np.concatenate(parts))
+    frequency = sample_rate * found[(found >= LOWEST) & (found <= 0.5)]
     loop = np.asarray(response(frequency))
     unity = _crossings(lambda f: np.log(np.abs(response(f))), frequency, np.log(np.abs(loop)))
     lag = np.angle(-np.asarray(response(unity))) % (2.0 * np.pi) if unity.size else np.empty(0)
@@ -231,27 +217,15 @@ def margins_of(
     factors = -1.0 / np.real(np.asarray(response(real))) if real.size else np.empty(0)
     nyquist = float(np.real(response(np.array([0.5 * sample_rate]))[0]))
     factors = np.append(factors, -1.0 / nyquist if nyquist != 0.0 else -1.0)
-    modulus = float(np.abs(1.0 + loop).min())
     return LoopMargins(
-        True,
-        float(factors[factors > 1.0].min(initial=math.inf)),
-        float(factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)),
-        float(np.degrees(lead.min(initial=np.pi))),
-        float((lag / (2.0 * np.pi * unity)).min(initial=math.inf)) if unity.size else math.inf,
-        modulus,
-        float(unity.max(initial=0.0)),
+        stable=True,
+        gain=float(factors[factors > 1.0].min(initial=math.inf)),
+        gain_down=float(factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)),
+        phase=float(np.degrees(lead.min(initial=np.pi))),
+        delay=float((lag / (2.0 * np.pi * unity)).min(initial=math.inf)) if unity.size else math.inf,
+        modulus=float(np.abs(1.0 + loop).min()),
+        crossover=float(unity.max(initial=0.0)),
     )
-
-
-def _frequencies(sample_rate: float, lowest: float, poles: npt.NDArray[np.complex128]) -> FloatArray:
-    """Return frequencies on a logarithmic grid up to half the sample rate, denser around resonances."""
-    parts = [np.geomspace(lowest, 0.5, POINTS)]
-    for pole in poles[(poles.imag > 0.0) & (np.abs(poles) > 0.0)]:
-        place, width = np.angle(pole) / (2.0 * np.pi), max(-math.log(abs(pole)) / (2.0 * np.pi), 1e-9)
-        near = width * np.geomspace(1e-2, 1e2, AROUND)
-        parts.append(np.concatenate([[place], place + near, place - near]))
-    found = np.unique(np.concatenate(parts))
-    return np.asarray(sample_rate * found[(found >= lowest) & (found <= 0.5)], dtype=np.float64)
 
 
 def _crossings(value: Callable[[FloatArray], Any], frequency: FloatArray, at: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from cogging.shown import quoted
 
 CoggingEffect = effects.CoggingHarmonic | effects.CoggingModulation
 CLOSES = 0.01  # of a period: tolerance of a whole number of periods in a turn, 4 degrees of phase
-MANY_SPANS = 20  # spans that are compared if neither travel nor turn limits the motion
+MANY_SPANS = 20  # compared spans if neither travel nor turn limits the motion
 POSITIONS = 100_000  # at which table and map are compared
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # step of a low-discrepancy sequence
 BETWEEN = ("linear", "hold")
@@ -30,31 +30,19 @@ class Frame:
 
     The drive adds c(p) = direction sign scale F_cogging(x), x = zero + direction p, to its command. A drive that counts
     the other way also pushes the other way, hence the direction in c.
-
-    Attributes:
-        cogging: F_cogging(x), in the command unit of the model; None if all is in `waves`.
-        waves: effects of the model that are cogging too: periods or varying amplitudes added by a diagnosis.
-        left_out: names of position-dependent effects that are not cogging.
-        direction: 1, or -1 if the drive counts down as x increases.
-        sign: 1, or -1 if the drive subtracts its table, or the map has the sign of the motor's force.
-        scale: units of the drive per command unit of the model.
-        zero: x at the drive's position 0.
-        low, high: ends of the motion, x; infinite if unknown.
-        turn: x of one mechanical revolution; 0 = a linear axis.
-        scale_said: whether a number or the model's units state the scale.
     """
 
-    cogging: CoggingModel | None
-    waves: tuple[CoggingEffect, ...]
-    left_out: tuple[str, ...]
-    direction: int
-    sign: int
-    scale: float
-    zero: float
-    low: float
+    cogging: CoggingModel | None  # F_cogging(x), in the command unit of the model; None if all is in `waves`
+    waves: tuple[CoggingEffect, ...]  # cogging among the effects: periods or amplitudes added by a diagnosis
+    left_out: tuple[str, ...]  # names of position-dependent effects that are not cogging
+    direction: int  # 1, or -1 if the drive counts down as x increases
+    sign: int  # 1, or -1 if the drive subtracts its table, or the map has the sign of the motor's force
+    scale: float  # units of the drive per command unit of the model
+    zero: float  # x at the drive's position 0
+    low: float  # lower end of the motion, x; infinite if unknown
     high: float
-    turn: float
-    scale_said: bool
+    turn: float  # x of one mechanical revolution; 0 = a linear axis
+    scale_said: bool  # whether a number or the model's units state the scale
 
     @property
     def bounded(self) -> bool:
@@ -78,14 +66,19 @@ class Frame:
         known = self.cogging is not None and self.cogging.basis.spline.control_points > 1
         return known or any(isinstance(one, effects.CoggingModulation) for one in self.waves)
 
-    def force(self, position: FloatArray) -> FloatArray:
-        """Return F_cogging at x with those effects, in the command unit of the model."""
+    @property
+    def gain(self) -> float:
+        """Units of the drive per command unit of the model, with both signs."""
+        return self.direction * self.sign * self.scale
+
+    def wanted(self, position: FloatArray) -> FloatArray:
+        """Return the ideal compensation at x, in the drive's unit."""
         total = np.zeros(position.shape)
         if self.cogging is not None:
             total += self.cogging.force(position)
         for one in self.waves:
             total -= laws_of(one).force_at(position=position)
-        return total
+        return self.gain * total
 
     def place(self, position: FloatArray) -> FloatArray:
         """Return the drive's position p at x."""
@@ -95,14 +88,22 @@ class Frame:
         """Return x at the drive's position p."""
         return self.zero + self.direction * place
 
-    def wanted(self, position: FloatArray) -> FloatArray:
-        """Return the ideal compensation at x, in the drive's unit."""
-        return self.gain * self.force(position)
+    def ends(self, span: float) -> tuple[float, float]:
+        """Return the compared motion, x: one turn, the travel, or MANY_SPANS of the table."""
+        if self.turn > 0.0:
+            return self.zero, self.zero + self.turn
+        return (self.low, self.high) if self.bounded else (self.zero, self.zero + MANY_SPANS * span)
 
-    @property
-    def gain(self) -> float:
-        """Units of the drive per command unit of the model, with both signs."""
-        return self.direction * self.sign * self.scale
+    def compared(self, span: float) -> FloatArray:
+        """Return positions x of that motion, uniform within each entry, (n,)."""
+        low, high = self.ends(span)
+        share = np.mod(GOLDEN * np.arange(1, POSITIONS + 1), 1.0)
+        return np.asarray(low + (high - low) * share, dtype=np.float64)
+
+    def misfits(self, span: float) -> list[float]:
+        """Return the periods of the map that do not divide the span of a table."""
+        times = span / self.periods
+        return [float(p) for p, n in zip(self.periods, times, strict=True) if abs(n - round(n)) > 1e-6 * n or n < 0.5]
 
 
 def frame_of(
@@ -125,6 +126,9 @@ def frame_of(
         zero: x at the drive's position 0.
         reverse: whether the drive counts and pushes the other way.
         turn: x of one revolution; None: 2 pi if the model's position is in rad, else a linear axis.
+
+    Raises:
+        ValueError: no map, a map that is zero or does not close over a turn, another unit, or an option out of range.
     """
     known = [one.resolved(model.axis, model.cogging) for one in model.effects]
     waves = tuple(one for one in known if isinstance(one, CoggingEffect))
@@ -141,54 +145,25 @@ def frame_of(
         turn = 2.0 * math.pi if model.units.position == "rad" else 0.0
     if turn < 0.0 or not math.isfinite(turn):
         raise ValueError(f"turn: must be finite and at least 0, got {quoted(turn)}")
-    low, high = model.axis.travel
-    said = scale is not None or model.units.command == unit
-    factor = _scale(model, unit, scale)
+    stated = model.units.command
+    if scale is None and stated not in ("V", unit):  # V stands for whatever the amplifier takes
+        rule = f"must be given, {unit} per {stated}: the drive takes {unit}"
+        raise ValueError(f"scale: {rule}, got a model in {stated}")
+    factor = 1.0 if scale is None else scale
+    if not (math.isfinite(factor) and factor > 0.0):
+        raise ValueError(f"scale: must be finite and above 0 (see sign), got {quoted(factor)}")
     others = (*OF_SPEED, CoggingEffect, effects.DisturbanceStep, effects.DisturbanceTone)
     by_position = [one for one in known if not isinstance(one, others) and {"force", "command_gain"} & set(one.HOOKS)]
     left_out = tuple(one.NAME for one in by_position)
-    frame = Frame(model.cogging, waves, left_out, -1 if reverse else 1, sign, factor, zero, low, high, turn, said)
-    require_closed(frame)
-    return frame
-
-
-def _scale(model: Model, unit: str, scale: float | None) -> float:
-    stated = model.units.command
-    if scale is None:
-        if stated not in ("V", unit):  # V stands for whatever the amplifier takes
-            rule = f"must be given, {unit} per {stated}: the drive takes {unit}"
-            raise ValueError(f"scale: {rule}, got a model in {stated}")
-        return 1.0
-    if not (math.isfinite(scale) and scale > 0.0):
-        raise ValueError(f"scale: must be finite and above 0 (see sign), got {quoted(scale)}")
-    return scale
-
-
-def require_closed(frame: Frame) -> None:
-    """Raise ValueError if a period does not divide the turn of a rotary axis."""
-    if frame.turn == 0.0:
-        return
-    for period in frame.periods:
-        times = frame.turn / period
+    direction, is_stated = -1 if reverse else 1, scale is not None or stated == unit
+    low, high = model.axis.travel
+    frame = Frame(model.cogging, waves, left_out, direction, sign, factor, zero, low, high, turn, is_stated)
+    for period in frame.periods if turn else ():
+        times = turn / period
         if times < 0.5 or abs(times - round(times)) > CLOSES:
             rule = f"must be a whole number of times each period of the map, here {period:.6g}"
-            raise ValueError(f"turn: {rule}, got {frame.turn:.6g}: {times:.4g} times")
-
-
-def ends(frame: Frame, span: float) -> tuple[float, float]:
-    """Return the motion over which table and map are compared, x: one turn, the travel, or MANY_SPANS of the table."""
-    if frame.turn > 0.0:
-        return frame.zero, frame.zero + frame.turn
-    if frame.bounded:
-        return frame.low, frame.high
-    return frame.zero, frame.zero + MANY_SPANS * span
-
-
-def looked_at(frame: Frame, span: float) -> FloatArray:
-    """Return positions x of that motion, uniform within each entry, (n,)."""
-    low, high = ends(frame, span)
-    share = np.mod(GOLDEN * np.arange(1, POSITIONS + 1), 1.0)
-    return np.asarray(low + (high - low) * share, dtype=np.float64)
+            raise ValueError(f"turn: {rule}, got {turn:.6g}: {times:.4g} times")
+    return frame
 
 
 @dataclass(frozen=True)
@@ -236,8 +211,8 @@ class Rest:
 
     cogging: float  # of F_cogging itself
     left: float  # F_cogging minus the compensation
-    span: float  # the part that differs between spans of the table, which no entry can remove
-    entries: float  # the rest, due to interpolation and quantisation of entries
+    span: float = 0.0  # the part that differs between spans of the table, which no entry can remove
+    entries: float = 0.0  # the rest, due to interpolation and quantisation of entries
 
     @property
     def removed(self) -> float:
@@ -275,14 +250,20 @@ def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int 
         values = quantum * np.round(values / quantum)
     if not np.isfinite(values).all():
         raise ValueError(f"scale: must keep entries within 32-bit numbers, got {frame.scale:g} for this map")
-    return Table(frame, law, values, quantum, rest_of(frame, law, values))
+    x, gain = frame.compared(law.span), abs(frame.gain)
+    place, wanted = frame.place(x), frame.wanted(x)
+    left = wanted - law.read(values, place)
+    first = law.start + np.mod(place - law.start, law.span) if law.wraps else place
+    best = folded(frame, law, first) if _repeats(frame, law) else wanted
+    parts = (wanted, left, wanted - best, left - (wanted - best))
+    return Table(frame, law, values, quantum, Rest(*(float(np.sqrt(np.mean(part**2))) / gain for part in parts)))
 
 
 def folded(frame: Frame, law: Law, places: FloatArray) -> FloatArray:
     """Return the ideal compensation at positions p, the mean over all spans of the motion, (n,)."""
     if not _repeats(frame, law):
         return frame.wanted(frame.axis_position(places))
-    low, high = np.sort(frame.place(np.array(ends(frame, law.span))))
+    low, high = np.sort(frame.place(np.array(frame.ends(law.span))))
     first, last = np.floor((low - law.start) / law.span), np.ceil((high - law.start) / law.span)
     total, met = np.zeros(places.shape), np.zeros(places.shape)
     for turn in np.unique(np.round(np.linspace(first, last, int(min(last - first + 1.0, MOST_SPANS))))):
@@ -301,26 +282,4 @@ def _repeats(frame: Frame, law: Law) -> bool:
         return False
     if frame.turn > 0.0:
         return law.span < 0.999 * frame.turn
-    return frame.bounded or frame.modulated or bool(misfits(frame, law.span))
-
-
-def misfits(frame: Frame, span: float) -> list[float]:
-    """Return the periods of the map that do not divide the span of a table."""
-    times = span / frame.periods
-    return [float(p) for p, n in zip(frame.periods, times, strict=True) if abs(n - round(n)) > 1e-6 * n or n < 0.5]
-
-
-def rest_of(frame: Frame, law: Law, values: FloatArray) -> Rest:
-    """Return what the drive leaves of the map when it reads the table by its law."""
-    x = looked_at(frame, law.span)
-    place = frame.place(x)
-    wanted = frame.wanted(x)
-    left = wanted - law.read(values, place)
-    first = law.start + np.mod(place - law.start, law.span) if law.wraps else place
-    best = folded(frame, law, first) if _repeats(frame, law) else wanted
-    gain = abs(frame.gain)
-    return Rest(_rms(wanted) / gain, _rms(left) / gain, _rms(wanted - best) / gain, _rms(left - (wanted - best)) / gain)
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return frame.bounded or frame.modulated or bool(frame.misfits(law.span))

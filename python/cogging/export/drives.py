@@ -9,17 +9,14 @@ from __future__ import annotations
 import importlib.resources
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cogging.arrays import FloatArray
-from cogging.export.drive_table import NEGLIGIBLE, Frame, Law, Rest, Table, frame_of, looked_at, misfits, table_of
+from cogging.export.drive_table import NEGLIGIBLE, Frame, Law, Rest, Table, frame_of, table_of
 from cogging.export.forms import Exported
 from cogging.files import parse_toml
 from cogging.model.model import Model
-from cogging.model.units import Units
 from cogging.shown import quoted
 
 MOST_ENTRIES = 1 << 20
@@ -53,8 +50,7 @@ def csv(
     _require_word("over", over, ("travel", "turn", "period"))
     _require_entries(entries)
     if over == "travel":
-        low, high = _travel_of(frame)
-        law = Law(entries, low, high - low, False, between)
+        law = _over_travel(frame, entries, between)
     else:
         span = _turn_of(frame, "this range") if over == "turn" else frame.pitch or float(frame.periods.max())
         law = Law(entries, 0.0, span, True, between)
@@ -71,12 +67,10 @@ def akd(model: Model, *, entries: int = 8192, between: str = "linear", quantum: 
     if frame.turn > 0.0:
         law = Law(entries, 0.0, frame.turn, True, between)
     else:
-        low, high = _travel_of(frame)
-        law = Law(entries, low, high - low, False, between)
-        ends = " and ".join(
-            f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in (("LOW", low), ("HIGH", high))
-        )
-        notes.append(f"set {ends}, in the drive's own unit")
+        law = _over_travel(frame, entries, between)
+        ends = {"LOW": law.start, "HIGH": _travel_of(frame)[1]}
+        words = [f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in ends.items()]
+        notes.append(f"set {' and '.join(words)}, in the drive's own unit")
     table = table_of(frame, law, quantum=_require_positive("quantum", quantum))
     return _exported(model, "akd", table, "A", [f"{value:.9g}" for value in table.values.tolist()], notes)
 
@@ -150,6 +144,19 @@ def moteus(model: Model, **view: Any) -> Exported:
     return _exported(model, "moteus", table, "A", lines)
 
 
+COEFFICIENTS, MOST_A_TURN = 10, 200  # of an AX8000
+POINTS = 1 << 14  # at which a turn of the map is analysed
+SMALLEST = 1e-6  # of the largest wave: smaller ones are numerical
+
+
+class Wave(NamedTuple):
+    """One coefficient of an AX8000: r cos(n angle + phi), or sin."""
+
+    times: int  # n, a turn
+    phase: float  # phi, degrees, 0 to 360
+    size: float  # r, Nm
+
+
 def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: Any) -> Exported:
     """Make the objects of a Beckhoff AX8000: up to ten waves a turn, with "cosine" or "sine" phase, channel A or B."""
     _require_word("wave", wave, ("cosine", "sine"))
@@ -163,69 +170,43 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
     for number, one in enumerate(kept):  # from subindex 7 on: n, phi and r of each
         values = (("UINT32", str(one.times)), ("REAL32", _single(one.phase)), ("REAL32", _single(one.size)))
         lines += [f"{index}:{7 + 3 * number + k:02X},{kind},{value}" for k, (kind, value) in enumerate(values)]
-    return _written("ax8000", lines, _summary_of_waves(model, frame, found, wave), [])
-
-
-# The waves of an AX8000 -----------------------------------------------------------------------------------------------
-
-COEFFICIENTS, MOST_A_TURN = 10, 200
-POINTS = 1 << 14  # at which a turn of the map is analysed
-SMALLEST = 1e-6  # of the largest wave: smaller ones are numerical
-
-
-@dataclass(frozen=True)
-class Wave:
-    """One coefficient: r cos(n angle + phi), or sin."""
-
-    times: int  # n, a turn
-    phase: float  # phi, degrees, 0 to 360
-    size: float  # r, Nm
+    return _written(model, "ax8000", frame, "Nm", lines, *_summary_of_waves(model, frame, found, wave))
 
 
 def _waves_of(frame: Frame, wave: str) -> list[Wave]:
     """Return the waves of the map a turn, largest first, as the drive keeps them."""
-    angle = np.arange(POINTS) / POINTS
-    wanted = frame.wanted(frame.axis_position(frame.turn * angle))
+    wanted = frame.wanted(frame.axis_position(frame.turn * (np.arange(POINTS) / POINTS)))
     lines = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
-    sizes = np.abs(lines)
+    sizes, phases = np.abs(lines), np.degrees(np.angle(lines)) + (90.0 if wave == "sine" else 0.0)
     order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
-    phases = np.degrees(np.angle(lines)) + (90.0 if wave == "sine" else 0.0)
-    single = [(float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
-    return [Wave(n, phase, size) for n, (phase, size) in zip(order, single, strict=True)]
+    return [Wave(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
 
 
-def _torque_of(waves: list[Wave], wave: str, angle: FloatArray) -> FloatArray:
-    """Return what the drive adds, Nm, at angles in turns."""
-    shape = np.sin if wave == "sine" else np.cos
-    parts = [one.size * shape(2.0 * np.pi * one.times * angle + np.radians(one.phase)) for one in waves]
-    return np.sum(parts, axis=0) if parts else np.zeros(angle.shape)
-
-
-def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) -> str:
-    x, unit, gain = looked_at(frame, frame.turn), model.units.command, abs(frame.gain)
-    wanted, kept, more = frame.wanted(x), found[:COEFFICIENTS], found[COEFFICIENTS:]
-    left = wanted - _torque_of(kept, wave, frame.place(x) / frame.turn)
-    rest = Rest(float(np.sqrt(np.mean(wanted**2))) / gain, float(np.sqrt(np.mean(left**2))) / gain, 0.0, 0.0)
-    waves = ", ".join(f"{one.times}" for one in kept) or "none"
-    lines = [
-        f"{SHEETS['ax8000']['drive']}: {len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {waves}; "
-        f"{_frame_line(frame, model.units, 'Nm')}",
-        _removed_line(rest, unit),
-    ]
+def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) -> tuple[str, Rest, list[str]]:
+    """Return the first line of the summary, what the drive leaves, and what it cannot hold."""
+    x, unit, gain = frame.compared(frame.turn), model.units.command, abs(frame.gain)
+    kept, more = found[:COEFFICIENTS], found[COEFFICIENTS:]
+    shape, angle = np.sin if wave == "sine" else np.cos, frame.place(x) / frame.turn
+    parts = [one.size * shape(2.0 * np.pi * one.times * angle + np.radians(one.phase)) for one in kept]
+    wanted = frame.wanted(x)
+    left = wanted - (np.sum(parts, axis=0) if parts else 0.0)
+    rest = Rest(float(np.sqrt(np.mean(wanted**2))) / gain, float(np.sqrt(np.mean(left**2))) / gain)
+    cannot = []
     if more:
         power = float(np.sqrt(0.5 * sum(one.size**2 for one in more))) / gain
         listed = _listed([str(one.times) for one in more])
-        lines.append(f"cannot hold {power:.3g} {unit} rms: more than {COEFFICIENTS} waves: {listed}")
+        cannot.append(f"cannot hold {power:.3g} {unit} rms: more than {COEFFICIENTS} waves: {listed}")
     beyond = [f"{frame.turn / period:.0f}" for period in frame.periods if round(frame.turn / period) > MOST_A_TURN]
     if beyond:
-        lines.append(f"cannot hold waves of more than {MOST_A_TURN} a turn: {', '.join(beyond[:SHOWN])}")
+        cannot.append(f"cannot hold waves of more than {MOST_A_TURN} a turn: {', '.join(beyond[:SHOWN])}")
     mean = float(wanted.mean()) / gain
     if abs(mean) > 1e-3 * rest.cogging:
-        lines.append(f"cannot hold the mean, {mean:.3g} {unit}")
-    return "\n".join([*lines, *_assumptions(frame, model.units, "Nm", "ax8000")])
+        cannot.append(f"cannot hold the mean, {mean:.3g} {unit}")
+    waves = ", ".join(f"{one.times}" for one in kept) or "none"
+    return f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {waves}; ", rest, cannot
 
 
-# What all drives share ------------------------------------------------------------------------------------------------
+# The writer -----------------------------------------------------------------------------------------------------------
 
 
 def _exported(
@@ -239,48 +220,55 @@ def _exported(
     bits = f"{53 if table.quantum is None else 24}-bit numbers in {unit}"
     entry = f"steps of {table.quantum:.6g} {unit}" if table.quantum else bits
     size = max(abs(float(table.values.max())), abs(float(table.values.min())))
-    said = [
-        f"{SHEETS[name]['drive']}: {law.entries} entries, {entry}, largest {size:.6g} {unit}",
+    what = (
+        f"{law.entries} entries, {entry}, largest {size:.6g} {unit}\n"
         f"over {law.span:.6g} {units.position} of the drive's own position, from {law.start:.6g}, "
-        f"{'repeated' if law.wraps else 'nothing outside'}; {_frame_line(frame, units, unit)}",
-        _removed_line(rest, units.command),
-    ]
+        f"{'repeated' if law.wraps else 'nothing outside'}; "
+    )
+    cannot = []
     if rest.span > NEGLIGIBLE * rest.cogging and law.wraps:
         why = []
-        if found := misfits(frame, law.span):
+        if found := frame.misfits(law.span):
             periods = _listed([f"{period:.5g}" for period in found])
             why.append(f"periods that do not go into {law.span:.5g} {units.position}: {periods}")
         if frame.modulated:
             why.append("amplitudes that change along the travel")
-        said.append(f"cannot hold {rest.span:.3g} {units.command} rms: {'; '.join(why) or 'other spans differ'}")
+        cannot.append(f"cannot hold {rest.span:.3g} {units.command} rms: {'; '.join(why) or 'other spans differ'}")
     if rest.entries > NEGLIGIBLE * rest.cogging:
-        said.append(f"leaves {rest.entries:.3g} {units.command} rms between its entries and in their last digit")
-    return _written(name, lines, "\n".join([*said, *_assumptions(frame, units, unit, name)]), list(notes))
+        cannot.append(f"leaves {rest.entries:.3g} {units.command} rms between its entries and in their last digit")
+    return _written(model, name, frame, unit, lines, what, rest, cannot, notes)
 
 
-def _written(name: str, lines: Iterable[str], said: str, notes: list[str]) -> Exported:
-    beside = "\n".join([sheet_text(name), "", "This file:", *notes, said, ""])
-    return Exported(("\n".join(lines) + "\n").encode(), "\n".join([said, *notes]), {".txt": beside.encode()})
-
-
-def _removed_line(rest: Rest, unit: str) -> str:
-    share = f"{100.0 * rest.removed:.5g} % of the cogging's rms"
-    return f"removes {share}, {rest.cogging:.4g} {unit} to {rest.left:.3g} {unit}, if the drive reads it so"
-
-
-def _assumptions(frame: Frame, units: Units, unit: str, name: str) -> list[str]:
-    """Return the effects that are not in the map, and the assumptions on the drive and the model's unit."""
-    left = [f"not in it, as no cogging: {', '.join(frame.left_out)}"] if frame.left_out else []
-    own = [] if frame.scale_said else [f"1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)"]
-    return [*left, *(f"assumed: {one}" for one in (*own, *SHEETS[name]["assumed"]))]
-
-
-def _frame_line(frame: Frame, units: Units, unit: str) -> str:
-    """Return zero, direction, sign and scale."""
+def _written(
+    model: Model,
+    name: str,
+    frame: Frame,
+    unit: str,
+    lines: Iterable[str],
+    what: str,
+    rest: Rest,
+    cannot: Iterable[str],
+    notes: Iterable[str] = (),
+) -> Exported:
+    """Return a file from its lines with its summary: what it holds, what it leaves, what is assumed."""
+    units = model.units
     way = "counts as the model does" if frame.direction > 0 else "counts and pushes the other way"
     sign = "adds the entry to its command" if frame.sign > 0 else "takes the entry off its command"
-    scale = f", {frame.scale:.6g} {unit} per {units.command}" if frame.scale != 1.0 or unit != units.command else ""
-    return f"its zero at {frame.zero:.6g} {units.position}, it {way} and {sign}{scale}"
+    scaled = frame.scale != 1.0 or unit != units.command
+    scale = f", {frame.scale:.6g} {unit} per {units.command}" if scaled else ""
+    said = [
+        f"{SHEETS[name]['drive']}: {what}its zero at {frame.zero:.6g} {units.position}, it {way} and {sign}{scale}",
+        f"removes {100.0 * rest.removed:.5g} % of the cogging's rms, {rest.cogging:.4g} {units.command} to "
+        f"{rest.left:.3g} {units.command}, if the drive reads it so",
+        *cannot,
+    ]
+    if frame.left_out:
+        said.append(f"not in it, as no cogging: {', '.join(frame.left_out)}")
+    if not frame.scale_said:
+        said.append(f"assumed: 1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)")
+    said += [f"assumed: {one}" for one in SHEETS[name]["assumed"]]
+    beside = "\n".join([sheet_text(name), "", "This file:", *notes, *said, ""])
+    return Exported(("\n".join(lines) + "\n").encode(), "\n".join([*said, *notes]), {".txt": beside.encode()})
 
 
 def _listed(words: list[str]) -> str:
@@ -323,6 +311,11 @@ def _travel_of(frame: Frame) -> tuple[float, float]:
         raise ValueError(f"axis.travel: {rule}, got [{frame.low:g}, {frame.high:g}]")
     low, high = np.sort(frame.place(np.array([frame.low, frame.high])))
     return float(low), float(high)
+
+
+def _over_travel(frame: Frame, entries: int, between: str) -> Law:
+    low, high = _travel_of(frame)
+    return Law(entries, low, high - low, False, between)
 
 
 # The sheets -----------------------------------------------------------------------------------------------------------

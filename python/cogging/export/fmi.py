@@ -6,6 +6,7 @@ that the library reads. So an export needs no compiler, and the plant is that of
 
 from __future__ import annotations
 
+import collections
 import importlib.metadata
 import io
 import math
@@ -81,7 +82,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
         if isinstance(effect, Custom):
             raise FieldError("", "effects", f"must be of the core's list to run without Python, got {effect.NAME}")
     parameters = list(_parameters(model))
-    numbers = resource(model, rate, parameters)
+    numbers = _numbers(model, rate, parameters)
     token = f"{{{uuid.uuid5(NAMESPACE, numbers)}}}"
     library = find_library()
     content = _archive(
@@ -125,15 +126,19 @@ def platform_tuple() -> str:
     return f"{MACHINES.get(machine, machine)}-{_system()}"
 
 
-def resource(model: Model, rate: float, parameters: list[Parameter]) -> str:
+def _sections(model: Model) -> list[tuple[str, Any]]:
+    return [("axis", model.axis), ("encoder", model.encoder), ("noise", model.noise)]
+
+
+def _numbers(model: Model, rate: float, parameters: list[Parameter]) -> str:
     """Return the numbers of a model as cpp/fmi/resource.hpp reads them, one item a line."""
     lines = [
         _line("sample_rate", rate),
         _line("steps_per_sample", model.steps_per_sample),
         _line("initial_position", _initial_position(model)),
     ]
-    for section, struct_ in (("axis", model.axis), ("encoder", model.encoder), ("noise", model.noise)):
-        lines += [_line(f"{section} {field}", value) for field, value in struct_.to_dict().items()]
+    for section, fields in _sections(model):
+        lines += [_line(f"{section} {field}", value) for field, value in fields.to_dict().items()]
     lines += _cogging_lines(model)
     for number, effect in enumerate(model.effects):
         lines.append(f"effect {effect.NAME}")
@@ -165,20 +170,16 @@ def _initial_position(model: Model) -> float:
 
 def _parameters(model: Model) -> Iterator[Parameter]:
     """Yield the finite scalars of the plant in the order of their value references."""
-    seen: dict[str, int] = {}
-    sections: list[tuple[str, str, Any]] = [
-        ("axis", "axis", model.axis),
-        ("encoder", "encoder", model.encoder),
-        ("noise", "noise", model.noise),
-    ]
+    seen = collections.Counter[str]()
+    sections = [(name, name, fields) for name, fields in _sections(model)]
     for number, effect in enumerate(model.effects):
-        seen[effect.NAME] = seen.get(effect.NAME, 0) + 1
+        seen[effect.NAME] += 1
         called = effect.NAME if seen[effect.NAME] == 1 else f"{effect.NAME}_{seen[effect.NAME]}"
         sections.append((called, str(number), effect))
-    for called, section, struct_ in sections:
-        for field, value in struct_.to_dict().items():
+    for called, section, fields in sections:
+        for field, value in fields.to_dict().items():
             if isinstance(value, float) and math.isfinite(value):
-                unit, meaning = struct_.FIELDS[field][:2]
+                unit, meaning = fields.FIELDS[field][:2]
                 yield Parameter(f"{called}.{field}", section, field, model.units.of(unit), meaning, value)
 
 
@@ -219,13 +220,8 @@ def _description(model: Model, name: str, token: str, rate: float, parameters: l
         generationTool=f"cogging {importlib.metadata.version('cogging')}",
         variableNamingConvention="structured",
     )
-    xml.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=name,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUState="true",
-    )
+    able = dict.fromkeys(("canHandleVariableCommunicationStepSize", "canGetAndSetFMUState"), "true")
+    xml.SubElement(root, "CoSimulation", {"modelIdentifier": name, **able})
     variables = list(_variables(model, parameters))
     definitions = xml.SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(attributes["unit"] for _, attributes in variables if "unit" in attributes):
@@ -240,10 +236,10 @@ def _description(model: Model, name: str, token: str, rate: float, parameters: l
         xml.SubElement(listed, kind, attributes)
     structure = xml.SubElement(root, "ModelStructure")
     outputs = [attributes["valueReference"] for _, attributes in variables if attributes["causality"] == "output"]
-    for reference in outputs:  # outputs depend on the state alone: a command acts from the next step on
-        xml.SubElement(structure, "Output", valueReference=reference, dependencies="")
-    for reference in outputs:
-        xml.SubElement(structure, "InitialUnknown", valueReference=reference)
+    # Outputs depend on the state alone: a command acts from the next step on.
+    for kind, more in (("Output", {"dependencies": ""}), ("InitialUnknown", {})):
+        for reference in outputs:
+            xml.SubElement(structure, kind, {"valueReference": reference, **more})
     xml.indent(root)
     text: str = xml.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
@@ -254,7 +250,7 @@ def _variables(model: Model, parameters: list[Parameter]) -> Iterator[tuple[str,
     unit, position = model.units.of, repr(_initial_position(model))
     fixed = {"causality": "parameter", "variability": "fixed"}
     output = {"causality": "output", "variability": "continuous", "initial": "calculated"}
-    first: list[tuple[str, str, str, dict[str, str]]] = [
+    listed: list[tuple[str, str, str, dict[str, str]]] = [
         ("time", "s", "", {"causality": "independent", "variability": "continuous"}),
         ("command", unit("V"), "Command of the drive, held over the step", {"causality": "input", "start": "0"}),
         ("reading", unit("m"), "Position as the encoder shows it", output),
@@ -264,21 +260,13 @@ def _variables(model: Model, parameters: list[Parameter]) -> Iterator[tuple[str,
         ("initial_position", unit("m"), "Where the axis starts", {**fixed, "start": position}),
         ("initial_velocity", unit("m/s"), "With which it starts", {**fixed, "start": "0"}),
     ]
-    for reference, (name, label, meaning, more) in enumerate(first):
-        kind = "UInt64" if name == "seed" else "Float64"
-        yield kind, _attributes(name, reference, label, meaning, more)
-    for reference, one in enumerate(parameters, FIRST_PARAMETER):
-        more = {**fixed, "start": repr(one.value)}
-        yield "Float64", _attributes(one.name, reference, one.unit, one.meaning, more)
-
-
-def _attributes(name: str, reference: int, unit: str, meaning: str, more: Mapping[str, str]) -> dict[str, str]:
-    attributes = {"name": name, "valueReference": str(reference), **more}
-    if meaning:
-        attributes["description"] = meaning
-    if unit not in ("", "1"):
-        attributes["unit"] = unit
-    return attributes
+    references = [*range(len(listed)), *range(FIRST_PARAMETER, FIRST_PARAMETER + len(parameters))]
+    listed += [(one.name, one.unit, one.meaning, {**fixed, "start": repr(one.value)}) for one in parameters]
+    for reference, (name, label, meaning, more) in zip(references, listed, strict=True):
+        attributes = {"name": name, "valueReference": str(reference), **more}
+        attributes |= {"description": meaning} if meaning else {}
+        attributes |= {"unit": label} if label not in ("", "1") else {}
+        yield "UInt64" if name == "seed" else "Float64", attributes
 
 
 def _archive(files: Mapping[str, bytes]) -> bytes:

@@ -1,12 +1,11 @@
 """The forms of `cogging export`, by name.
 
 To add a form: a module in this folder with a function `make(model, **options) -> Exported`, an entry of FORMS that
-names them, and a test that reads the file back. The command, its `--help` and `cogging.export.to` read the list. A
-module is imported when its form is used, as its libraries may be extras.
+names them, and a test that reads the file back. The command, its `--help` and `cogging.export.to` read the list; the
+module is imported when its form is used.
 
-Forms that share an option list the same Option. The command turns `pole_pairs` into `--pole-pairs`, passes on only
-given options, and refuses one that the form does not take: defaults are in the signature of `make`. `make` raises
-FieldError or ValueError, `name: rule, got value`; `to` adds the model's file.
+Forms that share an option list the same Option. Defaults are in the signature of `make`: only given options are passed.
+`make` raises FieldError or ValueError, `name: rule, got value`; `to` adds the model's file.
 """
 
 from __future__ import annotations
@@ -25,17 +24,11 @@ from cogging.shown import quoted
 
 @dataclass(frozen=True)
 class Exported:
-    """What a form makes of a model.
+    """What a form makes of a model."""
 
-    Attributes:
-        content: of the file.
-        text: what the machine uses of the model and what it cannot represent.
-        beside: further files by suffix, `.txt`.
-    """
-
-    content: bytes
-    text: str
-    beside: Mapping[str, bytes] = field(default_factory=dict)
+    content: bytes  # of the file
+    text: str  # what the machine uses of the model and what it cannot represent
+    beside: Mapping[str, bytes] = field(default_factory=dict)  # further files by suffix, `.txt`
 
     def files(self, path: str | os.PathLike[str]) -> dict[str, list[bytes]]:
         """Return the content of all files by path, for write_files."""
@@ -45,49 +38,27 @@ class Exported:
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a form: a number, a word or a switch.
+    """An option of a form: a number, a word or a switch."""
 
-    Attributes:
-        name: the keyword, in full words with `_`.
-        kind: float, int, str, or bool for a switch.
-        help: meaning, unit and default.
-        metavar: of the value in `--help`.
-        choices: allowed words; none = any.
-        reads: whether it is the path of an input file.
-    """
-
-    name: str
-    kind: type[Any]
-    help: str
-    metavar: str = "X"
-    choices: tuple[str, ...] = ()
-    reads: bool = False
+    name: str  # the keyword, in full words with `_`
+    kind: type[Any]  # float, int, str, or bool for a switch
+    help: str  # meaning, unit and default
+    metavar: str = "X"  # of the value in `--help`
+    choices: tuple[str, ...] = ()  # allowed words; none = any
 
 
 @dataclass(frozen=True)
 class Form:
-    """A form of export.
+    """A form of export."""
 
-    Attributes:
-        name: as in `--to`.
-        writes: description of the file.
-        made_by: module and function, `cogging.export.drives:akd`.
-        options: of the form.
-        of_map: whether `[cogging]` alone suffices, as written by `cogging map`.
-    """
-
-    name: str
-    writes: str
-    made_by: str
+    name: str  # as in `--to`
+    writes: str  # description of the file
+    made_by: str  # module and function, `cogging.export.drives:akd`
     options: tuple[Option, ...] = ()
-    of_map: bool = False
+    of_map: bool = False  # whether `[cogging]` alone suffices, as written by `cogging map`
 
     def make(self, model: Model, options: Mapping[str, Any]) -> Exported:
-        """Make it of a model.
-
-        Raises:
-            ValueError: an option that the form does not take; a model or a value that it cannot express.
-        """
+        """Return what the form makes of a model, or raise ValueError for an option or a model that it does not take."""
         names = [option.name for option in self.options]
         for name in options:
             if name not in names:
@@ -106,10 +77,10 @@ _REVERSE = Option("reverse", bool, "the drive counts and pushes the other way")
 _TURN = Option(
     "turn", float, "one mechanical revolution, in the model's unit of position; default 2 pi where that is rad"
 )
+_FRAME = (_SCALE, _SIGN, _ZERO, _REVERSE, _TURN)
 _BETWEEN = Option("between", str, "between entries: straight lines, or each held", choices=("linear", "hold"))
 _ENTRIES = Option("entries", int, "entries of the table", "N")
 _WIDTH = Option("pole_pair_width", float, "magnetic period of a linear motor, m; default: the pitch of the map")
-_FRAME = (_SCALE, _SIGN, _ZERO, _REVERSE, _TURN)
 _OVER = Option("over", str, "what the table covers", choices=("travel", "turn", "period"))
 _QUANTUM = Option("quantum", float, "step of an entry, A; default 0.001")
 _PAIRS = Option("pole_pairs", int, "electrical periods a revolution", "N")
@@ -163,21 +134,16 @@ def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Expo
     if isinstance(model, Model):
         return chosen.make(model, options)
     try:
-        return chosen.make(_read(model, of_map=chosen.of_map), options)
+        document = read_toml(model)
+        if chosen.of_map and "cogging" in document and "axis" not in document:  # as `cogging map` writes it
+            document["axis"] = {"mass": 1.0}  # no form of a map uses it
+        return chosen.make(Model.from_dict(document), options)
     except FieldError as error:
         raise error.in_file(model, read_text(model)) from None
     except InputError:
         raise
     except ValueError as error:
         raise InputError(f"{os.fspath(model)}: {error}") from None
-
-
-def _read(path: str | os.PathLike[str], *, of_map: bool) -> Model:
-    """Read a model file; where a map is enough, also one without `[axis]`."""
-    document = read_toml(path)
-    if of_map and "cogging" in document and "axis" not in document:
-        document["axis"] = {"mass": 1.0}  # that no form of a map looks at
-    return Model.from_dict(document)
 
 
 def option_of(name: str) -> str:

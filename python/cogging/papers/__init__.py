@@ -1,1 +1,1 @@
-"""The published experiments: setup, numbers and what is calibrated or predicted of each paper."""
+"""The published experiments: what each paper prints, what is calibrated, what is predicted."""

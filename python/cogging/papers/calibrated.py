@@ -1,4 +1,4 @@
-"""What studies calibrated and comes with the package as TOML files."""
+"""Values that the studies calibrated and the package ships as TOML files."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ from cogging.files import parse_toml
 
 @functools.cache
 def shipped_toml(package: str, name: str) -> dict[str, Any]:
-    """The content of a TOML file of cogging.papers or a package in it."""
+    """Return the content of a TOML file of cogging.papers or of a package in it."""
     return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))

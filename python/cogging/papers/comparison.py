@@ -2,8 +2,7 @@
 
 First on the X axis of Lu et al. 2008 with its calibrated cogging, encoder, sampling and moves, each controller tuned by
 its own paper's rule. Then at equal delay margin: the bandwidth of every controller is scaled until its loop tolerates
-the same delay of the command, on both axes and on one machine that no controller can represent. Every row is
-exploratory.
+the same delay of the command, on both axes and on a machine that no controller can represent. All rows are exploratory.
 """
 
 from __future__ import annotations
@@ -15,42 +14,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging import effects
-from cogging._core import (
-    Arc,
-    Dcarc,
-    DivergedError,
-    ObserverBased,
-    ObserverBasedParameters,
-    OutputFeedbackArc,
-    Pid,
-    PidParameters,
-    Plant,
-    closed_loop,
-    performance,
-)
+from cogging import _core, effects
+from cogging._core import Arc, Dcarc, DivergedError, ObserverBased, OutputFeedbackArc, Pid, Plant
 from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.calibrated import shipped_toml
-from cogging.papers.lu2008 import gantry as lu2008
-from cogging.papers.result import Reproduction, Row, Table, explored
-from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
+from cogging.papers.lu2008 import gantry
+from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, SAMPLE_RATE, GantryAxis
+from cogging.papers.result import Reproduction, Table, explored
+from cogging.papers.xu2001 import epoxy_motor
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-AXIS = lu2008.AXES["X"]
+AXIS = AXES["X"]
 POLE = -300.0  # 1/s: of the PID for the smallest mass (Xu and Yao 2001, section 4.3), and of the observer's position
 # loop, which takes the PID's real part (Malaize and Levine 2009, section IV.C)
 VELOCITY_RATIO = 0.25
 DECAY_RATE, SLOW_DECAY_RATE = 3.0, 0.6  # 1/s, assumed; the second where the bandwidth is scaled
 # 1/s: the paper states no bound on the poles. The first makes lambda* 1.25 times the nominal acceleration, as in its
-# Table I (5 for 4 m/s^2); the second is about as fast as the solver certifies here, to show what lies in that choice.
+# Table I (5 for 4 m/s^2); the second is about as fast as the solver certifies here, to show the effect of this choice.
 POLE_RADII = {"observer_based": 450.0, "observer_based fast": 1200.0}
 #: The controllers that are compared at equal delay margin, and that margin: the PID's on X by its own rule.
 SCALED = ("pid", "arc C3", "dcarc C1", "dcarc C2", "dcarc C3", "output_feedback_arc", "observer_based")
@@ -62,58 +49,67 @@ OUTSIDE = [
     effects.ForceConstantRipple(period=0.041, sine=0.03),
     effects.ActuatorLag(time_constant=2e-4),
 ]
+#: Machines at equal margin: an axis, and further effects.
+MACHINES: dict[str, tuple[GantryAxis, Sequence[Any]]] = {
+    "X": (AXIS, ()),
+    "Y": (AXES["Y"], ()),
+    "X outside": (AXIS, OUTSIDE),
+}
+PAYLOADS = {"rms_light": 0.8, "rms_heavy": 1.2}  # factors on the mass
+#: Indexes and their units: rms, maximum and chatter over the last period, largest error of the first, rms with other
+#: masses, and the time of a step on this computer (noisy).
+UNITS = dict.fromkeys(("rms", "max", "transient"), "m") | dict.fromkeys(("u_rms", "chatter"), "V")
+UNITS |= dict.fromkeys(PAYLOADS, "m") | {"step": "s"}
+#: Index and machine by which the winner of each use is chosen; None: the worst of all machines.
+USES = {
+    "the motor of the model, fast moves": ("rms", "X"),
+    "the motor of the model, slow moves": ("rms", "Y"),
+    "a motor outside all models": ("rms", "X outside"),
+    "the largest error, any motor": ("max", None),
+    "the first move": ("transient", None),
+    "a changing payload": ("rms_heavy", None),
+    "a quiet command": ("chatter", None),
+}
+#: Controllers by their papers' own rules, and the steps that reproduce() reports.
+OWN = ("pid", *(f"{law} {name}" for name in gantry.CONTROLLERS for law in ("arc", "dcarc")), "output_feedback_arc")
+STEPS = (*OWN, *POLE_RADII, *(f"{name}, equal margin" for name in SCALED))
+#: Indexes of a controller by machine and name.
+Found = Mapping[tuple[str, str], Mapping[str, float]]
 
 
-def observer_problem(
-    pole_radius: float, axis: lu2008.GantryAxis = AXIS, factor: float = 1.0, decay_rate: float = DECAY_RATE
-) -> ObserverProblem:
-    """Theorem 3 of Malaize and Levine 2009 for an axis: its first three harmonics as periods; factor: on all poles."""
-    return ObserverProblem(
-        periods=[lu2008.PITCH / harmonic for harmonic in axis.compensated],
-        velocity_min=VELOCITY_RATIO * axis.velocity,
-        velocity_max=axis.velocity,
-        viscous=axis.viscous / axis.mass,
-        omega=-POLE * factor,
-        decay_rate=decay_rate,
-        pole_radius=pole_radius * factor,
-    )
+# Controllers ----------------------------------------------------------------------------------------------------------
 
 
 def shipped() -> dict[str, Any]:
-    """What comparison_gains.toml holds: observer gains by the papers' rules, and what gives DELAY_MARGIN by axis."""
+    """Return comparison_gains.toml: observer gains by the papers' rules, and what gives DELAY_MARGIN by axis."""
     return shipped_toml("cogging.papers", "comparison_gains.toml")
 
 
 def controllers() -> dict[str, ListedController]:
-    """Each family, tuned by its own paper's rule on what is known of the X axis."""
-    made: dict[str, ListedController] = {"pid": scaled("pid", AXIS)}
-    for name in lu2008.CONTROLLERS:
-        made[f"arc {name}"], made[f"dcarc {name}"] = scaled(f"arc {name}", AXIS), scaled(f"dcarc {name}", AXIS)
-    made["output_feedback_arc"] = scaled("output_feedback_arc", AXIS)
+    """Return each controller, tuned by its own paper's rule for the X axis."""
+    made = {name: scaled(name, AXIS) for name in OWN}
     for name, radius in POLE_RADII.items():
         made[name] = _observer_based(observer_problem(radius), shipped()["own"][name], AXIS)
     return made
 
 
-def at_equal_margin(axis: lu2008.GantryAxis) -> dict[str, ListedController]:
-    """The controllers of SCALED with the bandwidth at which the loop of an axis tolerates DELAY_MARGIN."""
+def at_equal_margin(axis: GantryAxis) -> dict[str, ListedController]:
+    """Return the controllers of SCALED with the bandwidth at which the loop of an axis tolerates DELAY_MARGIN."""
     found = shipped()[axis.name]
     return {name: scaled(name, axis, found["factors"][name], found["observer_gain"]) for name in SCALED}
 
 
 def scaled(
-    name: str, axis: lu2008.GantryAxis, factor: float = 1.0, observer_gain: Sequence[float] | None = None
+    name: str, axis: GantryAxis, factor: float = 1.0, observer_gain: Sequence[float] | None = None
 ) -> ListedController:
-    """A controller tuned by its paper's rule on an axis, its bandwidth times a factor.
+    """Return a controller of SCALED or OWN tuned by its paper's rule for an axis, all poles times a factor.
 
-    Args:
-        name: one of SCALED, or another of C1 to C3.
-        axis: what is known of it.
-        factor: on the poles, or the gains that set them.
-        observer_gain: of observer_based at this factor; None: designed here (extra `design`).
+    observer_gain: of observer_based at this factor; None: designed here (extra `design`).
     """
     if name == "pid":
-        return _pid(axis, factor)
+        kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
+        friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
+        return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
     if name == "output_feedback_arc":
         return _output_feedback_arc(axis, factor)
     if name == "observer_based":
@@ -122,27 +118,20 @@ def scaled(
         return _observer_based(problem, list(gain), axis)
     law, structure = name.split()
     gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
-    return (Arc if law == "arc" else Dcarc)(lu2008.controller_parameters(axis, structure, **gains))
+    return (Arc if law == "arc" else Dcarc)(gantry.controller_parameters(axis, structure, **gains))
 
 
-def _pid(axis: lu2008.GantryAxis, factor: float) -> Pid:
-    kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
-    friction: dict[str, Any] = {"coulomb": axis.coulomb, "coulomb_width": lu2008.COULOMB_WIDTH}
-    feedforward = {"mass": axis.mass, "viscous": axis.viscous, **friction}
-    return Pid(PidParameters(sample_rate=lu2008.SAMPLE_RATE, kp=kp, ki=ki, kd=kd, **feedforward))
-
-
-def _output_feedback_arc(axis: lu2008.GantryAxis, factor: float) -> OutputFeedbackArc:
+def _output_feedback_arc(axis: GantryAxis, factor: float) -> OutputFeedbackArc:
     mass, viscous, _, disturbance = axis.bounds
-    inverse, printed = (1.0 / mass[1], 1.0 / mass[0]), xu2001_setup.arc_parameters()
+    printed = epoxy_motor.arc_parameters()
     return OutputFeedbackArc(
         printed.replace(
-            sample_rate=lu2008.SAMPLE_RATE,
+            sample_rate=SAMPLE_RATE,
             theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
-            theta_min=[inverse[0], viscous[0] / mass[1], disturbance[0] / mass[0]],
-            theta_max=[inverse[1], viscous[1] / mass[0], disturbance[1] / mass[0]],
+            theta_min=[1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]],
+            theta_max=[1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]],
             coulomb=axis.coulomb,
-            coulomb_width=lu2008.COULOMB_WIDTH,
+            coulomb_width=COULOMB_WIDTH,
             gain_1=factor * printed.gain_1,
             gain_2=factor * printed.gain_2,
             observer_gain_1=factor * printed.observer_gain_1,
@@ -152,10 +141,25 @@ def _output_feedback_arc(axis: lu2008.GantryAxis, factor: float) -> OutputFeedba
     )
 
 
-def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], axis: lu2008.GantryAxis) -> ObserverBased:
+def observer_problem(
+    pole_radius: float, axis: GantryAxis = AXIS, factor: float = 1.0, decay_rate: float = DECAY_RATE
+) -> ObserverProblem:
+    """Return Theorem 3 of Malaize and Levine 2009 for an axis: its first three harmonics; factor: on all poles."""
+    return ObserverProblem(
+        periods=[gantry.PITCH / harmonic for harmonic in axis.compensated],
+        velocity_min=VELOCITY_RATIO * axis.velocity,
+        velocity_max=axis.velocity,
+        viscous=axis.viscous / axis.mass,
+        omega=-POLE * factor,
+        decay_rate=decay_rate,
+        pole_radius=pole_radius * factor,
+    )
+
+
+def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], axis: GantryAxis) -> ObserverBased:
     return ObserverBased(
-        ObserverBasedParameters(
-            sample_rate=lu2008.SAMPLE_RATE,
+        _core.ObserverBasedParameters(
+            sample_rate=SAMPLE_RATE,
             periods=list(problem.periods),
             observer_gain=list(observer_gain),
             position_gain=problem.omega**2,
@@ -167,210 +171,163 @@ def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], ax
     )
 
 
-def machine(
-    mass_factor: float = 1.0, axis: lu2008.GantryAxis = AXIS, more: Sequence[effects.CoggingHarmonic] = ()
-) -> Plant:
-    """An axis with its calibrated cogging; mass_factor: a payload, or less of the coil; more: further effects."""
-    cogging = lu2008.cogging_map(axis, lu2008.shipped_amplitudes(axis))
-    made = lu2008.plant(axis, cogging, mass=mass_factor * axis.mass)
-    return Plant(made.axis, cogging=cogging, effects=list(more), encoder=made.encoder)
+# Runs and tables ------------------------------------------------------------------------------------------------------
 
 
-# Tables ---------------------------------------------------------------------------------------------------------------
-
-#: The indexes and their units: rms, max and chatter over the last period, the largest error of the first, the rms with
-#: 0.8 and 1.2 times the mass, and the time of a step on this machine (noisy).
-UNITS = {
-    "rms": "m",
-    "max": "m",
-    "transient": "m",
-    "u_rms": "V",
-    "chatter": "V",
-    "rms_light": "m",
-    "rms_heavy": "m",
-    "step": "s",
-}
-#: The index and the machine by which the winner of each use is chosen; None: the worst over all machines.
-USES = {
-    "the motor of the model, fast moves": ("rms", "X"),
-    "the motor of the model, slow moves": ("rms", "Y"),
-    "a motor outside all models": ("rms", "X outside"),
-    "the largest error, any motor": ("max", None),
-    "the first move": ("transient", None),
-    "a changing payload": ("rms_heavy", None),
-    "a quiet command": ("chatter", None),
-}
-
-
-PAYLOADS = {"rms_light": 0.8, "rms_heavy": 1.2}  # factors on the mass
+def machine(mass_factor: float = 1.0, axis: GantryAxis = AXIS, more: Sequence[Any] = ()) -> Plant:
+    """Return an axis with its calibrated cogging, a payload or less mass, and further effects."""
+    cogging = gantry.cogging_map(axis, gantry.shipped_amplitudes(axis))
+    return gantry.plant(axis, cogging, more, mass=mass_factor * axis.mass)
 
 
 def measure(
     controller: ListedController,
-    axis: lu2008.GantryAxis = AXIS,
+    axis: GantryAxis = AXIS,
     more: Sequence[Any] = (),
     payloads: Mapping[str, float] = PAYLOADS,
 ) -> tuple[dict[str, float], Log | None]:
-    """The indexes of a controller over the last move there and back, and its log; infinite where it diverges."""
-    motion = lu2008.reference(axis)
-    window = {"start": motion.end - motion.period}
+    """Return the indexes of a controller over the last move there and back, and its log; infinite if it diverges."""
+    motion = gantry.reference(axis)
+
+    def run(mass_factor: float) -> Log | None:
+        try:
+            return Log.of(_core.closed_loop(machine(mass_factor, axis, more), controller, motion))
+        except DivergedError:
+            return None
+
+    def last(log: Log) -> Any:
+        return _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
+
     begin = time.perf_counter()
-    try:
-        log = Log.of(closed_loop(machine(1.0, axis, more), controller, motion))
-    except DivergedError:
-        return dict.fromkeys(UNITS, float("inf")), None
+    log = run(1.0)
     seconds = time.perf_counter() - begin
-    last = performance(log.time, log.error, log.command, **window)
+    if log is None:
+        return dict.fromkeys(UNITS, float("inf")), None
     found = {
-        "rms": last.error_rms,
-        "max": last.error_max,
+        "rms": last(log).error_rms,
+        "max": last(log).error_max,
         "transient": float(np.abs(log.error[log.time < motion.period]).max()),
-        "u_rms": last.command_rms,
-        "chatter": last.command_change_rms,
+        "u_rms": last(log).command_rms,
+        "chatter": last(log).command_change_rms,
         "step": seconds / len(log),
     }
     for name, factor in payloads.items():
-        try:
-            other = Log.of(closed_loop(machine(factor, axis, more), controller, motion))
-            found[name] = performance(other.time, other.error, other.command, **window).error_rms
-        except DivergedError:
-            found[name] = float("inf")
+        other = run(factor)
+        found[name] = float("inf") if other is None else last(other).error_rms
     return found, log
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Table):
-    """A table with a row a controller and a column an index on the screen."""
+    """A table with a row for each controller and a column for each index on the screen."""
 
     def text(self) -> str:
-        """The table for the screen."""
+        """Return the table for the screen."""
         units = {row.index: row.unit for row in self.rows}
         shown = {"m": ("um", 1e6), "s": ("ns", 1e9)}
-        width = max(21, *(len(self._name(row)) for row in self.rows))
+        width = max(21, *(len(row.name) for row in self.rows))
         lines = [self.title, f"{'':4}{'controller':<{width}}" + "".join(f"{index:>11}" for index in units)]
         lines.append(f"{'':{width + 4}}" + "".join(f"{shown.get(unit, (unit, 1.0))[0]:>11}" for unit in units.values()))
         for start in range(0, len(self.rows), len(units)):
             part = self.rows[start : start + len(units)]
             numbers = (f"{row.simulated * shown.get(row.unit, ('', 1.0))[1]:11.4g}" for row in part)
-            lines.append(f"{'':4}{self._name(part[0]):<{width}}" + "".join(numbers))
+            lines.append(f"{'':4}{part[0].name:<{width}}" + "".join(numbers))
         return "\n".join(lines)
 
 
-def winners(found: Mapping[tuple[str, str], Mapping[str, float]]) -> Table:
-    """For each of USES the controller that has the smallest index; over several machines the worst ratio to the best.
+def winners_table(found: Found) -> Table:
+    """Tabulate for each of USES the controller with the smallest index, and how far behind the next is.
 
-    Args:
-        found: the indexes by machine and controller.
+    Over all machines, the index is the worst ratio to the best controller.
     """
-    machines = list(dict.fromkeys(place for place, _ in found))
     rows = []
     for use, (index, place) in USES.items():
-        shown = [place] if place else machines
+        shown = [place] if place else list(MACHINES)
         best = {each: min(found[each, name][index] for name in SCALED) for each in shown}
         worst = {name: max(found[each, name][index] / best[each] for each in shown) for name in SCALED}
         first, second = sorted(worst, key=lambda name: worst[name])[:2]
         labels = {"for": use, "next": second, "machine": place or "all"}
-        rows.append(explored(first, f"{index}, lead", "1", worst[second] / worst[first], labels))
+        rows.append(explored(first, f"{index}, lead", "1", worst[second] / worst[first], **labels))
     title = "The winner by use, at equal delay margin, and by how much the next is behind"
     return Table("winners", title, rows)
 
 
-#: The steps that compare() reports.
-STEPS = (
-    "pid",
-    *(f"{law} {name}" for name in lu2008.CONTROLLERS for law in ("arc", "dcarc")),
-    "output",
-    *POLE_RADII,
-    *(f"{name}, equal margin" for name in SCALED),
-)
-
-
-def compare(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Run every controller; `progress` is called with each name."""
-    rows: list[Row] = []
+def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
+    """Run every controller; `progress` is called with each of STEPS."""
     own = {}
     for name, controller in controllers().items():
         own[name], _ = measure(controller)
-        rows += [explored(name, index, unit, own[name][index]) for index, unit in UNITS.items()]
         progress(name)
+    rows = [explored(name, index, unit, own[name][index]) for name in own for index, unit in UNITS.items()]
     title = "The three papers' controllers on one axis (X of Lu et al. 2008), by their own rules; exploratory"
     tables: list[Table] = [Comparison("comparison", title, rows)]
 
-    places = {"X": (AXIS, ()), "Y": (lu2008.AXES["Y"], ()), "X outside": (AXIS, OUTSIDE)}
-    equal = {name: at_equal_margin(axis) for name, axis in lu2008.AXES.items()}
+    equal = {name: at_equal_margin(axis) for name, axis in AXES.items()}
     heavy = {"rms_heavy": PAYLOADS["rms_heavy"]}
     found, logs = {}, {}
     for name in SCALED:
-        for place, (axis, more) in places.items():
+        for place, (axis, more) in MACHINES.items():
             found[place, name], logs[place, name] = measure(equal[axis.name][name], axis, more, heavy)
         progress(f"{name}, equal margin")
-    shown = {index: unit for index, unit in UNITS.items() if index not in ("step", "rms_light")}
     rows = [
-        explored(name, index, unit, found[place, name][index], {"machine": place})
-        for place in places
+        explored(name, index, unit, found[place, name][index], machine=place)
+        for place in MACHINES
         for name in SCALED
-        for index, unit in shown.items()
+        for index, unit in UNITS.items()
+        if index not in ("step", "rms_light")
     ]
     title = f"The same at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), on both axes and outside all models"
-    tables += [Comparison("equal_margin", title, rows), winners(found)]
+    tables += [Comparison("equal_margin", title, rows), winners_table(found)]
     figures = {"comparison": figure_errors(logs), "comparison_trade": figure_trade(own, found)}
     return Reproduction("comparison", tables, figures)
 
 
+# Figures --------------------------------------------------------------------------------------------------------------
+
+
 @drawn
 def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
-    """The errors of the last move forth over the position, at equal delay margin, a panel a machine.
+    """Draw the errors of the last move forth over the position, at equal delay margin, a panel for each machine.
 
-    The scale is three times the median of the largest errors; what is larger is cut off.
+    The scale ends at three times the median of the largest errors.
     """
-    places = list(dict.fromkeys(place for place, _ in logs))
-    figure = new_figure((8.0, 2.6 * len(places)))
+    figure = new_figure((8.0, 2.6 * len(MACHINES)))
     figure.suptitle(
         f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"
     )
-    panels = figure.subplots(len(places), 1, sharex=True)
-    for axes, place in zip(panels, places, strict=True):
-        motion = lu2008.reference(lu2008.AXES[place[0]])
+    panels = figure.subplots(len(MACHINES), 1, sharex=True)
+    for axes, (place, (axis, _)) in zip(panels, MACHINES.items(), strict=True):
+        motion = gantry.reference(axis)
         start, largest = motion.end - motion.period, []
         for number, name in enumerate(SCALED):
-            log = logs[place, name]
-            if log is None:
-                continue
-            rows = (log.time >= start) & (log.time < start + motion.move_time)
-            colour = look(number)["color"]
-            axes.plot(1e3 * log.position[rows], 1e6 * log.error[rows], color=colour, linewidth=0.7, label=name)
-            largest.append(1e6 * float(np.abs(log.error[rows]).max()))
+            if (log := logs[place, name]) is not None:
+                rows = (log.time >= start) & (log.time < start + motion.move_time)
+                colour = look(number)["color"]
+                axes.plot(1e3 * log.position[rows], 1e6 * log.error[rows], color=colour, linewidth=0.7, label=name)
+                largest.append(1e6 * float(np.abs(log.error[rows]).max()))
         end = 3.0 * float(np.median(largest))
         axes.set(ylabel="error (µm)", ylim=(-end, end))
         axes.set_title(f"machine {place}", loc="left", fontsize="small")
     panels[-1].set(xlabel="position (mm)")
-    _legend_below(figure, panels[0])
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
     return figure
 
 
 @drawn
-def figure_trade(
-    own: Mapping[str, Mapping[str, float]], found: Mapping[tuple[str, str], Mapping[str, float]]
-) -> Figure:
-    """Rms error against command chatter: filled at equal delay margin, hollow by the papers' own rules on X."""
-    places = list(dict.fromkeys(place for place, _ in found))
+def figure_trade(own: Mapping[str, Mapping[str, float]], found: Found) -> Figure:
+    """Draw rms error against chatter: filled at equal delay margin, hollow by the papers' own rules on X."""
     figure = new_figure((9.0, 4.2))
     figure.suptitle(f"Rms error and chatter at equal delay margin ({1e3 * DELAY_MARGIN:g} ms); hollow: by the own rule")
-    panels = figure.subplots(1, len(places), sharey=True)
-    for axes, place in zip(panels, places, strict=True):
+    panels = figure.subplots(1, len(MACHINES), sharey=True)
+    for axes, place in zip(panels, MACHINES, strict=True):
         for number, name in enumerate(SCALED):
             style = {**look(number), "linestyle": "none", "markersize": 8}
+            point, hollow = found[place, name], {**style, "markerfacecolor": "none"}
             if place == "X":
-                hollow = {**style, "markerfacecolor": "none"}
                 axes.loglog(own[name]["chatter"], 1e6 * own[name]["rms"], marker(number), **hollow)
-            point = found[place, name]
             axes.loglog(point["chatter"], 1e6 * point["rms"], marker(number), **style, label=name)
         axes.set(xlabel="chatter (V)")
         axes.set_title(f"machine {place}", loc="left", fontsize="small")
     panels[0].set(ylabel="rms error (µm)")
-    _legend_below(figure, panels[0])
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
     return figure
-
-
-def _legend_below(figure: Figure, axes: Axes) -> None:
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)

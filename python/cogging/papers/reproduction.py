@@ -1,4 +1,4 @@
-"""The published experiments by name: run, shown beside the paper, written."""
+"""The published experiments by name."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ PAPERS = ("lu2008", "malaize2009", "xu2001")
 @check_arguments()
 @on_one_blas_thread(scipy=True)
 def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
-    """Reproduce the experiments of a paper: its tables beside ours, and its figures.
+    """Reproduce the experiments of a paper.
 
     Args:
         paper: one of PAPERS.
-        out: folder into which `<paper>.json` and the figures are written; None writes nothing.
+        out: folder for `<paper>.json` and the figures; None writes nothing.
         progress: True shows a bar, a function is called with each step.
 
     Returns:
-        Tables beside the printed ones, and figures; print it to read the tables.
+        The paper's tables beside the simulated ones, and figures; print it to read the tables.
 
     Raises:
         ValueError: the paper is not one of PAPERS.
@@ -39,33 +39,31 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
     """
     if paper not in PAPERS:
         raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}{nearest(paper, PAPERS)}")
-    return _run(f"cogging.papers.{paper}", "reproduce", paper, out, progress)
+    return _run(paper, out, progress)
 
 
 @check_arguments()
 @on_one_blas_thread(scipy=True)
 def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = False) -> Reproduction:
-    """Run the controllers of all papers on one axis: rms, maximum, effort, chatter, robustness, time of a step.
+    """Compare the controllers of all papers on the same axes: error, effort, chatter, robustness, time of a step.
 
     Args:
-        out: folder into which `comparison.json` and the figure are written; None writes nothing.
+        out: folder for `comparison.json` and the figures; None writes nothing.
         progress: True shows a bar, a function is called with each step.
 
     Returns:
-        The table and its figure.
+        Tables and figures.
 
     Example:
         >>> result = cogging.compare()  # doctest: +SKIP
     """
-    return _run("cogging.papers.comparison", "compare", "comparison", out, progress)
+    return _run("comparison", out, progress)
 
 
-def _run(
-    module_name: str, function: str, name: str, out: str | os.PathLike[str] | None, progress: Progress
-) -> Reproduction:
-    module = importlib.import_module(module_name)
+def _run(name: str, out: str | os.PathLike[str] | None, progress: Progress) -> Reproduction:
+    module = importlib.import_module(f"cogging.papers.{name}")
     with steps(progress, name, len(module.STEPS)) as done:
-        result: Reproduction = getattr(module, function)(done)
+        result: Reproduction = module.reproduce(done)
     if out is not None:
         result.write(out)
     return result

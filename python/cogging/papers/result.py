@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cogging.outputs import made_folder, to_json, write_files
 from cogging.tables import frame_of
@@ -28,7 +28,7 @@ class Row:
         paper: the printed number, or None.
         simulated: ours.
         status: "calibrated" (the setup was fitted to it), "predicted", "derived" (follows from others of the same
-            table, and is counted nowhere) or "exploratory".
+            table, not counted) or "exploratory".
         labels: further columns of the result file, such as the set or the motor.
     """
 
@@ -40,55 +40,52 @@ class Row:
     status: str
     labels: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def name(self) -> str:
+        """Controller and labels, as a table shows them."""
+        return ", ".join([self.controller, *(f"{label} {value}" for label, value in self.labels.items())])
+
+    @property
+    def ratio(self) -> float | None:
+        """Simulated over printed; None where the paper prints nothing."""
+        return self.simulated / self.paper if self.paper else None
+
     def to_dict(self) -> dict[str, Any]:
-        """The row as the result file has it."""
-        return {**{name: getattr(self, name) for name in ROW_FIELDS}, **self.labels}
+        """Return the row as in the result file."""
+        fields = dict(vars(self))
+        labels = fields.pop("labels")
+        return {**fields, **labels}
 
 
-ROW_FIELDS = ("controller", "index", "unit", "paper", "simulated", "status")
-
-
-def explored(controller: str, index: str, unit: str, value: float, labels: Mapping[str, str] | None = None) -> Row:
+def explored(controller: str, index: str, unit: str, value: float, **labels: str) -> Row:
     """Return an exploratory row: a number that the paper does not print."""
-    return Row(controller, index, unit, None, float(value), "exploratory", labels or {})
+    return Row(controller, index, unit, None, float(value), "exploratory", labels)
 
 
-#: Shares of the printed number within which a simulated one is counted.
+#: Relative distances to the printed number within which simulated ones are counted.
 WITHIN = (0.05, 0.15, 0.40)
 
 
-@dataclass(frozen=True)
-class Counts:
-    """How many numbers of a table lie near the paper's.
+class Counts(NamedTuple):
+    """How many numbers of a table lie near the paper's."""
 
-    Attributes:
-        numbers: that the paper prints.
-        calibrated, predicted: of these, by their status.
-        within: how many lie within each of WITHIN of the paper's.
-        predicted_within: likewise of those that are predicted.
-        free: parameters that were calibrated.
-    """
-
-    numbers: int
+    numbers: int  # that the paper prints: calibrated or predicted
     calibrated: int
     predicted: int
-    within: tuple[int, ...]
-    predicted_within: tuple[int, ...]
-    free: int
+    within: tuple[int, ...]  # of all, within each of WITHIN
+    predicted_within: tuple[int, ...]  # of the predicted ones
+    free: int  # calibrated parameters
 
     def to_dict(self) -> dict[str, Any]:
-        """As the result file has it, the shares in percent."""
-        return {
-            "numbers": self.numbers,
-            "calibrated": self.calibrated,
-            "predicted": self.predicted,
-            "within": _by_percent(self.within),
-            "predicted_within": _by_percent(self.predicted_within),
-            "free_parameters": self.free,
-        }
+        """Return the counts as in the result file, by percent."""
+        found: dict[str, Any] = self._asdict()
+        for name in ("within", "predicted_within"):
+            found[name] = {f"{100 * share:.0f}": count for share, count in zip(WITHIN, found[name], strict=True)}
+        found["free_parameters"] = found.pop("free")
+        return found
 
     def text(self) -> str:
-        """One line for the screen."""
+        """Return one line for the screen."""
         shares = ", ".join(f"{100 * share:.0f} %" for share in WITHIN)
         near, of_predicted = (", ".join(map(str, counts)) for counts in (self.within, self.predicted_within))
         predicted = f", of the {self.predicted} predicted {of_predicted}" if self.predicted else ""
@@ -96,21 +93,17 @@ class Counts:
         return f"{self.numbers} numbers, {fitted}; within {shares}: {near}{predicted}"
 
 
-def _by_percent(counts: Sequence[int]) -> dict[str, int]:
-    return {f"{100 * share:.0f}": count for share, count in zip(WITHIN, counts, strict=True)}
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Table(ByValue):
-    """A table of the paper with ours beside it.
+    """A table of the paper beside the simulated one.
 
     Attributes:
         id: its name in the result file.
         title: for the screen.
         rows: its numbers.
-        free: names of the parameters that its calibrated numbers were fitted by; empty: no counts are given.
-        before: the same numbers under the conditions that were assumed before, shown beside; None: there are none.
-        beside: what those numbers are, as the column says it.
+        free: names of the calibrated parameters; empty: no counts are shown.
+        before: other values of the same numbers, shown beside them; None: there are none.
+        beside: heading of those values.
     """
 
     id: str
@@ -126,23 +119,21 @@ class Table(ByValue):
         return all(row.status == "exploratory" for row in self.rows)
 
     def counts(self) -> Counts:
-        """How many of the numbers lie near the printed ones."""
-        errors = {
-            status: [abs(row.simulated / row.paper - 1.0) for row in self.rows if row.paper and row.status == status]
-            for status in ("calibrated", "predicted")
-        }
-        both = [*errors["calibrated"], *errors["predicted"]]
-        return Counts(
-            len(both),
-            len(errors["calibrated"]),
-            len(errors["predicted"]),
-            tuple(sum(error <= share for error in both) for share in WITHIN),
-            tuple(sum(error <= share for error in errors["predicted"]) for share in WITHIN),
-            len(self.free),
+        """Return how many of the numbers lie near the printed ones."""
+        errors: dict[str, list[float]] = {"calibrated": [], "predicted": []}
+        for row in self.rows:
+            if row.ratio is not None and row.status in errors:
+                errors[row.status].append(abs(row.ratio - 1.0))
+        calibrated, predicted = errors.values()
+        within, predicted_within = (
+            tuple(sum(error <= share for error in some) for share in WITHIN)
+            for some in (calibrated + predicted, predicted)
         )
+        numbers = len(calibrated) + len(predicted)
+        return Counts(numbers, len(calibrated), len(predicted), within, predicted_within, len(self.free))
 
     def to_dict(self) -> dict[str, Any]:
-        """The table as the result file has it."""
+        """Return the table as in the result file."""
         found: dict[str, Any] = {"id": self.id, "rows": [row.to_dict() for row in self.rows]}
         if self.free:
             found |= {"free_parameters": list(self.free), "counts": self.counts().to_dict()}
@@ -152,34 +143,30 @@ class Table(ByValue):
         return f"{self.id}, {len(self.rows)} rows"
 
     def to_frame(self) -> Any:
-        """The rows as a pandas DataFrame; the unit of each stands in its row.
+        """Return the rows as a pandas DataFrame, each with its unit.
 
         Raises:
-            ImportError: pandas is not there; names the extra that brings it.
+            ImportError: pandas is not installed; names the extra that brings it.
         """
         return frame_of([row.to_dict() for row in self.rows], {}, title=self.title)
 
-    @staticmethod
-    def _name(row: Row) -> str:
-        return ", ".join([row.controller, *(f"{label} {value}" for label, value in row.labels.items())])
-
     def text(self) -> str:
-        """The table for the screen."""
-        width = max([15, *(len(self._name(row)) + 2 for row in self.rows)])
-        earlier = {(self._name(row), row.index): row for row in self.before.rows} if self.before else {}
+        """Return the table for the screen."""
+        width = max([15, *(len(row.name) + 2 for row in self.rows)])
+        earlier = {(row.name, row.index): row for row in self.before.rows} if self.before else {}
         head = f"{self.beside:>12}{'ratio':>8}" if earlier else ""
         lines = [
             self.title,
             f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ",
         ]
         for row in self.rows:
-            name, before = self._name(row), ""
+            before = ""
             if earlier:
-                found = earlier.get((name, row.index))
-                before = f"{_shown(found):>12}{_ratio(found):>8}" if found else f"{'-':>12}{'-':>8}"
+                found = earlier.get((row.name, row.index))
+                before = f"{_shown(found.simulated if found else None, row.unit):>12}{_ratio(found):>8}"
             lines.append(
-                f"{'':4}{name:<{width}}{row.index:<13}{_shown(row, printed=True):>12}{before} {_shown(row):>13}"
-                f"{_ratio(row):>8}  {row.status}"
+                f"{'':4}{row.name:<{width}}{row.index:<13}{_shown(row.paper, row.unit):>12}{before} "
+                f"{_shown(row.simulated, row.unit):>13}{_ratio(row):>8}  {row.status}"
             )
         if self.before is not None and self.before.free:
             lines.append(f"{'':4}{self.beside}: {self.before.counts().text()}")
@@ -188,14 +175,13 @@ class Table(ByValue):
         return "\n".join(lines)
 
 
-def _shown(row: Row, printed: bool = False) -> str:
-    value = row.paper if printed else row.simulated
-    scale, unit = (1e6, "um") if row.unit == "m" else (1.0, "" if row.unit == "1" else row.unit)
-    return f"{value * scale:.4g} {unit}".rstrip() if value is not None else "-"
+def _shown(value: float | None, unit: str) -> str:
+    scale, label = {"m": (1e6, "um"), "1": (1.0, "")}.get(unit, (1.0, unit))
+    return f"{value * scale:.4g} {label}".rstrip() if value is not None else "-"
 
 
-def _ratio(row: Row) -> str:
-    return f"{row.simulated / row.paper:.3f}" if row.paper else "-"
+def _ratio(row: Row | None) -> str:
+    return f"{row.ratio:.3f}" if row and row.ratio is not None else "-"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -204,7 +190,7 @@ class Reproduction(ByValue):
 
     Attributes:
         paper: its name, such as "lu2008".
-        tables: one Table for each of the paper's.
+        tables: one Table for each of the paper's, and further ones.
         figures: matplotlib figures by file name without ending.
         notes: sentences for the screen.
     """
@@ -218,23 +204,23 @@ class Reproduction(ByValue):
         return f"{self.paper}: {len(self.tables)} tables, {len(self.figures)} figures"
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of `<paper>.json`."""
+        """Return the content of `<paper>.json`."""
         return {"paper": self.paper, "tables": [table.to_dict() for table in self.tables]}
 
     def to_frame(self) -> Any:
-        """The rows of all tables as a pandas DataFrame; the unit of each stands in its row.
+        """Return the rows of all tables as a pandas DataFrame, each with its unit.
 
         Raises:
-            ImportError: pandas is not there; names the extra that brings it.
+            ImportError: pandas is not installed; names the extra that brings it.
         """
         rows = [{"table": table.id, **row.to_dict()} for table in self.tables for row in table.rows]
         return frame_of(rows, {}, paper=self.paper)
 
     def text(self, every: bool = True) -> str:
-        """Tables and notes for the screen.
+        """Return tables and notes for the screen.
 
         Args:
-            every: False names the tables that hold no number of the paper by their titles alone.
+            every: False lists the tables without a number of the paper by their titles alone.
         """
         shown = [table for table in self.tables if every or not table.is_exploratory]
         named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
@@ -242,12 +228,16 @@ class Reproduction(ByValue):
         return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write `<paper>.json` and one PNG a figure into a folder, which is made if need be; says which.
+        """Write `<paper>.json` and a PNG of each figure into a folder, all or none; other files stay.
 
-        They take their places as one: the folder holds the old ones or the new ones, and other files stay.
+        Args:
+            folder: is made if it does not exist.
+
+        Returns:
+            The paths.
 
         Raises:
-            InputError: one cannot be written; all is as it was.
+            InputError: a file cannot be written; nothing has changed.
         """
         out = Path(folder)
         content = {out / f"{self.paper}.json": to_json(self.to_dict(), indent=2).encode()}
@@ -258,7 +248,7 @@ class Reproduction(ByValue):
 
 
 def png(figure: Figure) -> bytes:
-    """The picture of a figure, as the content of a file."""
+    """Return a figure as the content of a PNG file."""
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=120)
     return picture.getvalue()

@@ -1,14 +1,13 @@
 """Scans of the cogging of Lu, Chen, Yao, Wang 2008 (Figs. 5, 6), the harmonics in their spectrum, Figs. 2 and 3.
 
 The paper measures the blocking force every millimetre, applies an FFT and keeps the harmonics 1, 2, 3, 6, 12 of the
-pitch without stating a rule. Here the rule is that of `cogging map` (cogging.mapping): a harmonic is kept when noise
-alone would lift any line of the spectrum as high once in a hundred scans.
+pitch without stating a rule. The rule here is that of `cogging map` (cogging.mapping): a harmonic is kept if noise
+alone would raise a line of the spectrum as high in one scan of a hundred.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,15 +29,90 @@ if TYPE_CHECKING:
 
 SIZE = (8.0, 3.4)  # inches
 SCAN_STEP = 0.001  # m (section "System Identification")
-SCAN_NOISE = 0.003  # V rms, not reported, assumed: of the force sensor
-HIGHEST = 19  # harmonic: the last of which points 1 mm apart lie more than 2.5 in a period
-FALSE_ALARM = 0.01  # not reported, assumed: of a scan of noise alone
-BESIDE = 0.3  # harmonics: how far the lines of one that is modulated along the travel are looked for
+POSITION: FloatArray = TRAVEL[0] + SCAN_STEP * np.arange(
+    round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1, dtype=np.float64
+)  # m, of a scan
+SCAN_NOISE = 0.003  # V rms of the force sensor, not reported, assumed
+HIGHEST = 19  # highest harmonic of which points 1 mm apart sample a period more than 2.5 times
+FALSE_ALARM = 0.01  # of a scan of noise alone, not reported, assumed
+BESIDE = 0.3  # harmonics: how far from its number the lines of a modulated harmonic are searched
+
+
+def scan_force(cogging: CoggingModel, noise: float = SCAN_NOISE, seed: int = 2008) -> FloatArray:
+    """Return the blocking force (V) at POSITION as measured by a sensor with noise (V rms)."""
+    sensor = np.random.default_rng(seed).normal(0.0, noise, POSITION.size)
+    return np.asarray(cogging.force(POSITION) + sensor)
+
+
+def fit_scan(force: FloatArray, harmonics: list[int] | None = None) -> MapFit:
+    """Fit a map with the paper's splines to the force (V) at the first positions; harmonics: None for the rule's."""
+    return fit_map(
+        POSITION[: force.size],
+        force,
+        pitch=PITCH,
+        harmonics=harmonics,
+        order=ORDER,
+        origin=TRAVEL[0],
+        highest_harmonic=HIGHEST,
+        false_alarm=FALSE_ALARM,
+    )
+
+
+def chosen(fit: MapFit) -> tuple[int, ...]:
+    """Return the harmonics that the rule keeps."""
+    return tuple(entry.harmonic for entry in fit.amplitudes)
+
+
+def at_harmonic(fit: MapFit, values: FloatArray) -> FloatArray:
+    """Return the entries of a spectrum (line_amplitude, line_threshold) at harmonics 1 to HIGHEST, (HIGHEST,)."""
+    return np.array([values[np.argmin(np.abs(fit.line - harmonic))] for harmonic in range(1, HIGHEST + 1)])
+
+
+def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) -> dict[int, float]:
+    """Return the sensor noise (V rms) at which the highest line of each harmonic equals the rule's threshold.
+
+    The power p of a line exceeds white noise sigma if p >= sigma^2 times the threshold.
+    """
+    force = scan_force(cogging, noise=0.0)
+    lines = HarmonicSpectrum(POSITION, PITCH, HIGHEST)
+    power = np.where(lines.near, lines.power(force - force.mean()), 0.0).max(axis=1)
+    _, degrees = lines.level(np.ones(lines.frequency.shape), ~lines.present, 1.0)
+    needed = lines.threshold(FALSE_ALARM, degrees)
+    return {harmonic: float(np.sqrt(power[harmonic] / needed)) for harmonic in harmonics}
+
+
+def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
+    """Tabulate the harmonics in the scan of an axis's map: amplitudes, and which of them the rule keeps.
+
+    The last two rows count the paper's harmonics that the rule keeps, and those whose own line exceeds the threshold: a
+    harmonic whose amplitude changes its sign along the travel has a line on either side and none between.
+    """
+    kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
+    listed = sorted({*HARMONICS, *kept})
+    words = {harmonic: "kept" if harmonic in kept else "hidden" for harmonic in listed}
+    if rest := [harmonic for harmonic in range(1, HIGHEST + 1) if harmonic not in listed]:
+        words[max(rest, key=lambda harmonic: amplitude[harmonic - 1])] = "largest of the rest"
+    rows = [
+        explored("scan", "amplitude", "V", amplitude[harmonic - 1], harmonic=str(harmonic), rule=word)
+        for harmonic, word in words.items()
+    ]
+    threshold = at_harmonic(fit, fit.line_threshold)
+    hidden = noise_hiding(cogging)
+    weakest = min(hidden, key=lambda harmonic: hidden[harmonic])
+    rows += [
+        explored("rule", "threshold", "V", float(np.median(threshold))),
+        explored("rule", "noise", "V", hidden[weakest], harmonic=f"{weakest}, at which it is lost"),
+    ]
+    own_lines = sum((amplitude >= threshold)[harmonic - 1] for harmonic in HARMONICS)
+    for index, count in (("kept", len(set(kept) & set(HARMONICS))), ("own_lines", own_lines)):
+        printed = float(len(HARMONICS))
+        rows.append(Row("rule", index, "1", printed, float(count), "exploratory", {"of": "the paper's"}))
+    return Table(f"harmonics_{name}", f"Spectrum of the scan, {name} axis (the map is assumed)", rows)
 
 
 @drawn
 def figure_spline(order: int, number: int) -> Figure:
-    """Figs. 2, 3: f_S(x) of order 1 and 3 over five magnets; the control points are of our choice."""
+    """Draw Fig. 2 or 3: f_S(x) of order 1 or 3 over five magnets, with control points of our choice."""
     magnets = 5
     points = np.array([0.6, 1.0, 0.4, 0.8, 0.5, 0.9, 0.7])[: magnets + order - 1]
     spline = BSpline(order=order, origin=0.0, pitch=PITCH, control_points=len(points))
@@ -58,13 +132,14 @@ def figure_spline(order: int, number: int) -> Figure:
 
 
 @drawn
-def figure_map(axis: GantryAxis, scan: CoggingScan, fit: MapFit, number: int) -> Figure:
-    """Figs. 5, 6: the scan of the assumed map over the whole travel, and its fit with the paper's five harmonics."""
-    along, up = scale_of("m", scan.position), scale_of("V", scan.force)
+def figure_map(axis: GantryAxis, force: FloatArray, number: int) -> Figure:
+    """Draw Fig. 5 or 6: a scan of the assumed map, and its fit with the paper's five harmonics."""
+    fit = fit_scan(force, list(HARMONICS))
+    along, up = scale_of("m", POSITION), scale_of("V", force)
     figure = new_figure(SIZE)
     axes = figure.subplots()
-    axes.plot(along(scan.position), up(scan.force), ".", color=MEASURED, markersize=4, label="scan at 1 mm")
-    x = np.linspace(scan.position[0], scan.position[-1], 4 * scan.position.size)
+    axes.plot(along(POSITION), up(force), ".", color=MEASURED, markersize=4, label="scan at 1 mm")
+    x = np.linspace(POSITION[0], POSITION[-1], 4 * POSITION.size)
     fitted = fit.cogging.force(x) + fit.offset + fit.trend * (x - x.mean())
     axes.plot(along(x), up(fitted), color=FITTED, linewidth=0.9, label="fitted, order 3")
     axes.set(xlabel=along.label("position"), ylabel=up.label("force"))
@@ -74,112 +149,9 @@ def figure_map(axis: GantryAxis, scan: CoggingScan, fit: MapFit, number: int) ->
     return figure
 
 
-@dataclass(frozen=True)
-class CoggingScan:
-    """The blocking force over the whole travel.
-
-    Attributes:
-        position: m, (n,).
-        force: V, (n,).
-    """
-
-    position: FloatArray
-    force: FloatArray
-
-    @classmethod
-    def of(cls, cogging: CoggingModel, noise: float = SCAN_NOISE, seed: int = 2008) -> CoggingScan:
-        """Scan a map with a sensor of some noise (V rms)."""
-        x = np.asarray(
-            TRAVEL[0] + SCAN_STEP * np.arange(round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1), dtype=np.float64
-        )
-        sensor = np.random.default_rng(seed).normal(0.0, noise, x.size)
-        return cls(x, np.asarray(cogging.force(x) + sensor))
-
-    def fit(self, harmonics: list[int] | None = None) -> MapFit:
-        """The map by least squares, with the paper's splines; harmonics are chosen by the rule where none are given."""
-        return fit_map(
-            self.position,
-            self.force,
-            pitch=PITCH,
-            harmonics=harmonics,
-            order=ORDER,
-            origin=TRAVEL[0],
-            highest_harmonic=HIGHEST,
-            false_alarm=FALSE_ALARM,
-        )
-
-
-def chosen(fit: MapFit) -> tuple[int, ...]:
-    """The harmonics that the rule keeps."""
-    return tuple(entry.harmonic for entry in fit.amplitudes)
-
-
-def at_harmonic(fit: MapFit, values: FloatArray) -> FloatArray:
-    """The entries of a spectrum (line_amplitude, line_threshold) at harmonics 1 to HIGHEST, (HIGHEST,)."""
-    return np.array([values[np.argmin(np.abs(fit.line - harmonic))] for harmonic in range(1, HIGHEST + 1)])
-
-
-def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) -> dict[int, float]:
-    """The sensor noise (V rms) at which each of some harmonics stands just as high as the rule asks for.
-
-    A line of power p stands out of white noise sigma where p >= sigma^2 times the threshold; of a modulated harmonic
-    the highest of its own lines counts.
-    """
-    scan = CoggingScan.of(cogging, noise=0.0)
-    spectrum = HarmonicSpectrum(scan.position, PITCH, HIGHEST)
-    power = np.where(spectrum.near, spectrum.power(scan.force - scan.force.mean()), 0.0).max(axis=1)
-    _, degrees = spectrum.level(np.ones(spectrum.frequency.shape), ~spectrum.present, 1.0)
-    needed = spectrum.threshold(FALSE_ALARM, degrees)
-    return {harmonic: float(np.sqrt(power[harmonic] / needed)) for harmonic in harmonics}
-
-
-def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
-    """Amplitude of each harmonic in the scan, and whether the rule keeps it: the paper's, the rule's, the next below.
-
-    The last two rows count the paper's harmonics that the rule keeps, and those whose own line stands above the
-    threshold: one whose amplitude changes its sign along the travel has a line on either side and none between.
-
-    Args:
-        name: of the axis.
-        cogging: that was scanned.
-        fit: of the scan, by the rule.
-    """
-    kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
-    listed = sorted({*HARMONICS, *kept})
-    rest = [harmonic for harmonic in range(1, HIGHEST + 1) if harmonic not in listed]
-    rows = [_row(harmonic, amplitude, "kept" if harmonic in kept else "hidden") for harmonic in listed]
-    if rest:
-        rows.append(_row(max(rest, key=lambda harmonic: amplitude[harmonic - 1]), amplitude, "largest of the rest"))
-    threshold = float(np.median(at_harmonic(fit, fit.line_threshold)))
-    rows.append(explored("rule", "threshold", "V", threshold))
-    hidden = noise_hiding(cogging)
-    weakest = min(hidden, key=lambda harmonic: hidden[harmonic])
-    rows.append(explored("rule", "noise", "V", hidden[weakest], {"harmonic": f"{weakest}, at which it is lost"}))
-    over = amplitude >= at_harmonic(fit, fit.line_threshold)
-    printed = float(len(HARMONICS))
-    for index, found in (
-        ("kept", len(set(kept) & set(HARMONICS))),
-        ("own_lines", sum(over[harmonic - 1] for harmonic in HARMONICS)),
-    ):
-        rows.append(Row("rule", index, "1", printed, float(found), "exploratory", {"of": "the paper's"}))
-    return Table(f"harmonics_{name}", f"Spectrum of the scan, {name} axis (the map is assumed)", rows)
-
-
-def _row(harmonic: int, amplitude: FloatArray, said: str) -> Row:
-    label = {"harmonic": str(harmonic), "rule": said}
-    return explored("scan", "amplitude", "V", amplitude[harmonic - 1], label)
-
-
 @drawn
 def figure_fft(fits: Mapping[str, MapFit]) -> Figure:
-    """The spectrum of each axis's scan over the harmonic of the pitch, with what the rule asks for and what it keeps.
-
-    A kept harmonic is marked at its highest line: one whose amplitude changes its sign along the travel has a line on
-    either side and none at its own place.
-
-    Args:
-        fits: of the scans, by axis.
-    """
+    """Draw the spectra of the scans by axis, the rule's threshold and the kept harmonics at their highest lines."""
     figure = new_figure((8.0, 2.9 * len(fits)))
     panels = figure.subplots(len(fits), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (name, fit) in zip(panels, fits.items(), strict=True):
@@ -191,8 +163,7 @@ def figure_fft(fits: Mapping[str, MapFit]) -> Figure:
         marks.set_data(line[near], height[near])
         marks.set_label("kept, at its highest line")
         legend(axes)
-        kept = ", ".join(map(str, chosen(fit)))
-        axes.set_title(f"{name} axis: {kept} are kept", loc="left")
+        axes.set_title(f"{name} axis: {', '.join(map(str, chosen(fit)))} are kept", loc="left")
         axes.set_xlim(0.0, HIGHEST + 0.5)
         axes.set_xticks(range(HIGHEST + 1))
         for harmonic in HARMONICS:

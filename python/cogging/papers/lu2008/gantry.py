@@ -1,8 +1,8 @@
 """The setup of Lu, Chen, Yao, Wang 2008: two axes of a gantry, their DCARC with a B-spline cogging model, the moves.
 
-Sources are cited as (Table n), (eq. n), (section). What the paper does not report is assumed and marked as such. It
-shows the cogging maps as pictures alone (Figs. 5, 6): their amplitudes are fitted to the tables within the printed
-bound (studies.lu2008.calibration).
+Sources are cited as (Table n), (eq. n), (section). Values that the paper does not report are assumed and marked as
+such. It shows the cogging maps only as pictures (Figs. 5, 6): their amplitudes are fitted to the tables within the
+printed bound (studies.lu2008.calibration).
 """
 
 from __future__ import annotations
@@ -13,19 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import (
-    AdaptiveRobustParameters,
-    AxisParameters,
-    CoggingModel,
-    Dcarc,
-    DivergedError,
-    EncoderParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    SplineHarmonics,
-    performance,
-)
+from cogging import _core
+from cogging._core import AdaptiveRobustParameters, CoggingModel, Dcarc, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.calibrated import shipped_toml
@@ -35,7 +24,7 @@ PITCH = 0.05  # m (section "System Identification": P = 50 mm)
 TRAVEL = (0.0, 0.51)  # m (section "Experimental Setup")
 RESOLUTION = 0.5e-6  # m (section "Experimental Setup")
 SAMPLE_RATE = 5000.0  # Hz (sections "Comparative Experimental Results")
-HARMONICS = (1, 2, 3, 6, 12)  # those that the FFT of the measured maps shows (section "System Identification")
+HARMONICS = (1, 2, 3, 6, 12)  # significant in the FFT of the measured maps (section "System Identification")
 ORDER = 3  # third-order B-splines (same section)
 CONTROL_POINTS = 13  # m for 0.51 m at one pitch and order 3: m - k + 1 >= 10.2 spans
 
@@ -43,12 +32,12 @@ CONTROL_POINTS = 13  # m for 0.51 m at one pitch and order 3: m - k + 1 >= 10.2 
 COULOMB_WIDTH = 1.0 / 900.0  # m/s: S_f = (2/pi) atan(900 v), as in Xu and Yao 2001, of the same group
 DWELL = 0.1  # s
 START = 0.055  # m: centres the 0.4 m move in the travel
-ERROR_DIFFERENCE = True  # e' of p (15) is the difference of e; with that of the reading minus x_d', which is half a
+#: e' of p (15) is the difference of e. As the reading's difference minus x_d', which is half a sample younger, p is
+#: wrong by a T / 2 on ramps: the largest errors on X are then there, and are no whole counts as the printed ones are.
+ERROR_DIFFERENCE = True
 
-# sample younger, p is wrong by a T / 2 on ramps, and the largest errors on X lie there: not whole counts, as printed
 CONTROLLERS = ("C1", "C2", "C3")
 ESTIMATED = ("mass", "viscous", "coulomb", "disturbance")  # theta_1, theta_2, theta_3, theta_5
-
 #: Fits that come with the package: that of the tables, and the same family with the other reading of e'.
 PRESENT, LATE = "present", "late"
 #: Periodic, modulated and uncompensated part of a map, V.
@@ -57,38 +46,24 @@ Amplitudes = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class GantryAxis:
-    """One axis of the gantry: what is printed of its motor, its controllers and its experiment.
+    """One axis of the gantry: printed numbers of motor, controllers and experiment, and assumed ones of the move."""
 
-    Attributes:
-        name: "X" or "Y".
-        table: id of its table.
-        mass, viscous, coulomb: V/(m/s^2), V/(m/s), V (section "System Identification").
-        bounds: of M, B, A_f, d (sections "Comparative Experimental Results").
-        cogging_bound: V, of every coefficient of A_r (same sections).
-        error_gain, feedback_gain: k_1 (1/s), k_s1 (V/(m/s)) (same sections).
-        compensated: harmonics in C3 (same sections); C2's are not reported, the same are assumed.
-        velocity, acceleration: limits of the move, m/s, m/s^2 (same sections).
-        jerk: m/s^3, assumed.
-        repeats: moves there and back, assumed; the indexes are of the last.
-        error_max, error_rms: m, of C1, C2, C3 (Table 1 or 2).
-    """
-
-    name: str
-    table: str
-    mass: float
-    viscous: float
-    coulomb: float
-    bounds: tuple[tuple[float, float], ...]
-    cogging_bound: float
-    error_gain: float
-    feedback_gain: float
-    compensated: tuple[int, ...]
-    velocity: float
-    acceleration: float
-    jerk: float
-    repeats: int
-    error_max: tuple[float, float, float]
-    error_rms: tuple[float, float, float]
+    name: str  # "X" or "Y"
+    table: str  # id of its table
+    mass: float  # V/(m/s^2) (section "System Identification")
+    viscous: float  # V/(m/s) (same section)
+    coulomb: float  # V (same section)
+    bounds: tuple[tuple[float, float], ...]  # of M, B, A_f, d (sections "Comparative Experimental Results")
+    cogging_bound: float  # V, of every coefficient of A_r (same sections)
+    error_gain: float  # k_1, 1/s (same sections)
+    feedback_gain: float  # k_s1, V/(m/s) (same sections)
+    compensated: tuple[int, ...]  # harmonics in C3 (same sections); assumed in C2, whose are not reported
+    velocity: float  # m/s, limit of the move (same sections)
+    acceleration: float  # m/s^2 (same sections)
+    jerk: float  # m/s^3, assumed
+    repeats: int  # moves there and back, assumed; the indexes are of the last
+    error_max: tuple[float, float, float]  # m, of C1, C2, C3 (Table 1 or 2)
+    error_rms: tuple[float, float, float]  # m (Table 1 or 2)
 
 
 AXES = {
@@ -132,26 +107,47 @@ AXES = {
 
 
 def cogging_basis(harmonics: Sequence[int] = HARMONICS) -> SplineHarmonics:
-    """Return the structure of a map: harmonics of the pitch with third-order B-splines over the travel."""
+    """Return the basis of a map: harmonics of the pitch with third-order B-splines over the travel."""
     return SplineHarmonics(
         pitch=PITCH, harmonics=list(harmonics), order=ORDER, origin=TRAVEL[0], control_points=CONTROL_POINTS
     )
 
 
-def known(column: FloatArray | None) -> FloatArray:
-    """Return a column that every simulated log has."""
-    assert column is not None
-    return column
+@dataclass(frozen=True)
+class MapShape:
+    """What makes an assumed map beside its three amplitudes; none of it is reported.
+
+    F(x) = sum_h f_h(x) sin(2 pi h (x / P + shift)), V. f_h = (periodic + modulated a(s)) / h^decay for a compensated
+    harmonic, uncompensated (1 + a(s) / 2) / h^decay for another, with a(s) = cos(pi half_waves s + begin), where s runs
+    from 0 at the first magnet to 1 at the last.
+    """
+
+    decay: float  # exponent by which harmonics fall with their number
+    half_waves: float  # of the modulation, from the first magnet to the last
+    begin: float  # rad, phase of the modulation at the first magnet
+    shift: float  # pitches from a zero of all sines to the first magnet; 1/8 shares the fundamental with its cosine
+
+
+def control_points(
+    shape: MapShape, amplitudes: Amplitudes, harmonics: Sequence[int], compensated: Sequence[int], count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the control points (V) of sines and cosines of a map, (harmonics, count) each.
+
+    Control points outside the travel continue the modulation.
+    """
+    periodic, modulated, uncompensated = amplitudes
+    number = np.array(harmonics, dtype=float)
+    # s = 0 and 1 at the control points 1 and count - 1.
+    along = np.cos(np.pi * shape.half_waves * (np.arange(count) - 1) / (count - 2) + shape.begin)
+    known = np.isin(harmonics, compensated)[:, None]
+    strength = np.where(known, periodic + modulated * along, uncompensated * (1 + along / 2))
+    strength = strength / number[:, None] ** shape.decay
+    phase = 2 * np.pi * number[:, None] * shape.shift
+    return strength * np.cos(phase), strength * np.sin(phase)
 
 
 def cogging_map(axis: GantryAxis, amplitudes: Amplitudes, shape: MapShape | None = None) -> CoggingModel:
-    """The assumed map of an axis, of the shape that shapes.MapShape describes.
-
-    Args:
-        axis: tells which harmonics are compensated.
-        amplitudes: periodic, modulated and uncompensated part, V.
-        shape: of the map; None: the one that comes with the package.
-    """
+    """Return the assumed map of an axis; shape: None for the shipped one."""
     shape = shape or shipped_shape()
     return CoggingModel(
         cogging_basis(), *control_points(shape, amplitudes, HARMONICS, axis.compensated, CONTROL_POINTS)
@@ -159,48 +155,38 @@ def cogging_map(axis: GantryAxis, amplitudes: Amplitudes, shape: MapShape | None
 
 
 def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
-    """The largest control point of a compensated harmonic as a share of the bound that the paper prints for A_r."""
+    """Return the largest control point of a compensated harmonic over the printed bound of A_r."""
     compensated = np.isin(HARMONICS, axis.compensated)
     return float(np.abs([cogging.sine[compensated], cogging.cosine[compensated]]).max() / axis.cogging_bound)
 
 
-def shipped() -> dict[str, Any]:
-    """What maps.toml holds (written by studies.lu2008.calibration)."""
-    return shipped_toml("cogging.papers.lu2008", "maps.toml")
-
-
 def shipped_shape() -> MapShape:
-    """The shape of both maps."""
-    return MapShape(**shipped()["shape"])
+    """Return the shape of both maps (maps.toml, by studies.lu2008.calibration)."""
+    return MapShape(**shipped_toml("cogging.papers.lu2008", "maps.toml")["shape"])
 
 
 def shipped_amplitudes(axis: GantryAxis, fit: str = PRESENT) -> Amplitudes:
-    """The calibrated amplitudes of a fit, V."""
-    part = shipped()[fit][axis.name]
+    """Return the calibrated amplitudes of a fit in maps.toml, V."""
+    part = shipped_toml("cogging.papers.lu2008", "maps.toml")[fit][axis.name]
     return part["periodic"], part["modulated"], part["uncompensated"]
 
 
-def plant(axis: GantryAxis, cogging: CoggingModel | None, **axis_changes: Any) -> Plant:
-    """The machine (eq. 1, 2): nominal mass and friction of the axis, the given cogging, the 0.5 um encoder."""
-    nominal = AxisParameters(
+def plant(axis: GantryAxis, cogging: CoggingModel | None, effects: Sequence[Any] = (), **axis_changes: Any) -> Plant:
+    """Return the machine (eq. 1, 2): nominal mass and friction, a cogging map, further effects, the 0.5 um encoder."""
+    nominal = _core.AxisParameters(
         mass=axis.mass, viscous=axis.viscous, coulomb=axis.coulomb, coulomb_width=COULOMB_WIDTH, travel=list(TRAVEL)
     )
-    return Plant(nominal.replace(**axis_changes), cogging=cogging, encoder=EncoderParameters(resolution=RESOLUTION))
+    encoder = _core.EncoderParameters(resolution=RESOLUTION)
+    return Plant(nominal.replace(**axis_changes), cogging=cogging, effects=list(effects), encoder=encoder)
 
 
 def controller_parameters(
     axis: GantryAxis, name: str, *, periodic: Sequence[int] = (), **changes: Any
 ) -> AdaptiveRobustParameters:
-    """C1 (no cogging compensation), C2 (periodic) or C3 (B-spline) with everything that is printed.
+    """Return the parameters of C1 (no cogging compensation), C2 (periodic) or C3 (B-spline), all printed numbers.
 
     The gains are k_s1 alone: epsilon and u_s2 are not reported. Initial estimates are not reported: nominal, and
-    zero for cogging and disturbance.
-
-    Args:
-        axis: the axis.
-        name: "C1", "C2" or "C3".
-        periodic: harmonics of C2, not reported; none: those of C3.
-        changes: of any field.
+    zero for cogging and disturbance. periodic: harmonics of C2; none: those of C3; changes: of any field.
     """
     fields: dict[str, Any] = {name: getattr(axis, name) for name in ("error_gain", "feedback_gain", *ESTIMATED[:3])}
     for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):
@@ -220,104 +206,51 @@ def controller_parameters(
 
 
 def reference(axis: GantryAxis, **changes: Any) -> PointToPoint:
-    """The moves of 0.4 m there and back (sections "Comparative Experimental Results")."""
+    """Return the moves of 0.4 m there and back (sections "Comparative Experimental Results")."""
     limits = {"velocity": axis.velocity, "acceleration": axis.acceleration, "jerk": axis.jerk}
-    moves = PointToPointParameters(start=START, distance=0.4, dwell=DWELL, repeats=axis.repeats, **limits)
+    moves = _core.PointToPointParameters(start=START, distance=0.4, dwell=DWELL, repeats=axis.repeats, **limits)
     return PointToPoint(moves.replace(**changes))
 
 
 def run(
-    axis: GantryAxis,
-    machine: Plant,
-    motion: PointToPoint | None = None,
-    *,
-    steps_per_sample: int = 1,
-    seed: int = 0,
-    **controller_changes: Any,
+    axis: GantryAxis, machine: Plant, motion: PointToPoint | None = None, *, steps_per_sample: int = 1, **changes: Any
 ) -> dict[str, Log]:
-    """Run C1, C2 and C3 on the same machine."""
-    controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
-    machines, seeds = [machine] * len(controllers), [seed] * len(controllers)
-    options: dict[str, Any] = {"seeds": seeds, "steps_per_sample": steps_per_sample, "logs": True}
-    batch = closed_loop_batch(machines, controllers, motion or reference(axis), **options)
+    """Return the logs of C1, C2 and C3 on the same machine; changes: of the controllers."""
+    controllers = [Dcarc(controller_parameters(axis, name, **changes)) for name in CONTROLLERS]
+    machines, motion = [machine] * len(controllers), motion or reference(axis)
+    batch = closed_loop_batch(
+        machines, controllers, motion, seeds=[0] * len(machines), steps_per_sample=steps_per_sample, logs=True
+    )
     return dict(zip(CONTROLLERS, batch, strict=True))
 
 
-def last_move(controllers: Sequence[Any], machines: Sequence[Plant], motion: PointToPoint, seed: int = 0) -> Batch:
-    """Run controllers on machines, pair by pair, and keep the indexes of the last there and back; no log is kept.
-
-    Raises:
-        DivergedError: of the first run that diverged.
-    """
-    start, seeds = motion.end - motion.period, [seed] * len(machines)
+def last_move(controllers: Sequence[Any], machines: Sequence[Plant], motion: PointToPoint) -> Batch:
+    """Run controllers on machines, pair by pair; return the indexes of the last move, or raise DivergedError."""
+    start, seeds = motion.end - motion.period, [0] * len(machines)
     batch = closed_loop_batch(list(machines), list(controllers), motion, seeds=seeds, start=start)
     for failure in batch.failures:
-        raise DivergedError(failure.reason)
+        raise _core.DivergedError(failure.reason)
     return batch
 
 
 def last_errors(
-    axis: GantryAxis,
-    machines: Sequence[Plant],
-    motion: PointToPoint | None = None,
-    *,
-    seed: int = 0,
-    **controller_changes: Any,
+    axis: GantryAxis, machines: Sequence[Plant], motion: PointToPoint | None = None, **changes: Any
 ) -> FloatArray:
-    """e_inf and e_2 (m) of C1, C2 and C3 on each machine, (machines, 3, 2), as `indexes` gives them."""
-    controllers = [Dcarc(controller_parameters(axis, name, **controller_changes)) for name in CONTROLLERS]
+    """Return e_inf and e_2 (m) of C1, C2 and C3 on each machine, (machines, 3, 2); changes: of the controllers."""
+    controllers = [Dcarc(controller_parameters(axis, name, **changes)) for name in CONTROLLERS]
     every = [controller for controller in controllers for _ in machines]
-    batch = last_move(every, [*machines] * len(controllers), motion or reference(axis), seed)
+    batch = last_move(every, [*machines] * len(controllers), motion or reference(axis))
     found = [batch.indexes[name].reshape(len(controllers), len(machines)) for name in ("error_max", "error_rms")]
     return np.array(found).transpose(2, 1, 0)
 
 
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
-    """e_inf and e_2 (m): maximum and rms of reading minus reference over the last there and back."""
-    result = performance(log.time, log.error, log.command, start=motion.end - motion.period)
+    """Return e_inf and e_2 (m): maximum and rms of reading minus reference over the last move there and back."""
+    result = _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
     return result.error_max, result.error_rms
 
 
-@dataclass(frozen=True)
-class MapShape:
-    """What makes an assumed map beside its three amplitudes; none of it is reported.
-
-    F(x) = sum_h f_h(x) sin(2 pi h (x / P + shift)), V. A compensated harmonic has
-    f_h = (periodic + modulated a(s)) / h^decay, one that is not f_h = uncompensated (1 + a(s) / 2) / h^decay, with
-    a(s) = cos(pi half_waves s + begin), where s runs from 0 at the first magnet to 1 at the last.
-
-    Attributes:
-        decay: exponent by which harmonics fall with their number.
-        half_waves: of the modulation, from the first magnet to the last.
-        begin: rad, where the modulation begins.
-        shift: share of a pitch from a zero of all sines to the first magnet. At 0 all of a harmonic lies in its sine,
-            whose coefficient the paper bounds; at 1/8 that of the fundamental is shared with its cosine.
-    """
-
-    decay: float
-    half_waves: float
-    begin: float
-    shift: float
-
-
-def control_points(
-    shape: MapShape, amplitudes: Amplitudes, harmonics: Sequence[int], compensated: Sequence[int], count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Control points (V) of the sines and of the cosines of a map, each (harmonics, count).
-
-    Args:
-        shape: of the map.
-        amplitudes: periodic, modulated and uncompensated part, V.
-        harmonics: of the map.
-        compensated: those of them that C3 compensates.
-        count: of control points; those outside the travel continue the modulation.
-    """
-    periodic, modulated, uncompensated = amplitudes
-    number = np.array(harmonics, dtype=float)
-    # s = 0 and 1 at the control points 1 and count - 1.
-    along = np.cos(np.pi * shape.half_waves * (np.arange(count) - 1) / (count - 2) + shape.begin)
-    known = np.isin(harmonics, compensated)[:, None]
-    strength = np.where(known, periodic + modulated * along, uncompensated * (1 + along / 2))
-    strength = strength / number[:, None] ** shape.decay
-    phase = 2 * np.pi * number[:, None] * shape.shift
-    return strength * np.cos(phase), strength * np.sin(phase)
+def known(column: FloatArray | None) -> FloatArray:
+    """Return a column that every simulated log has."""
+    assert column is not None
+    return column

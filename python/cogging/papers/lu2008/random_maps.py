@@ -6,20 +6,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import binomtest
 
 from cogging._core import CoggingModel, Plant
 from cogging.arrays import FloatArray
 from cogging.effects import CoggingHarmonic
-from cogging.papers.lu2008.gantry import (
-    AXES,
-    CONTROL_POINTS,
-    HARMONICS,
-    PITCH,
-    GantryAxis,
-    cogging_basis,
-    last_errors,
-    plant,
-)
+from cogging.papers.lu2008 import gantry
+from cogging.papers.lu2008.gantry import AXES, CONTROL_POINTS, HARMONICS, GantryAxis
 from cogging.papers.result import Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import look, marker
@@ -27,24 +20,67 @@ from cogging.plot.series import look, marker
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MAPS = 8  # an axis and kind in `reproduce`; the study draws more
+MAPS = 8  # of each axis and kind in `reproduce`; the study draws more
 #: Kinds of maps: in the spline space of C3, which can then be exact, and with a line beside each harmonic.
 KINDS = ("splines", "lines beside")
-BESIDE = 0.2  # of a harmonic's number: how far from it its line lies at most; C3's splines can follow it
-BESIDE_SIZES = (0.2, 1.5)  # of the scale of its harmonic
-LEVEL = 0.06  # V, of the fundamental: some two thirds of the largest coefficient that the bounds of the X axis allow
-NORMAL_95 = 1.959963984540054  # deviations of a normal variable, of a two-sided interval of 95 %
-#: What the paper's ratio C3 / C2 is of, by index.
+BESIDE = 0.2  # largest distance of a line from its harmonic's number; C3's splines can follow it
+BESIDE_SIZES = (0.2, 1.5)  # of a line over the scale of its harmonic
+LEVEL = 0.06  # V, of the fundamental: about two thirds of the largest coefficient within the bounds of the X axis
+#: Field of GantryAxis with the printed errors, by index.
 _PRINTED = {"e_inf": "error_max", "e_2": "error_rms"}
+
+
+def random_machine(axis: GantryAxis, seed: int, kind: str = KINDS[0]) -> Plant:
+    """Return an axis with a random map of one of KINDS: harmonics of random strength and phase that change with x."""
+    random = np.random.default_rng([2008, seed])
+    strength = LEVEL * random.lognormal(0.0, 0.4, len(HARMONICS)) / np.array(HARMONICS)
+    phase = random.uniform(0.0, 2.0 * np.pi, len(HARMONICS))
+    depth = random.uniform(0.2, 0.8, len(HARMONICS))
+    profile = 1.0 + depth[:, None] * random.uniform(-1.0, 1.0, (len(HARMONICS), CONTROL_POINTS))
+    sine, cosine = ((strength * part(phase))[:, None] * profile for part in (np.cos, np.sin))
+    lines, random = [], np.random.default_rng([2008, 1, seed])
+    for harmonic in HARMONICS if kind == KINDS[1] else ():
+        period = gantry.PITCH / (harmonic + random.uniform(-BESIDE, BESIDE))
+        size, angle = LEVEL / harmonic * random.uniform(*BESIDE_SIZES), random.uniform(0.0, 2.0 * np.pi)
+        lines.append(CoggingHarmonic(period=period, sine=size * np.sin(angle), cosine=size * np.cos(angle)))
+    return gantry.plant(axis, CoggingModel(gantry.cogging_basis(), sine, cosine), lines)
+
+
+def errors_on_maps(axis: GantryAxis, maps: int = MAPS, kind: str = KINDS[0]) -> dict[str, FloatArray]:
+    """Return e_inf and e_2 (m) of C1, C2, C3 over the last move on random maps, (maps, 3) each."""
+    found = gantry.last_errors(axis, [random_machine(axis, seed, kind) for seed in range(maps)])
+    return {"e_inf": found[..., 0], "e_2": found[..., 1]}
+
+
+def orders(errors: FloatArray) -> dict[str, int]:
+    """Return on how many maps C3 beats C2, C2 beats C1, and both, of the errors of C1, C2, C3, (maps, 3)."""
+    c1, c2, c3 = errors.T
+    claims = {"C3 < C2": c3 < c2, "C2 < C1": c2 < c1, "C3 < C2 < C1": (c3 < c2) & (c2 < c1)}
+    return {claim: int(np.count_nonzero(holds)) for claim, holds in claims.items()}
+
+
+def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) -> Table:
+    """Tabulate the share of maps of errors_on_maps, by kind and axis, on which each part of the claim holds.
+
+    The last row of each group counts maps on which C3 / C2 is below that of the paper's table.
+    """
+    rows = []
+    for kind, by_axis in errors.items():
+        for axis, by_index in by_axis.items():
+            for index, found in by_index.items():
+                _, second, third = getattr(AXES[axis], _PRINTED[index])
+                below = int(np.count_nonzero(found[:, 2] / found[:, 1] < third / second))
+                for claim, hits in {**orders(found), f"C3 / C2 < {third / second:.2f}": below}.items():
+                    interval = binomtest(hits, len(found)).proportion_ci(0.95, method="wilson")
+                    labels = {"map": kind, "axis": axis, "by": index, "ci95": "{:.2f} to {:.2f}".format(*interval)}
+                    labels["maps"] = str(len(found))
+                    rows.append(explored(claim, "share", "1", hits / len(found), **labels))
+    return Table("claim", "Share of random cogging maps on which a controller is better", rows)
 
 
 @drawn
 def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
-    """How much better C2 is than C1, and C3 than C2, on each random map, beside the paper's own machine.
-
-    Args:
-        errors: of each axis by name, as errors_on_maps gives them.
-    """
+    """Draw C2 / C1 and C3 / C2 of errors_on_maps, by axis, beside the paper's own machine."""
     figure = new_figure((8.0, 3.8))
     panels = figure.subplots(1, 2, sharey=True)
     largest = 1.0
@@ -69,83 +105,3 @@ def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     legend(panels[-1], 2)
     figure.suptitle("C3 before C2 before C1 on random cogging maps with lines beside the harmonics")
     return figure
-
-
-def random_map(seed: int, level: float = LEVEL) -> CoggingModel:
-    """A random cogging map: harmonics of random strength and phase, each changing at random along the travel.
-
-    Args:
-        seed: of the map.
-        level: V, scale of the fundamental; harmonic h is smaller by h on average.
-    """
-    random = np.random.default_rng([2008, seed])
-    strength = level * random.lognormal(0.0, 0.4, len(HARMONICS)) / np.array(HARMONICS)
-    phase = random.uniform(0.0, 2.0 * np.pi, len(HARMONICS))
-    depth = random.uniform(0.2, 0.8, len(HARMONICS))
-    profile = 1.0 + depth[:, None] * random.uniform(-1.0, 1.0, (len(HARMONICS), CONTROL_POINTS))
-    sine = (strength * np.cos(phase))[:, None] * profile
-    cosine = (strength * np.sin(phase))[:, None] * profile
-    return CoggingModel(cogging_basis(), sine, cosine)
-
-
-def random_machine(axis: GantryAxis, seed: int, kind: str = KINDS[0], level: float = LEVEL) -> Plant:
-    """The machine of an axis with a random map; `lines beside`: with a line of random size near each harmonic."""
-    machine = plant(axis, random_map(seed, level))
-    if kind == KINDS[0]:
-        return machine
-    random = np.random.default_rng([2008, 1, seed])
-    lines = []
-    for harmonic in HARMONICS:
-        period = PITCH / (harmonic + random.uniform(-BESIDE, BESIDE))
-        size, phase = level / harmonic * random.uniform(*BESIDE_SIZES), random.uniform(0.0, 2.0 * np.pi)
-        lines.append(CoggingHarmonic(period=period, sine=size * np.sin(phase), cosine=size * np.cos(phase)))
-    return Plant(machine.axis, cogging=machine.cogging, effects=lines, encoder=machine.encoder)
-
-
-def errors_on_maps(
-    axis: GantryAxis, maps: int = MAPS, kind: str = KINDS[0], level: float = LEVEL
-) -> dict[str, FloatArray]:
-    """e_inf and e_2 (m) of C1, C2, C3 on random maps, (maps, 3) each, over the last there and back."""
-    found = last_errors(axis, [random_machine(axis, seed, kind, level) for seed in range(maps)])
-    return {"e_inf": found[..., 0], "e_2": found[..., 1]}
-
-
-def orders(errors: FloatArray) -> dict[str, int]:
-    """On how many maps C3 beats C2, C2 beats C1, and both.
-
-    Args:
-        errors: of C1, C2, C3, (maps, 3).
-    """
-    c1, c2, c3 = errors.T
-    said = {"C3 < C2": c3 < c2, "C2 < C1": c2 < c1, "C3 < C2 < C1": (c3 < c2) & (c2 < c1)}
-    return {claim: int(np.count_nonzero(holds)) for claim, holds in said.items()}
-
-
-def binomial_interval(hits: int, count: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share: where a normal test of p against hits / count is not refused at 5 %."""
-    share, z = hits / count, NORMAL_95**2 / count
-    half = NORMAL_95 * np.sqrt(share * (1.0 - share) / count + z / (4.0 * count))
-    low, high = (share + 0.5 * z - half) / (1.0 + z), (share + 0.5 * z + half) / (1.0 + z)
-    return max(0.0, float(low)), min(1.0, float(high))
-
-
-def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) -> Table:
-    """The share of maps on which each part of the claim holds, with its 95 % interval.
-
-    The last row of each group counts maps on which C3 / C2 is below that of the paper's table.
-
-    Args:
-        errors: by kind and axis, as errors_on_maps gives them.
-    """
-    rows = []
-    for kind, by_axis in errors.items():
-        for axis, by_index in by_axis.items():
-            for index, found in by_index.items():
-                _, second, third = getattr(AXES[axis], _PRINTED[index])
-                below = int(np.count_nonzero(found[:, 2] / found[:, 1] < third / second))
-                for claim, hits in {**orders(found), f"C3 / C2 < {third / second:.2f}": below}.items():
-                    low, high = binomial_interval(hits, len(found))
-                    labels = {"map": kind, "axis": axis, "by": index, "ci95": f"{low:.2f} to {high:.2f}"}
-                    labels["maps"] = str(len(found))
-                    rows.append(explored(claim, "share", "1", hits / len(found), labels))
-    return Table("claim", "Share of random cogging maps on which a controller is better", rows)

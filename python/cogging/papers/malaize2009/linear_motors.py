@@ -1,9 +1,9 @@
 """The setup of Malaize and Levine 2009: printed numbers, machines, controllers, motion and the accuracy of Table I.
 
-Forces are accelerations in the paper: a mass of 1 and m/s^2 as the command unit. Lambda pushes (+), so F_cogging of
-this project is -Lambda. What is not reported is assumed and marked as such; the amplitudes are calibrated on the PID
-row and the pole radius on lambda* (studies.malaize2009.calibration). The observer row that follows is far better than
-printed; causes.py has what the controllers may not have known.
+Forces are accelerations in the paper: the mass is 1 and the command unit m/s^2. Lambda pushes (+), so F_cogging of this
+project is -Lambda. Values that are not reported are assumed and marked as such; the amplitudes are calibrated on the
+PID row and the pole radii on lambda* (studies.malaize2009.calibration). The observer row that follows is far better
+than the printed one; causes.py has what the controllers may not have known.
 """
 
 from __future__ import annotations
@@ -14,21 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    CoggingModel,
-    EncoderParameters,
-    ObserverBased,
-    ObserverBasedParameters,
-    Pid,
-    PidParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    SplineHarmonics,
-    closed_loop,
-)
+from cogging import _core, effects
+from cogging._core import CoggingModel, ObserverBased, Pid, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
@@ -54,31 +41,18 @@ CONTROLLERS = ("PID", "observer")
 
 @dataclass(frozen=True)
 class Motor:
-    """One motor of Table I.
+    """One motor of Table I."""
 
-    Attributes:
-        name: "ironcore" or "ironless".
-        periods: m (Table I).
-        shape: relative amplitudes, assumed; scaled to the PID's accuracy.
-        friction: m/s^2, assumed.
-        resolution: m, of the encoder, assumed.
-        velocity: m/s, top speed, assumed.
-        acceleration: m/s^2 (section V).
-        stroke: m, assumed.
-        accuracy: m, of PID and observer (Table I).
-        lambda_star: m/s^2 (Table I).
-    """
-
-    name: str
-    periods: tuple[float, ...]
-    shape: tuple[float, ...]
-    friction: float
-    resolution: float
-    velocity: float
-    acceleration: float
-    stroke: float
-    accuracy: tuple[float, float]
-    lambda_star: float
+    name: str  # "ironcore" or "ironless"
+    periods: tuple[float, ...]  # m (Table I)
+    shape: tuple[float, ...]  # relative amplitudes, assumed; scaled to the PID's accuracy
+    friction: float  # m/s^2, assumed
+    resolution: float  # m, of the encoder, assumed
+    velocity: float  # m/s, top speed, assumed
+    acceleration: float  # m/s^2 (section V)
+    stroke: float  # m, assumed
+    accuracy: tuple[float, float]  # m, of PID and observer (Table I)
+    lambda_star: float  # m/s^2 (Table I)
 
 
 MOTORS = {
@@ -111,29 +85,22 @@ MOTORS = {
 
 @dataclass(frozen=True)
 class Calibrated:
-    """What was calibrated for a motor.
+    """The calibrated values of a motor (gains.toml)."""
 
-    Attributes:
-        amplitude: m/s^2, of the first period; the others follow by Motor.shape.
-        pole_radius: r, 1/s.
-        lambda_star: m/s^2, that the design with this radius certifies when all lambda_n are equal.
-        observer_gain: K.
-    """
-
-    amplitude: float
-    pole_radius: float
-    lambda_star: float
-    observer_gain: tuple[float, ...]
+    amplitude: float  # m/s^2, of the first period; the others follow by Motor.shape
+    pole_radius: float  # r, 1/s
+    lambda_star: float  # m/s^2, that the design certifies when all lambda_n are equal
+    observer_gain: tuple[float, ...]  # K
 
 
 def shipped(motor: Motor) -> Calibrated:
-    """The calibrated values that come with the package (written by studies.malaize2009.calibration)."""
+    """Return the calibrated values that come with the package (by studies.malaize2009.calibration)."""
     part = shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]
-    return Calibrated(part["amplitude"], part["pole_radius"], part["lambda_star"], tuple(part["observer_gain"]))
+    return Calibrated(**{**part, "observer_gain": tuple(part["observer_gain"])})
 
 
 def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem:
-    """The observer's design problem for a motor."""
+    """Return the observer's design problem for a motor."""
     fields: dict[str, Any] = {
         "periods": list(motor.periods),
         "velocity_min": VELOCITY_RATIO * motor.velocity,
@@ -155,36 +122,33 @@ def plant(
     resolution: float | None = None,
     friction: float | None = None,
 ) -> Plant:
-    """The machine (1), (2): phases of one radian more for each period, exact dry friction, one sample of delay.
+    """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
 
-    Args:
-        motor: one of MOTORS.
-        amplitude: of the first period, m/s^2.
-        ripples: further ones that no controller knows: period (m), amplitude (m/s^2).
-        resolution: m; the motor's own when None.
-        friction: m/s^2; the motor's own when None.
+    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2);
+    resolution (m), friction (m/s^2): None for the motor's.
     """
     phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
     listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
     listed += [effects.CoggingHarmonic(period=period, sine=size) for period, size in ripples]
+    coulomb, travel = motor.friction if friction is None else friction, [-0.1, motor.stroke + 0.1]
     return Plant(
-        AxisParameters(
-            mass=1.0,
-            viscous=VISCOUS,
-            coulomb=motor.friction if friction is None else friction,
-            travel=[-0.1, motor.stroke + 0.1],
-        ),
+        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, travel=travel),
         cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
         effects=listed,
-        encoder=EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
+        encoder=_core.EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
     )
 
 
+def cogging_rms(motor: Motor, amplitude: float) -> float:
+    """Return the rms (m/s^2) of the cogging that the observer knows, by the amplitude of the first period."""
+    return amplitude * float(np.sqrt(0.5 * np.sum(np.square(motor.shape))))
+
+
 def reference(motor: Motor) -> PointToPoint:
-    """Strokes there and back at the motor's top speed and acceleration (Fig. 2: lengths and rests are assumed)."""
+    """Return strokes there and back at the motor's speed and acceleration (Fig. 2: lengths and rests are assumed)."""
     return PointToPoint(
-        PointToPointParameters(
+        _core.PointToPointParameters(
             distance=motor.stroke,
             velocity=motor.velocity,
             acceleration=motor.acceleration,
@@ -196,17 +160,19 @@ def reference(motor: Motor) -> PointToPoint:
 
 
 def pid(thrust: float = 1.0) -> ListedController:
-    """The PID: three equal poles, feedforward of mass and mu. thrust: by which the motor pushes more than believed."""
+    """Return the PID: three equal poles, feedforward of mass and mu; thrust: the motor's over the believed one."""
     kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
     return Pid(
-        PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd - thrust * VISCOUS, mass=thrust, viscous=thrust)
+        _core.PidParameters(
+            sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd - thrust * VISCOUS, mass=thrust, viscous=thrust
+        )
     )
 
 
 def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
-    """The observer (6) with law (8); stretch: by which its periods are wrong."""
+    """Return the observer (6) with law (8); stretch: its periods over the true ones."""
     return ObserverBased(
-        ObserverBasedParameters(
+        _core.ObserverBasedParameters(
             sample_rate=SAMPLE_RATE,
             periods=[stretch * period for period in motor.periods],
             observer_gain=list(gains.observer_gain),
@@ -221,24 +187,25 @@ def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: f
 
 
 def controllers(motor: Motor, gains: Calibrated, thrust: float = 1.0) -> dict[str, ListedController]:
-    """Return PID and observer of Table I; thrust: by which the motor pushes more than both assume."""
+    """Return PID and observer of Table I; thrust: the motor's over the one that both believe."""
     return {"PID": pid(thrust), "observer": observer(motor, gains, thrust=thrust)}
 
 
-def run(machine: Plant, controller: ListedController, motor: Motor) -> Log:
-    """Run a controller along the motor's strokes."""
-    return Log.of(closed_loop(machine, controller, reference(motor)))
+def run(machine: Plant, controller: ListedController, motor: Motor, *, strokes: int = 0) -> Log:
+    """Return the log of a controller along the motor's first strokes; 0: all."""
+    motion = reference(motor)
+    return Log.of(_core.closed_loop(machine, controller, motion, duration=0.5 * strokes * motion.period))
 
 
-def true_error(log: Log) -> Any:
-    """True position minus reference, m, (n,)."""
-    if log.true_position is None or log.reference is None:
-        raise ValueError("true_position: must be in the log, which has to be a simulated one")
+def true_error(log: Log) -> FloatArray:
+    """Return true position minus reference of a simulated log, m, (n,)."""
+    assert log.true_position is not None
+    assert log.reference is not None
     return log.true_position - log.reference
 
 
 def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:
-    """Max |x - x*| (m) after the first stroke, rest included; cold: of the first stroke itself."""
+    """Return max |x - x*| (m) after the first stroke, rest included; cold: of the first stroke itself."""
     first = log.time < 0.5 * reference(motor).period
     return float(np.abs(true_error(log)[first if cold else ~first]).max())
 
@@ -251,14 +218,10 @@ def batch_errors(
     strokes: int = 0,
     reduction: str = "true_error_max",
 ) -> FloatArray:
-    """Return `accuracy`, or the rms error, of each machine under its controller, m, (n,); infinite where it diverged.
+    """Return `accuracy`, or the rms error, of each machine under its controller, m, (n,); infinite if it diverged.
 
-    Args:
-        machines: each with a seed of its own for the encoder noise.
-        controllers: one for each machine.
-        motor: whose strokes are run.
-        strokes: how many, from the start; 0: all.
-        reduction: "true_error_max" or "true_error_rms".
+    The number of a machine is the seed of its encoder noise. strokes: how many, from the start; 0: all; reduction:
+    "true_error_max" or "true_error_rms".
     """
     period = reference(motor).period
     found = closed_loop_batch(
@@ -271,8 +234,3 @@ def batch_errors(
         reductions=[reduction],
     )
     return np.nan_to_num(found.indexes[reduction], nan=np.inf)
-
-
-def cogging_rms(motor: Motor, amplitude: float) -> float:
-    """rms (m/s^2) of the cogging that the observer knows; amplitude: of the first period, m/s^2."""
-    return amplitude * float(np.sqrt(0.5 * np.sum(np.square(motor.shape))))

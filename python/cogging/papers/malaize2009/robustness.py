@@ -1,35 +1,19 @@
-"""What Table I of Malaize and Levine 2009 hides: accuracies where something is not as believed; not in the paper."""
+"""Accuracies of Malaize and Levine 2009 where something is not as the controllers believe; not in the paper."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cogging import effects
 from cogging._core import Plant
 from cogging.arrays import FloatArray
-from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.compared import set_ticks
-from cogging.papers.malaize2009.linear_motors import (
-    CONTROLLERS,
-    MOTORS,
-    REPEATS,
-    Calibrated,
-    Motor,
-    batch_errors,
-    cogging_rms,
-    controllers,
-    observer,
-    pid,
-    plant,
-    reference,
-    run,
-    shipped,
-    true_error,
-)
+from cogging.papers.malaize2009 import linear_motors
+from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor, controllers, observer, plant, shipped
 from cogging.papers.result import Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, look, marker
@@ -38,25 +22,102 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
-FRICTION_WIDTHS = (0.0, 1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
-STRIBECK_EXCESS = 0.5  # of the dry friction, assumed
+FRICTION_WIDTHS = (1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
+STRIBECK_EXCESS, STRIBECK_VELOCITY = 0.5, 0.01  # of the dry friction, and m/s; assumed
 
 
-def ripple_ratio(motor: Motor, periods: Any, share: float = 0.04) -> Any:
-    """Observer's over PID's rms error of one unmodelled ripple by its period (m), without cogging or friction."""
+def rippled(motor: Motor, share: float) -> Plant:
+    """Return the machine with a ripple that no controller knows; share: its rms over the cogging's."""
+    amplitude = shipped(motor).amplitude
+    size = share * linear_motors.cogging_rms(motor, amplitude) * np.sqrt(2.0)
+    return plant(motor, amplitude, ripples=[(RIPPLE_PERIOD, size)])
+
+
+def with_friction(motor: Motor, width: float, excess: float = 0.0) -> Plant:
+    """Return the machine with friction that is smooth about rest over a width (m/s); 0: dry friction that sticks.
+
+    excess: of Stribeck friction at rest over the dry friction.
+    """
+    machine = plant(motor, shipped(motor).amplitude)
+    listed = list(machine.effects)
+    if excess:
+        listed.append(effects.StribeckFriction(static_excess=excess * motor.friction, velocity=STRIBECK_VELOCITY))
+    axis = machine.axis.replace(coulomb_width=width)
+    return Plant(axis, cogging=machine.cogging, effects=listed, encoder=machine.encoder)
+
+
+def largest_errors(
+    motor: Motor, cases: Sequence[tuple[Plant, Mapping[str, ListedController]]]
+) -> dict[str, FloatArray]:
+    """Return the accuracy (m) of each machine under its own PID and observer, (n,) each."""
+    machines = [machine for machine, _ in cases]
+    return {
+        name: linear_motors.batch_errors(machines, [laws[name] for _, laws in cases], motor) for name in CONTROLLERS
+    }
+
+
+def table_2() -> Table:
+    """Tabulate accuracies where something is not as believed; a note marks where the observer is worse than the PID."""
+    rows = []
+    for motor in MOTORS.values():
+        gains = shipped(motor)
+        amplitude, laws = gains.amplitude, controllers(motor, gains)
+        exact = plant(motor, amplitude)
+        machines = {"as believed": exact}
+        machines |= {f"ripple of {100 * share:.0f} % rms": rippled(motor, share) for share in (0.04, 0.20)}
+        for step in (motor.resolution, 10 * motor.resolution):
+            alone = plant(motor, amplitude, friction=0.0, resolution=step)
+            machines[f"quantiser of {1e9 * step:g} nm alone"] = alone
+        machines["encoder 10 times coarser"] = plant(motor, amplitude, resolution=10 * motor.resolution)
+        machines |= {f"friction {1e3 * width:g} mm/s wide": with_friction(motor, width) for width in FRICTION_WIDTHS}
+        machines["Stribeck friction that sticks"] = with_friction(motor, 0.0, STRIBECK_EXCESS)
+        machines["Stribeck friction 0.05 mm/s wide"] = with_friction(motor, 5e-5, STRIBECK_EXCESS)
+        cases = {name: (machine, laws) for name, machine in machines.items()}
+        for share in (0.005, 0.02):
+            cases[f"thrust + {100 * share:g} %"] = (exact, controllers(motor, gains, 1.0 + share))
+        stretched = observer(motor, gains, stretch=1.02)
+        cases["periods 2 % too long"] = (exact, {**laws, "observer": stretched})
+        errors = largest_errors(motor, list(cases.values()))
+        for case, *pair in zip(cases, *errors.values(), strict=True):
+            for name, error in zip(CONTROLLERS, pair, strict=True):
+                worse = name == "observer" and pair[1] > pair[0]
+                note = {"note": "worse than the PID"} if worse else {}
+                rows.append(explored(name, "accuracy", "m", error, motor=motor.name, case=case, **note))
+    return Table("imperfections", "What Table I hides: accuracy where something is not as believed", rows)
+
+
+def smooth_friction() -> Table:
+    """Tabulate the observer's largest error (m) in each stroke and the rest after it, by the width of the friction."""
+    rows = []
+    for motor in MOTORS.values():
+        half = 0.5 * linear_motors.reference(motor).period
+        for width in (0.0, 5e-5, 1e-3):
+            log = linear_motors.run(with_friction(motor, width), observer(motor, shipped(motor)), motor)
+            stroke, error = np.floor(log.time / half + 1e-9), np.abs(linear_motors.true_error(log))
+            for name, number in (("1st", 0), ("2nd", 1), ("3rd", 2), ("last", 2 * linear_motors.REPEATS - 1)):
+                largest, label = error[stroke == number].max(), f"{1e3 * width:g} mm/s"
+                rows.append(explored("observer", f"{name} stroke", "m", largest, motor=motor.name, width=label))
+    title = "Smooth dry friction, stroke by stroke: the largest |x - x*| of a stroke and the rest behind it"
+    return Table("smooth_friction", title, rows)
+
+
+def ripple_ratio(motor: Motor, periods: FloatArray) -> FloatArray:
+    """Return the observer's over the PID's rms error of one unknown ripple by its period (m), without any friction."""
     gains = shipped(motor)
-    size = share * gains.amplitude
-    machines = [plant(motor, 0.0, ripples=[(float(period), size)], resolution=0.0, friction=0.0) for period in periods]
-    rms = [
-        batch_errors(machines, [controller] * len(machines), motor, reduction="true_error_rms")
-        for controller in controllers(motor, gains).values()
+    machines = [
+        plant(motor, 0.0, ripples=[(period, 0.04 * gains.amplitude)], resolution=0.0, friction=0.0)
+        for period in periods.tolist()
     ]
-    return rms[1] / rms[0]
+    pid, own = (
+        linear_motors.batch_errors(machines, [law] * len(machines), motor, reduction="true_error_rms")
+        for law in controllers(motor, gains).values()
+    )
+    return own / pid
 
 
 @drawn
 def figure_ripple() -> Figure:
-    """The ratio observer / PID of the error that one unmodelled ripple makes, against its period."""
+    """Draw the ratio observer / PID of the error due to one unmodelled ripple, against its period."""
     figure = new_figure((8.0, 5.5))
     figure.suptitle("Unmodelled ripple: the observer's rms error over the PID's")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
@@ -72,146 +133,39 @@ def figure_ripple() -> Figure:
 
 @drawn
 def figure_robustness() -> Figure:
-    """The accuracies of PID and observer against what they do not know, each size alone."""
+    """Draw the accuracies of PID and observer against each unknown quantity alone, over assumed ranges."""
+    sweeps: dict[str, tuple[list[float], Callable[[Motor, float], Plant]]] = {
+        f"rms of a ripple of {1e3 * RIPPLE_PERIOD:g} mm (% of the cogging)": (
+            [0.5, 1, 2, 5, 10, 20, 50],
+            lambda motor, percent: rippled(motor, 0.01 * percent),
+        ),
+        "step of the encoder (nm)": (
+            [1, 3, 10, 30, 100, 300, 1000],
+            lambda motor, step: plant(motor, shipped(motor).amplitude, resolution=1e-9 * step),
+        ),
+        "width of the dry friction (mm/s)": (
+            [0.002, 0.01, 0.05, 0.2, 1, 5, 20],
+            lambda motor, width: with_friction(motor, 1e-3 * width),
+        ),
+    }
+    thrusts = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0]
     figure = new_figure((8.0, 10.0))
     figure.suptitle("Accuracy where something is not as believed; dotted: printed in Table I")
-    columns = [sweeps(motor, shipped(motor)) for motor in MOTORS.values()]
-    panels = figure.subplots(len(columns[0]), len(columns), sharey="col")
-    for motor, found, column in zip(MOTORS.values(), columns, panels.T, strict=True):
-        for axes, sweep in zip(column, found, strict=True):
-            for place, (name, printed) in enumerate(zip(CONTROLLERS, motor.accuracy, strict=True)):
-                axes.loglog(sweep.sizes, 1e6 * sweep.error[name], label=name, marker=marker(place), **look(place))
+    panels = figure.subplots(1 + len(sweeps), len(MOTORS), sharey="col")
+    for motor, column in zip(MOTORS.values(), panels.T, strict=True):
+        gains = shipped(motor)
+        exact, laws = plant(motor, gains.amplitude), controllers(motor, gains)
+        wrong = [(exact, controllers(motor, gains, 1.0 + 0.01 * thrust)) for thrust in thrusts]
+        found = {"thrust above what is believed (%)": (thrusts, largest_errors(motor, wrong))}
+        for name, (sizes, machine) in sweeps.items():
+            found[name] = (sizes, largest_errors(motor, [(machine(motor, size), laws) for size in sizes]))
+        for axes, (name, (sizes, errors)) in zip(column, found.items(), strict=True):
+            for place, (law, printed) in enumerate(zip(CONTROLLERS, motor.accuracy, strict=True)):
+                axes.loglog(sizes, 1e6 * errors[law], label=law, marker=marker(place), **look(place))
                 axes.axhline(1e6 * printed, **look(place) | {"linestyle": ":"}, linewidth=0.9)
-            axes.set(xlabel=sweep.name, ylabel="accuracy (µm)")
-            set_ticks(axes.xaxis, sweep.sizes.tolist())
+            axes.set(xlabel=name, ylabel="accuracy (µm)")
+            set_ticks(axes.xaxis, sizes)
             axes.yaxis.set_major_formatter("{x:g}")
         column[0].set_title(motor.name)
         legend(column[0])
     return figure
-
-
-def with_friction(machine: Plant, width: float, excess: float = 0.0, velocity: float = 0.01) -> Plant:
-    """The machine with its dry friction smooth about rest.
-
-    Args:
-        machine: of plant().
-        width: m/s; 0 is exact dry friction, which sticks.
-        excess: m/s^2, of Stribeck friction at rest over the dry one.
-        velocity: m/s, at which that excess has fallen to 1/e.
-    """
-    listed = list(machine.effects)
-    if excess:
-        listed.append(effects.StribeckFriction(static_excess=excess, velocity=velocity))
-    axis = machine.axis.replace(coulomb_width=width)
-    return Plant(axis, cogging=machine.cogging, effects=listed, encoder=machine.encoder, noise=machine.noise)
-
-
-def by_stroke(log: Log, motor: Motor) -> FloatArray:
-    """Max |x - x*| (m) of each stroke with the rest behind it, (strokes,)."""
-    half = 0.5 * reference(motor).period
-    stroke = np.floor(log.time / half + 1e-9).astype(int)
-    error = np.abs(true_error(log))
-    return np.array([error[stroke == each].max() for each in range(2 * REPEATS)])
-
-
-def largest_errors(
-    motor: Motor, machines: Sequence[Plant], controllers: Sequence[Mapping[str, ListedController]]
-) -> dict[str, FloatArray]:
-    """Return the accuracy (m) of each machine under its own PID and observer, (n,) each."""
-    return {name: batch_errors(machines, [pair[name] for pair in controllers], motor) for name in CONTROLLERS}
-
-
-def imperfections(motor: Motor, gains: Calibrated) -> dict[str, dict[str, float]]:
-    """Accuracies (m) of PID and observer where something is not as believed, by what it is."""
-    machines = machines_not_as_believed(motor, gains.amplitude)
-    cases = {name: (machine, controllers(motor, gains)) for name, machine in machines.items()}
-    exact = machines["as believed"]
-    for share in (0.005, 0.02):
-        cases[f"thrust + {100 * share:g} %"] = (exact, controllers(motor, gains, 1.0 + share))
-    cases["periods 2 % too long"] = (exact, {"PID": pid(), "observer": observer(motor, gains, stretch=1.02)})
-    errors = largest_errors(motor, *zip(*cases.values(), strict=True))
-    return {name: {each: float(errors[each][i]) for each in CONTROLLERS} for i, name in enumerate(cases)}
-
-
-def machines_not_as_believed(motor: Motor, amplitude: float) -> dict[str, Plant]:
-    """Machines that their controllers know nothing of, by what they have; amplitude: of the first period, m/s^2."""
-    rms = cogging_rms(motor, amplitude)
-    exact, excess = plant(motor, amplitude), STRIBECK_EXCESS * motor.friction
-    found = {"as believed": exact}
-    for share in (0.04, 0.20):
-        ripple = (RIPPLE_PERIOD, share * rms * np.sqrt(2.0))
-        found[f"ripple of {100 * share:.0f} % rms"] = plant(motor, amplitude, ripples=[ripple])
-    for times in (1, 10):
-        machine = plant(motor, amplitude, friction=0.0, resolution=times * motor.resolution)
-        found[f"quantiser of {1e9 * times * motor.resolution:g} nm alone"] = machine
-    found["encoder 10 times coarser"] = plant(motor, amplitude, resolution=10 * motor.resolution)
-    for width in FRICTION_WIDTHS[1:]:
-        found[f"friction {1e3 * width:g} mm/s wide"] = with_friction(exact, width)
-    found["Stribeck friction that sticks"] = with_friction(exact, 0.0, excess)
-    found["Stribeck friction 0.05 mm/s wide"] = with_friction(exact, 5e-5, excess)
-    return found
-
-
-def table_2() -> Table:
-    """What the first table hides; not in the paper. Where the observer is worse than the PID the label says so."""
-    rows = []
-    for motor in MOTORS.values():
-        for case, found in imperfections(motor, shipped(motor)).items():
-            worse = found["observer"] > found["PID"]
-            for name in CONTROLLERS:
-                label = {"motor": motor.name, "case": case}
-                if name == "observer" and worse:
-                    label["note"] = "worse than the PID"
-                rows.append(explored(name, "accuracy", "m", found[name], label))
-    return Table("imperfections", "What Table I hides: accuracy where something is not as believed", rows)
-
-
-def smooth_friction() -> Table:
-    """The observer's error stroke by stroke (m), by the width of the friction; not in the paper."""
-    rows = []
-    for motor in MOTORS.values():
-        gains = shipped(motor)
-        for width in (0.0, 5e-5, 1e-3):
-            machine = with_friction(plant(motor, gains.amplitude), width)
-            strokes = by_stroke(run(machine, observer(motor, gains), motor), motor)
-            label = {"motor": motor.name, "width": f"{1e3 * width:g} mm/s"}
-            for index, error in zip(("1st", "2nd", "3rd", "last"), strokes[[0, 1, 2, -1]], strict=True):
-                rows.append(explored("observer", f"{index} stroke", "m", error, label))
-    title = "Smooth dry friction, stroke by stroke: the largest |x - x*| of a stroke and the rest behind it"
-    return Table("smooth_friction", title, rows)
-
-
-class Sweep(NamedTuple):
-    """One thing that is not as believed: its name with a unit, sizes in that unit, and the accuracies by controller."""
-
-    name: str
-    sizes: FloatArray
-    error: dict[str, FloatArray]
-
-
-def sweeps(motor: Motor, gains: Calibrated) -> list[Sweep]:
-    """Thrust, an unmodelled ripple, the encoder's step and the width of the friction, each alone (assumed ranges)."""
-    exact = plant(motor, gains.amplitude)
-    rms = cogging_rms(motor, gains.amplitude)
-
-    def rippled(percent: float) -> Plant:
-        return plant(motor, gains.amplitude, ripples=[(RIPPLE_PERIOD, 0.01 * percent * rms * np.sqrt(2.0))])
-
-    def read_by(step: float) -> Plant:
-        return plant(motor, gains.amplitude, resolution=1e-9 * step)
-
-    def rubbed(width: float) -> Plant:
-        return with_friction(exact, 1e-3 * width)
-
-    thrusts = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0])
-    pairs = [controllers(motor, gains, float(factor)) for factor in 1.0 + 0.01 * thrusts]
-    found = [Sweep("thrust above what is believed (%)", thrusts, largest_errors(motor, [exact] * len(pairs), pairs))]
-    for name, sizes, machine in (
-        (f"rms of a ripple of {1e3 * RIPPLE_PERIOD:g} mm (% of the cogging)", [0.5, 1, 2, 5, 10, 20, 50], rippled),
-        ("step of the encoder (nm)", [1, 3, 10, 30, 100, 300, 1000], read_by),
-        ("width of the dry friction (mm/s)", [0.002, 0.01, 0.05, 0.2, 1, 5, 20], rubbed),
-    ):
-        machines = [machine(size) for size in sizes]
-        errors = largest_errors(motor, machines, [controllers(motor, gains)] * len(sizes))
-        found.append(Sweep(name, np.array(sizes, dtype=float), errors))
-    return found

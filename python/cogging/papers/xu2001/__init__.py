@@ -1,8 +1,8 @@
 """Xu and Yao 2001: output-feedback adaptive robust control and a PID on an epoxy-core linear motor (Table 1).
 
-Blocks that are never mixed: Table 1 under the joint conditions, *calibrated* on all its numbers but du_rms, beside the
-table before, whose plant is calibrated on the PID columns and whose ARC columns are *predicted* with everything as
-printed; what fits to a part of the numbers *predict* of the others; and what else was assumed and tried, *exploratory*.
+Parts that are never mixed: Table 1 under the joint conditions, *calibrated* on all its numbers but du_rms, beside the
+table before, whose plant is calibrated on the PID columns and whose ARC columns are *predicted* with all numbers as
+printed; what fits to a part of the numbers *predict* of the others; and other assumptions, *exploratory*.
 """
 
 from __future__ import annotations
@@ -10,62 +10,39 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cogging.papers.result import Reproduction
+from cogging.papers.xu2001 import epoxy_motor, fast_motion, robust_terms, sinusoidal_motion
 from cogging.papers.xu2001.backstepping import theorem_1_table
-from cogging.papers.xu2001.epoxy_motor import (
-    ALL,
-    CONTROLLERS,
-    HELD_OUT,
-    JOINT_FREE,
-    PID_FREE,
-    Conditions,
-    joint_conditions,
-    shipped_unknowns,
-)
-from cogging.papers.xu2001.fast_motion import fast_motion_table, figure_fast, figure_reference, run_fast
+from cogging.papers.xu2001.epoxy_motor import ALL, CONTROLLERS, HELD_OUT, JOINT_FREE, PID_FREE, Conditions
 from cogging.papers.xu2001.pid_poles import pid_poles_table
-from cogging.papers.xu2001.robust_terms import figure_increment, one_count_table, subsets_table
-from cogging.papers.xu2001.sinusoidal_motion import (
-    DU_RMS,
-    OF_SET,
-    conditions_table,
-    exploration_table,
-    explore,
-    explore_conditions,
-    figure_errors,
-    held_out_table,
-    joint_note,
-    seeds_table,
-    table_1,
-)
+
+DU_RMS = "du_rms = c_u u_rms by (54): derived and not counted. The paper prints it with one digit."
+#: The steps that reproduce() reports.
+STEPS = ("table 1", "figures 2 to 4", "figures 5, 6", "robust terms", "theorem 1, PID poles", "exploration")
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Table 1 and Figs. 2 to 6. `progress` is called with each of STEPS as it is done."""
-    unknowns = shipped_unknowns()
-    joint = joint_conditions()
-    before = table_1(Conditions(unknowns).table(), free=PID_FREE)
-    table = table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)
-    tables = [table, *map(held_out_table, HELD_OUT), seeds_table(joint), conditions_table()]
+    """Return Table 1, Figs. 2 to 6, and the claims; `progress` is called with each of STEPS."""
+    unknowns, joint = epoxy_motor.shipped_unknowns(), epoxy_motor.joint_conditions()
+    before = sinusoidal_motion.table_1(Conditions(unknowns).table(), free=PID_FREE)
+    table = sinusoidal_motion.table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)
+    tables = [table, *map(sinusoidal_motion.held_out_table, HELD_OUT)]
+    tables += [sinusoidal_motion.seeds_table(joint), sinusoidal_motion.conditions_table()]
     progress("table 1")
     logs = {name: joint.logs(name) for name in CONTROLLERS}
-    figures = {f"xu2001_fig{number}": figure_errors(logs, name) for name, (number, _, _) in OF_SET.items()}
+    figures = {
+        f"xu2001_fig{number}": sinusoidal_motion.figure_errors(logs, name)
+        for name, (number, _, _) in sinusoidal_motion.OF_SET.items()
+    }
     progress("figures 2 to 4")
-    figures["xu2001_fig5"] = figure_reference()
-    figures["xu2001_fig6"] = figure_fast(
-        run_fast(joint.unknowns, {name: joint.controller(name) for name in CONTROLLERS})
-    )
-    claims = [fast_motion_table(unknowns, {"joint": (joint.unknowns, joint.arc_parameters())})]
+    figures["xu2001_fig5"] = fast_motion.figure_reference()
+    figures["xu2001_fig6"] = fast_motion.figure_fast(fast_motion.run_fast(joint))
+    claims = [fast_motion.fast_motion_table(unknowns, joint)]
     progress("figures 5, 6")
-    claims += [one_count_table(), subsets_table(unknowns)]
-    figures["xu2001_increment"] = figure_increment()
+    claims += [robust_terms.one_count_table(), robust_terms.subsets_table(unknowns)]
+    figures["xu2001_increment"] = robust_terms.figure_increment()
     progress("robust terms")
     claims += [theorem_1_table(unknowns), pid_poles_table(unknowns)]
     progress("theorem 1, PID poles")
-    explored = {**explore(unknowns), **explore_conditions(unknowns, joint, logs["ARC"])}
+    tables.append(sinusoidal_motion.exploration_table(unknowns, joint, logs["ARC"]))
     progress("exploration")
-    tables.append(exploration_table(explored))
-    return Reproduction("xu2001", [*tables, *claims], figures, [joint_note(table), DU_RMS])
-
-
-#: The steps that reproduce() reports.
-STEPS = ("table 1", "figures 2 to 4", "figures 5, 6", "robust terms", "theorem 1, PID poles", "exploration")
+    return Reproduction("xu2001", [*tables, *claims], figures, [sinusoidal_motion.joint_note(table), DU_RMS])

@@ -1,103 +1,67 @@
-"""Theorem 1 of Xu and Yao 2001 and its Remark 3 in numbers: conditions, bound (51), the error that vanishes.
+"""Theorem 1 of Xu and Yao 2001 and its Remark 3 in numbers: conditions, bound (51), the vanishing error.
 
-z_1, z_2, phi_1, phi_2 and the gains (12) to (48) along a run are written a second time, in numpy over all rows of a
-log, because the core's controller does not expose its gains as it runs.
+z_1, z_2, phi_1, phi_2 and the gains (12) to (48) along a run are computed a second time, with numpy over all rows of a
+log, because the core's controller does not expose its gains while it runs.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
-    Plant,
-    closed_loop,
-    smooth_sign,
-)
+from cogging._core import AxisParameters, OutputFeedbackArc, OutputFeedbackArcParameters, Plant, smooth_sign
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.result import Row, Table, explored
-from cogging.papers.xu2001.epoxy_motor import (
-    DURATION,
-    MASSES,
-    SEED,
-    VISCOUS,
-    Unknowns,
-    arc_parameters,
-    plant,
-    reference,
-)
+from cogging.papers.result import Table, explored
+from cogging.papers.xu2001 import epoxy_motor
+from cogging.papers.xu2001.epoxy_motor import Unknowns, arc_parameters, reference
 from cogging.simulation.batch import closed_loop_batch
+from cogging.simulation.run import closed_loop
 
 WATCHED = (5.0, 50.0, 500.0)  # s: how long the error of B is watched
 FACTORS = (1.0, 1.4, 2.0)  # on the gains g_i, and under the epsilons, of Remark 3
-#: The machine (1/M, B/M, d_n/M), tone (m/s^2) and start (m) by which B and Remark 3 are shown; assumed.
+#: The machine (1/M, B/M, d_n/M), tone (m/s^2) and start (m) that show B and Remark 3; assumed.
 THETA, TONE, OFF = np.array([20.0, 5.0, 2.0]), 2.0, 5e-3
 
 
 @dataclass(frozen=True)
 class Backstepping:
-    """The two steps of the design along a run; arrays of one entry, or of three, a row.
+    """The two steps of the design along a run; one entry, or three, a row."""
 
-    Attributes:
-        time: s.
-        z_1, z_2: of the steps, m and V s (after 22, 25).
-        phi_1, phi_2: of the adaptation law (26), (45); (n, 3).
-        omega: of (39); (n, 3).
-        by_theta: d alpha_1 / d theta_hat; (n, 3).
-        by_position: d alpha_1 / d y.
-        gain_1: of -z_1 in theta_1min alpha_1s: k_1s with (37), (38).
-        gain_2: of -z_2 in u*_s: k_2s with (47).
-    """
-
-    time: FloatArray
-    z_1: FloatArray
-    z_2: FloatArray
-    phi_1: FloatArray
-    phi_2: FloatArray
-    omega: FloatArray
-    by_theta: FloatArray
-    by_position: FloatArray
-    gain_1: FloatArray
-    gain_2: FloatArray
+    time: FloatArray  # s
+    z_1: FloatArray  # m, of step 1 (after 22)
+    z_2: FloatArray  # V s, of step 2 (25)
+    phi_1: FloatArray  # of the adaptation law (26), (n, 3)
+    phi_2: FloatArray  # (45), (n, 3)
+    by_theta: FloatArray  # d alpha_1 / d theta_hat, (n, 3)
+    gain_1: FloatArray  # of -z_1 in theta_1min alpha_1s: k_1s with (37), (38)
+    gain_2: FloatArray  # of -z_2 in u*_s: k_2s with (47)
 
     def lyapunov(self, p: OutputFeedbackArcParameters) -> FloatArray:
-        """V_2 of (30), (41)."""
+        """Return V_2 of (30), (41)."""
         return 0.5 * (p.weight_1 * self.z_1**2 + p.weight_2 * self.z_2**2)
 
 
 def backstepping(log: Log, p: OutputFeedbackArcParameters) -> Backstepping:
-    """The steps of an ARC along a log of it, with the terms that its switches say.
-
-    Args:
-        log: with its reference and its estimates.
-        p: of the controller.
-    """
-    assert log.reference is not None
+    """Return the steps of an ARC along its log, which has reference and estimates."""
     assert log.reference_velocity is not None
     assert log.estimates is not None
-    origin = log.position[0]
-    y, z_1 = log.position - origin, log.position - log.reference
+    y = log.position - log.position[0]
     compensation = p.coulomb * np.asarray(smooth_sign(log.reference_velocity, p.coulomb_width))
     eta, lam, psi = (filtered(p, driven) for driven in (y, log.command - compensation, np.ones_like(y)))
-    return steps(p, log.time, z_1, y, eta, lam, psi, log.estimates, log.reference_velocity)
+    return steps(p, log.time, log.error, y, eta, lam, psi, log.estimates, log.reference_velocity)
 
 
 def filtered(p: OutputFeedbackArcParameters, driven: FloatArray) -> FloatArray:
-    """x' = A_0 x + e_2 input from rest (12), (18), the input held from row to row, exactly; (n, 2)."""
+    """Return x of x' = A_0 x + e_2 input from rest (12), (18), exact for an input held from row to row, (n, 2)."""
     from scipy.linalg import expm
 
     block = np.zeros((3, 3))
     block[:2] = [[-p.observer_gain_1, 1.0, 0.0], [-p.observer_gain_2, 0.0, 1.0]]
-    step = expm(block / p.sample_rate)
-    (a, b), (c, d) = step[:2, :2].tolist()
-    into_1, into_2 = step[:2, 2].tolist()
+    (a, b, into_1), (c, d, into_2), _ = expm(block / p.sample_rate).tolist()
     found, x_1, x_2 = [], 0.0, 0.0
     for value in driven.tolist():
         found.append((x_1, x_2))
@@ -116,7 +80,7 @@ def steps(
     theta: FloatArray,
     velocity: FloatArray,
 ) -> Backstepping:
-    """The steps from the states of the filters, (n, 2) each, and the estimates, (n, 3)."""
+    """Return the steps; eta, lam, psi: filter states, (n, 2); theta: estimates, (n, 3); velocity: the reference's."""
     k_1, k_2 = p.observer_gain_1, p.observer_gain_2
     xi_12, xi_22 = -k_2 * eta[:, 0], k_2 * (eta[:, 1] - k_1 * eta[:, 0])  # (17)
     model = -(xi_22 - theta[:, 1] * (xi_12 + y) + theta[:, 2] * psi[:, 1] - velocity) / theta[:, 0]  # (25)
@@ -136,16 +100,16 @@ def steps(
     phi_2 = -by_position[:, None] * omega  # (45)
     phi_2[:, 0] += p.weight_1 / p.weight_2 * z_1
     gain_2 = p.gain_2 + robust_2(p, by_theta, by_position, phi_2)
-    return Backstepping(time, z_1, z_2, phi_1, phi_2, omega, by_theta, by_position, gain_1, gain_2)
+    return Backstepping(time, z_1, z_2, phi_1, phi_2, by_theta, gain_1, gain_2)
 
 
 def theta_range_square(p: OutputFeedbackArcParameters) -> float:
-    """||theta_M||^2 of (32)."""
+    """Return ||theta_M||^2 of (32)."""
     return float(np.sum((np.array(p.theta_max) - np.array(p.theta_min)) ** 2))
 
 
 def weights_1(p: OutputFeedbackArcParameters) -> FloatArray:
-    """What phi_1^2 weighs in the gain of step 1, (3,): (28) and (37) with h_1 = ||theta_M||^2 ||phi_1||^2."""
+    """Return the weights of phi_1^2 in the gain of step 1, (3,): (28), (37) with h_1 = ||theta_M||^2 ||phi_1||^2."""
     found = np.zeros(3)
     if p.use_c_phi_1:
         found += (np.array(p.c_phi_1) * np.array(p.adaptation)) ** 2
@@ -157,7 +121,7 @@ def weights_1(p: OutputFeedbackArcParameters) -> FloatArray:
 def robust_2(
     p: OutputFeedbackArcParameters, by_theta: FloatArray, by_position: FloatArray, phi_2: FloatArray
 ) -> FloatArray:
-    """What stands beside g_2 in the gain of step 2: (43), (47) with h_2 = ||theta_M||^2 ||phi_2||^2."""
+    """Return the terms beside g_2 in the gain of step 2: (43), and (47) with h_2 = ||theta_M||^2 ||phi_2||^2."""
     found = np.zeros_like(by_position)
     if p.use_c_theta_2:
         found += np.sum((by_theta * np.array(p.c_theta_2)) ** 2, axis=1)
@@ -170,26 +134,20 @@ def robust_2(
     return p.robust_factor * found
 
 
-@dataclass(frozen=True)
-class Bound:
-    """(51): V_2(t) <= exp(-rate t) V_2(0) + final (1 - exp(-rate t)).
+class Bound(NamedTuple):
+    """(51): V_2(t) <= exp(-rate t) V_2(0) + final (1 - exp(-rate t))."""
 
-    Attributes:
-        rate: lambda_v = 2 min(g_1, g_2), 1/s.
-        final: (epsilon_21 + epsilon_22 delta_1^2) / lambda_v, the bound of V_2 in the end.
-    """
-
-    rate: float
-    final: float
+    rate: float  # lambda_v = 2 min(g_1, g_2), 1/s
+    final: float  # (epsilon_21 + epsilon_22 delta_1^2) / lambda_v, the bound of V_2 in the end
 
     def at(self, time: FloatArray, start: float) -> FloatArray:
-        """The bound over time (s) from V_2(0)."""
+        """Return the bound over time (s) from V_2(0)."""
         decay = np.exp(-self.rate * (time - time[0]))
         return np.asarray(decay * start + self.final * (1.0 - decay))
 
 
 def bound(p: OutputFeedbackArcParameters, delta_1: float) -> Bound:
-    """(51) for an estimation error |Delta_1| <= delta_1."""
+    """Return (51) for an estimation error |Delta_1| <= delta_1."""
     rate = 2.0 * min(p.gain_1, p.gain_2)
     epsilon_1 = p.weight_1 * p.epsilon_11 + p.weight_2 * p.epsilon_21
     epsilon_2 = p.weight_1 * p.epsilon_12 + p.weight_2 * p.epsilon_22
@@ -197,7 +155,7 @@ def bound(p: OutputFeedbackArcParameters, delta_1: float) -> Bound:
 
 
 def estimation_bound(p: OutputFeedbackArcParameters, size: float) -> float:
-    """(15), (16): the largest |eps_u2| under |d~| <= size: its response never changes sign, so size k_1 / k_2.
+    """Return the largest |eps_u2| of (15), (16) under |d~| <= size: size k_1 / k_2, as its response keeps its sign.
 
     That holds for real poles of A_0, k_1^2 >= 4 k_2, as the paper's.
     """
@@ -205,29 +163,28 @@ def estimation_bound(p: OutputFeedbackArcParameters, size: float) -> float:
 
 
 def condition_margin(p: OutputFeedbackArcParameters) -> tuple[float, float]:
-    """Smallest c_phikr^2 over w_k w_2 / (2 c_theta2r^2) for k = 1, 2: at least 1 where Theorem 1 asks for it."""
-    weights, ranges = (p.weight_1, p.weight_2), (p.c_phi_1, p.c_phi_2)
+    """Return the smallest c_phikr^2 over w_k w_2 / (2 c_theta2r^2) for k = 1, 2; Theorem 1 requires at least 1."""
     first, second = (
         min(c_phi**2 * 2.0 * c_theta**2 / (weight * p.weight_2) for c_phi, c_theta in zip(c, p.c_theta_2, strict=True))
-        for weight, c in zip(weights, ranges, strict=True)
+        for weight, c in ((p.weight_1, p.c_phi_1), (p.weight_2, p.c_phi_2))
     )
     return first, second
 
 
-def design_model(theta: FloatArray, size: float = 0.0, frequency: float = 30.0) -> Plant:
-    """The plant (6): 1/M, B/M, d_n/M, and d~ a tone of a size (m/s^2) and frequency (Hz); an ideal encoder."""
+def design_model(theta: FloatArray, size: float = 0.0) -> Plant:
+    """Return the plant (6) of 1/M, B/M, d_n/M, with d~ a tone of 30 Hz of a size (m/s^2), and an ideal encoder."""
     mass = 1.0 / theta[0]
     pushes: list[Any] = [effects.ConstantForce(force=theta[2] * mass)]
     if size > 0.0:
-        pushes.append(effects.DisturbanceTone(frequency=frequency, sine=size * mass))
+        pushes.append(effects.DisturbanceTone(frequency=30.0, sine=size * mass))
     return Plant(AxisParameters(mass=mass, viscous=theta[1] * mass, travel=[-1.0, 1.0]), effects=pushes)
 
 
 def run(
     p: OutputFeedbackArcParameters, machine: Plant, duration: float, start: float = 0.0, seed: int = 0
 ) -> tuple[Log, Backstepping]:
-    """A run of case 1 that starts off the reference (m), and the steps of the design along it."""
-    found = closed_loop(
+    """Run case 1 from a start off the reference (m); return the log and the steps of the design along it."""
+    log = closed_loop(
         machine,
         OutputFeedbackArc(p),
         reference(),
@@ -236,17 +193,14 @@ def run(
         initial_position=start,
         record_estimates=True,
     )
-    log = Log.of(found)
     return log, backstepping(log, p)
 
 
 def deterministic_law(factor: float = 1.0, **changes: Any) -> OutputFeedbackArcParameters:
-    """A law that meets (33), (35), (46) and can run at 200 kHz with an ideal encoder: no adaptation, as in Remark 3.
+    """Return a law without adaptation that meets (33), (35), (46) and can run at 200 kHz, as in Remark 3.
 
-    Bounds and epsilons are of our choice, milder than the printed; g_i times the factor, the epsilons over it.
+    Bounds and epsilons are assumed, milder than the printed; g_i times the factor, the epsilons over it.
     """
-    gains = {"gain_1": 60.0, "gain_2": 80.0}
-    epsilons = {"epsilon_11": 1e-3, "epsilon_12": 1e-3, "epsilon_21": 0.1, "epsilon_22": 0.1}
     fields: dict[str, Any] = {
         "sample_rate": 200_000.0,
         "coulomb": 0.0,
@@ -254,39 +208,34 @@ def deterministic_law(factor: float = 1.0, **changes: Any) -> OutputFeedbackArcP
         "theta_min": [15.0, 4.0, -3.0],
         "theta_max": [30.0, 8.0, 3.0],
         "adaptation": [0.0] * 3,
+        "gain_1": factor * 60.0,
+        "gain_2": factor * 80.0,
+        **dict.fromkeys(("epsilon_11", "epsilon_12"), 1e-3 / factor),
+        **dict.fromkeys(("epsilon_21", "epsilon_22"), 0.1 / factor),
         **dict.fromkeys(("use_alpha_1s2", "use_alpha_1s3", "use_u_s2", "use_u_s3"), True),
-        **{name: factor * gain for name, gain in gains.items()},
-        **{name: epsilon / factor for name, epsilon in epsilons.items()},
     }
     return arc_parameters(**{**fields, **changes})
 
 
-@dataclass(frozen=True)
-class Kept:
-    """How a run keeps to (51).
+class Kept(NamedTuple):
+    """How a run keeps to (51)."""
 
-    Attributes:
-        share: largest V_2(t) over the bound at t, after the start, where it is 1.
-        final: largest V_2 of the last half.
-        rise: largest of V_2' + lambda_v V_2 over what (A.5) allows it to be.
-    """
-
-    share: float
-    final: float
-    rise: float
+    share: float  # largest V_2(t) over the bound at t, after the start, where it is 1
+    final: float  # largest V_2 of the last half
+    rise: float  # largest of V_2' + lambda_v V_2 over the limit of (A.5)
 
 
 def kept(p: OutputFeedbackArcParameters, theta: FloatArray, size: float, start: float) -> Kept:
-    """V_2 along 0.1 s beside (51) and (A.5), from a start (m) off the reference, under a tone of a size (m/s^2)."""
+    """Compare V_2 along 0.1 s with (51) and (A.5), from a start (m) off the reference, with a tone (m/s^2)."""
     log, found = run(p, design_model(theta, size), 0.1, start)
-    v_2, of = found.lyapunov(p), bound(p, estimation_bound(p, size))
-    share = float(np.max((v_2 / of.at(log.time, v_2[0]))[1:]))
-    slope = np.diff(v_2) * p.sample_rate + of.rate * v_2[:-1]
-    return Kept(share, float(v_2[v_2.size // 2 :].max()), float(slope.max() / (of.rate * of.final)))
+    v_2, limit = found.lyapunov(p), bound(p, estimation_bound(p, size))
+    share = float(np.max((v_2 / limit.at(log.time, v_2[0]))[1:]))
+    slope = np.diff(v_2) * p.sample_rate + limit.rate * v_2[:-1]
+    return Kept(share, float(v_2[v_2.size // 2 :].max()), float(slope.max() / (limit.rate * limit.final)))
 
 
 def adaptive_lyapunov(p: OutputFeedbackArcParameters, theta: FloatArray, duration: float) -> FloatArray:
-    """V_theta of (A.7) along a run with parametric uncertainty only; epsilon is zero from rest."""
+    """Return V_theta of (A.7) along a run with parametric uncertainty only; epsilon is zero from rest."""
     log, found = run(p, design_model(theta), duration)
     assert log.estimates is not None
     off = log.estimates - theta
@@ -294,19 +243,18 @@ def adaptive_lyapunov(p: OutputFeedbackArcParameters, theta: FloatArray, duratio
 
 
 def conditions(unknowns: Unknowns, set_name: str) -> dict[str, float]:
-    """How far the executable reading, k_1s = g_1 and k_2s = g_2, keeps the conditions of the design along a run.
+    """Return how the executable gains, k_1s = g_1 and k_2s = g_2, meet the conditions of the design along a run.
 
     Returns:
         `k_1s_over_needed` and `k_2s_over_needed`: the smallest over (28), (43). `condition_33`, `condition_46`: the
         largest left side of condition i over epsilon_11, epsilon_21, met at or below 1. `v_2_over_bound`: the largest
-        V_2 over what (51) allows in the end with no estimation error at all.
+        V_2 over the limit of (51) in the end with no estimation error.
     """
     p, full = arc_parameters(), arc_parameters(use_c_phi_1=True, use_c_theta_2=True, use_c_phi_2=True)
-    log, found = run(p, plant(unknowns, set_name), DURATION, seed=SEED)
+    log, found = run(p, epoxy_motor.plant(unknowns, set_name), epoxy_motor.DURATION, seed=epoxy_motor.SEED)
     needed = backstepping(log, full)
     assert log.estimates is not None
-    mass = MASSES[set_name]
-    off = log.estimates - np.array([1.0, VISCOUS, unknowns.offset]) / mass
+    off = log.estimates - np.array([1.0, epoxy_motor.VISCOUS, unknowns.offset]) / epoxy_motor.MASSES[set_name]
     first, second = (
         float(np.max(-z * np.sum(off * phi, axis=1))) for z, phi in ((found.z_1, found.phi_1), (found.z_2, found.phi_2))
     )
@@ -319,35 +267,28 @@ def conditions(unknowns: Unknowns, set_name: str) -> dict[str, float]:
     }
 
 
-def vanishing_errors(adaptation: bool = True) -> dict[float, float]:
-    """B: the largest error (m) in the last 2 s by how long it has run (s), on the design model, printed gains g_i."""
-    changes: dict[str, Any] = {} if adaptation else {"adaptation": [0.0] * 3}
+def vanishing_errors(**changes: Any) -> dict[float, float]:
+    """Return the largest error (m) in the last 2 s by duration (s) on the design model with the printed gains g_i."""
     controller, machine = OutputFeedbackArc(arc_parameters(coulomb=0.0, **changes)), design_model(THETA)
-    return {
-        duration: float(
-            closed_loop_batch([machine], [controller], reference(), duration=duration).indexes["error_final_max"][0]
-        )
-        for duration in WATCHED
-    }
+    runs = {time: closed_loop_batch([machine], [controller], reference(), duration=time) for time in WATCHED}
+    return {time: float(batch.indexes["error_final_max"][0]) for time, batch in runs.items()}
 
 
 def theorem_1_table(unknowns: Unknowns) -> Table:
-    """The conditions of Theorem 1 with the printed and the executable gains, Remark 3 and B."""
-    rows: list[Row] = []
-
-    def row(name: str, index: str, unit: str, value: float, **labels: str) -> None:
-        rows.append(explored(name, index, unit, value, labels))
-
-    for step, margin in zip(("1", "2"), condition_margin(arc_parameters()), strict=True):
-        row("printed gains", "c_phi_margin", "1", margin, k=step)
+    """Tabulate the conditions of Theorem 1 with the printed and the executable gains, Remark 3 and B."""
+    rows = [
+        explored("printed gains", "c_phi_margin", "1", margin, k=str(step))
+        for step, margin in enumerate(condition_margin(arc_parameters()), start=1)
+    ]
     for set_name in ("1", "2"):
         for index, value in conditions(unknowns, set_name).items():
-            row("ARC", index, "1", value, set=set_name)
+            rows.append(explored("ARC", index, "1", value, set=set_name))
     for factor in FACTORS:
-        p = deterministic_law(factor)
-        row("deterministic", "v_2_bound", "m^2", bound(p, estimation_bound(p, TONE)).final, factor=f"{factor:g}")
-        row("deterministic", "v_2_final", "m^2", kept(p, THETA, TONE, OFF).final, factor=f"{factor:g}")
-    for name, adaptation in (("ARC", True), ("ARC, no adaptation", False)):
-        for duration, error in vanishing_errors(adaptation).items():
-            row(name, "e_F", "m", error, after=f"{duration:g} s")
+        p, label = deterministic_law(factor), f"{factor:g}"
+        limit = bound(p, estimation_bound(p, TONE)).final
+        rows.append(explored("deterministic", "v_2_bound", "m^2", limit, factor=label))
+        rows.append(explored("deterministic", "v_2_final", "m^2", kept(p, THETA, TONE, OFF).final, factor=label))
+    for name, changes in (("ARC", {}), ("ARC, no adaptation", {"adaptation": [0.0] * 3})):
+        for duration, error in vanishing_errors(**changes).items():
+            rows.append(explored(name, "e_F", "m", error, after=f"{duration:g} s"))
     return Table("theorem_1", "Theorem 1 and Remark 3: conditions, bound (51), the error that vanishes", rows)

@@ -1,8 +1,8 @@
 """The setup of Xu and Yao 2001: printed numbers, plant, controllers, references and indexes of Table 1.
 
-Sources are cited as (Table 1), (eq. n), (section). What the paper does not report is calibrated
-(studies.xu2001.calibration): the plant on the PID columns; plant, the adaptation's scale and what the ARC knew before
-on all columns.
+Sources are cited as (Table 1), (eq. n), (section). Values that the paper does not report are calibrated
+(studies.xu2001.calibration): the plant on the PID columns; plant, scale of the adaptation rates and previous knowledge
+of the ARC on all columns.
 """
 
 from __future__ import annotations
@@ -13,23 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    DivergedError,
-    EncoderParameters,
-    FilteredSine,
-    FilteredSineParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
-    Pid,
-    PidParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    closed_loop,
-    performance,
-)
+from cogging import _core, effects
+from cogging._core import FilteredSine, OutputFeedbackArc, OutputFeedbackArcParameters, Pid, PidParameters, Plant
 from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
@@ -45,10 +30,11 @@ VISCOUS = 2.73 / 10.0  # V/(m/s): theta_2 / theta_1 of (52); assumed without pay
 MASSES = {"1": 1.0 / 37.0, "2": 1.0 / 10.0, "3": 1.0 / 37.0}  # V/(m/s^2) (sections 4.1, 4.3)
 DISTURBANCE = (0.5, 2.2, 7.2)  # V, s, s: set 3 (section 4.3)
 PID_POLE, PID_MASS = -300.0, 0.02  # 1/s, V/(m/s^2): three poles (section 4.3)
+PERIOD = np.pi / 2.0  # s, of the sine of case 1
 DURATION = 10.0  # s: T_f, not reported; the rms commands of the PID give 9.6 to 10.6
 FINAL_WINDOW = 2.0  # s (section 4.2)
 TRAVEL = (-0.3, 0.5)  # m: not reported, no run comes near its ends
-SEED = 2001  # of the encoder noise of a run that is drawn
+SEED = 2001  # of the encoder noise of a run in a figure
 SEEDS = tuple(range(SEED, SEED + 8))  # Table 1 is fitted and shown as the mean over these
 
 SETS = ("1", "2", "3")
@@ -71,7 +57,7 @@ TABLE_1: dict[str, dict[str, tuple[float, ...]]] = {
     },
 }
 
-#: Models of the plant: what each holds fixed; 0 takes an effect away. A model is nested in those that fix less.
+#: Models of the plant and their fixed values; 0 removes an effect. A model is nested in those that fix less.
 LAWS: dict[str, dict[str, float]] = {
     "smooth_stribeck": {},
     "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
@@ -80,52 +66,46 @@ LAWS: dict[str, dict[str, float]] = {
     "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
 }
 JOINT_LAW = "smooth_coulomb_without_offset"
-#: Which numbers of Table 1 a fit takes: sets by controller.
+#: The numbers of Table 1 that a fit uses: sets by controller; those of a held-out fit, which predicts the others.
 PID: Mapping[str, Sequence[str]] = {"PID": SETS}
 ALL: Mapping[str, Sequence[str]] = {"PID": SETS, "ARC": SETS}
-#: Which numbers take part in a held-out fit; the others are predicted.
 HELD_OUT: dict[str, Mapping[str, Sequence[str]]] = {
     "set_2": {"PID": ("1", "3"), "ARC": ("1", "3")},
     "arc_sets_2_3": {"PID": SETS, "ARC": ("1",)},
 }
-PERIOD = np.pi / 2.0  # s, of the sine of case 1
-#: du_rms = c_u u_rms is printed to one digit and takes no part.
+#: The fitted indexes: du_rms = c_u u_rms is printed to one digit.
 FITTED = ("e_M", "e_F", "e_rms", "u_rms", "c_u")
 
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What the paper does not report of the plant; calibrated on the PID columns.
+    """Properties of the plant that the paper does not report; calibrated."""
 
-    Attributes:
-        coulomb, coulomb_width: V, m/s; width 0 = sgn with sticking.
-        static_excess, stribeck_velocity: V, m/s; (3) with exponent 2.
-        offset: V, a constant force.
-        delay: s, from reading to acting command.
-        encoder_noise: m rms.
-        ripple, ripple_period: V, m, one spatial harmonic.
-    """
+    coulomb: float  # V
+    coulomb_width: float  # m/s; 0 = sgn with sticking
+    static_excess: float  # V, (3) with exponent 2
+    stribeck_velocity: float  # m/s
+    offset: float  # V, a constant force
+    delay: float  # s, from reading to acting command
+    encoder_noise: float  # m rms
+    ripple: float  # V, of one spatial harmonic
+    ripple_period: float  # m
 
-    coulomb: float
-    coulomb_width: float
-    static_excess: float
-    stribeck_velocity: float
-    offset: float
-    delay: float
-    encoder_noise: float
-    ripple: float
-    ripple_period: float
+
+#: Free parameters of the fits to the PID's numbers and to all; earlier_runs is chosen among 0 to 3.
+PID_FREE = tuple(Unknowns.__dataclass_fields__)
+JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
 
 
 def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
-    """The calibrated unknowns that come with the package, by friction law."""
-    return Unknowns(**shipped_toml("cogging.papers.xu2001", "plant.toml")[law]["unknowns"])
+    """Return the unknowns calibrated on the PID columns, by friction law."""
+    return Unknowns(**shipped_file()[law]["unknowns"])
 
 
 def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
-    """The machine of a set: payload in set 2, the 0.5 V step in set 3."""
+    """Return the machine of a set: payload in set 2, the 0.5 V step in set 3."""
     coulomb, width = unknowns.coulomb, unknowns.coulomb_width
-    axis = AxisParameters(
+    axis = _core.AxisParameters(
         mass=MASSES[set_name], viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL)
     )
     listed: list[Any] = [
@@ -134,18 +114,17 @@ def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
         effects.CoggingHarmonic(period=unknowns.ripple_period, sine=unknowns.ripple),
     ]
     if unknowns.static_excess > 0.0:
-        listed.append(
-            effects.StribeckFriction(static_excess=unknowns.static_excess, velocity=unknowns.stribeck_velocity)
-        )
+        friction = {"static_excess": unknowns.static_excess, "velocity": unknowns.stribeck_velocity}
+        listed.append(effects.StribeckFriction(**friction))
     if set_name == "3":
         force, start, stop = DISTURBANCE
         listed.append(effects.DisturbanceStep(force=force, start=start, stop=stop))
-    encoder = EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise)
+    encoder = _core.EncoderParameters(resolution=RESOLUTION, noise=unknowns.encoder_noise)
     return Plant(axis.replace(**axis_changes), effects=listed, encoder=encoder)
 
 
 def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
-    """The PID (57): three equal poles for M_min = 0.02, feedforward M(0) = 0.05, B(0) = 0.24, measured velocity."""
+    """Return the PID (57): three equal poles for M_min = 0.02; M(0) = 0.05, B(0) = 0.24, of the measured velocity."""
     kp, ki, kd = pid_gains([pole] * 3, PID_MASS)
     printed = PidParameters(
         sample_rate=SAMPLE_RATE,
@@ -162,9 +141,9 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
-    """The ARC with every printed number (section 4.3), robust terms off: k_1s = g_1, k_2s = g_2.
+    """Return the ARC with every printed number (section 4.3), without robust terms: k_1s = g_1, k_2s = g_2.
 
-    With the printed robust terms one encoder count moves the command by 8.25e5 V once the filters have settled
+    With the printed robust terms one encoder count moves the command by 8.25e5 V after the filters have settled
     (robust_terms.py), so they cannot have run; the conditions of Theorem 1 A are then not met.
     """
     fields = {
@@ -193,34 +172,28 @@ def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
 
 
 def reference() -> FilteredSine:
-    """Case 1: 0.05 sin(4 t) through the generator (58) with beta_1 = 100, beta_2 = 2500."""
+    """Return case 1: 0.05 sin(4 t) through the generator (58) with beta_1 = 100, beta_2 = 2500."""
     return FilteredSine(
-        FilteredSineParameters(amplitude=0.05, frequency=4.0 / (2.0 * np.pi), beta_1=100.0, beta_2=2500.0)
+        _core.FilteredSineParameters(amplitude=0.05, frequency=4.0 / (2.0 * np.pi), beta_1=100.0, beta_2=2500.0)
     )
 
 
-def fast_reference() -> PointToPoint:
-    """Case 2: 1 m/s and 12 m/s^2 back and forth; stroke 0.4 m, dwell 0.5 s and no jerk limit are assumed."""
-    return PointToPoint(PointToPointParameters(distance=0.4, velocity=1.0, acceleration=12.0, dwell=0.5, repeats=3))
+def fast_reference() -> _core.PointToPoint:
+    """Return case 2: 1 m/s and 12 m/s^2 back and forth; stroke 0.4 m, dwell 0.5 s and no jerk limit are assumed."""
+    return _core.PointToPoint(
+        _core.PointToPointParameters(distance=0.4, velocity=1.0, acceleration=12.0, dwell=0.5, repeats=3)
+    )
 
 
 def indexes(log: Log) -> dict[str, float]:
-    """The six indexes of section 4.2, of the encoder reading minus the reference and of the whole command."""
-    found = performance(log.time, log.error, log.command, final_window=FINAL_WINDOW)
+    """Return the six indexes of section 4.2, of the encoder reading minus the reference and of the whole command."""
+    found = _core.performance(log.time, log.error, log.command, final_window=FINAL_WINDOW)
     return dict(zip(INDEXES, (getattr(found, name) for name in CORE_INDEXES), strict=True))
 
 
-def run(
-    unknowns: Unknowns,
-    controller: ListedController,
-    *,
-    seed: int = SEED,
-    axis_changes: Mapping[str, Any] | None = None,
-    sets: Sequence[str] = SETS,
-    earlier_runs: int = 0,
-) -> dict[str, Log]:
-    """Run one controller through sets of case 1, each behind so many earlier runs of the same set."""
-    machines = [plant(unknowns, name, **(axis_changes or {})) for name in sets]
+def run(unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, earlier_runs: int = 0) -> dict[str, Log]:
+    """Return the logs of a controller in the sets of case 1, each after some earlier runs of the same set."""
+    machines = [plant(unknowns, name) for name in SETS]
     batch = closed_loop_batch(
         machines,
         [after_earlier_runs(machine, controller, earlier_runs, seed) for machine in machines],
@@ -229,49 +202,21 @@ def run(
         seeds=[seed] * len(machines),
         logs=True,
     )
-    return dict(zip(sets, batch, strict=True))
-
-
-def indexes_by_seed(
-    unknowns: Unknowns,
-    controller: ListedController,
-    *,
-    seeds: Sequence[int] = SEEDS,
-    sets: Sequence[str] = SETS,
-    earlier_runs: int = 0,
-) -> FloatArray:
-    """The six indexes by set, seed of the encoder noise and index, (sets, seeds, 6); all seeds share the earlier runs.
-
-    Raises:
-        DivergedError: a run diverged.
-    """
-    machines = [plant(unknowns, name) for name in sets]
-    prepared = [after_earlier_runs(machine, controller, earlier_runs, seeds[0]) for machine in machines]
-    batch = closed_loop_batch(
-        [machine for machine in machines for _ in seeds],
-        [each for each in prepared for _ in seeds],
-        reference(),
-        duration=DURATION,
-        seeds=list(seeds) * len(sets),
-        final_window=FINAL_WINDOW,
-    )
-    if batch.failures:
-        raise DivergedError(batch.failures[0].reason)
-    return np.stack([batch.indexes[name] for name in CORE_INDEXES], axis=-1).reshape(len(sets), len(seeds), -1)
+    return dict(zip(SETS, batch, strict=True))
 
 
 def after_earlier_runs(machine: Plant, controller: ListedController, earlier_runs: int, seed: int) -> ListedController:
-    """The controller with which the next run begins behind so many of the same machine; a PID as it is.
+    """Return the controller at the start of the run after some runs of the same machine; a PID is unchanged.
 
-    Of each run the next one keeps the estimates of theta_1 and theta_2, which belong to the motor and its payload; the
-    constant theta_3 and the filters begin anew. Assumed: the paper prints theta_hat(0) = [30, 10, 0] and does not say
-    whether each recorded run began with it.
+    From each run the next one keeps the estimates of theta_1 and theta_2, which belong to the motor and its payload;
+    theta_3 and the filters start again. Assumed: the paper prints theta_hat(0) = [30, 10, 0] and does not say whether
+    each recorded run began with it.
     """
     if not isinstance(controller, OutputFeedbackArc):
         return controller
     first = controller.parameters
     for number in range(earlier_runs):
-        columns = closed_loop(
+        columns = _core.closed_loop(
             machine, controller, reference(), duration=DURATION, seed=seed - 1 - number, record_estimates=True
         )
         theta_1, theta_2, _ = columns["estimates"][-1]
@@ -279,67 +224,65 @@ def after_earlier_runs(machine: Plant, controller: ListedController, earlier_run
     return controller
 
 
-#: What the fits vary: to the PID's numbers, and to all; earlier_runs is chosen among 0 to 3.
-PID_FREE = tuple(Unknowns.__dataclass_fields__)
-JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
-
-
 @dataclass(frozen=True)
 class Conditions:
-    """One set of unreported conditions.
-
-    Attributes:
-        unknowns: of the plant.
-        adaptation_factor: on the printed rates Gamma (section 4.3); 1 = as printed.
-        earlier_runs: of the same set, from which the ARC keeps theta_1 and theta_2 (setup.after_earlier_runs);
-            0 = each set begins with the printed theta_hat(0).
-        changes: further numbers of the ARC that are not as printed, by field.
-    """
+    """One set of unreported conditions."""
 
     unknowns: Unknowns
-    adaptation_factor: float = 1.0
-    earlier_runs: int = 0
-    changes: Mapping[str, Any] = field(default_factory=dict)
+    adaptation_factor: float = 1.0  # on the printed rates Gamma (section 4.3)
+    earlier_runs: int = 0  # of the same set, from which the ARC keeps theta_1 and theta_2; 0 = the printed theta_hat(0)
+    changes: Mapping[str, Any] = field(default_factory=dict)  # of further printed numbers of the ARC
 
     def arc_parameters(self) -> OutputFeedbackArcParameters:
-        """The ARC of the first of the runs."""
+        """Return the ARC of the first of the runs."""
         printed = arc_parameters()
         fields = {"adaptation": [self.adaptation_factor * rate for rate in printed.adaptation]}
         return printed.replace(**{**fields, **self.changes})
 
     def controller(self, name: str) -> ListedController:
-        """A controller of Table 1, as it begins the first of the runs."""
+        """Return a controller of Table 1 at the start of the first of the runs."""
         return Pid(pid_parameters()) if name == "PID" else OutputFeedbackArc(self.arc_parameters())
 
     def logs(self, controller: str, seed: int = SEED) -> dict[str, Log]:
-        """The recorded runs of a controller of Table 1, by set."""
+        """Return the recorded runs of a controller of Table 1, by set."""
         return run(self.unknowns, self.controller(controller), seed=seed, earlier_runs=self.earlier_runs)
 
     def by_seed(self, controller: str, sets: Sequence[str] = SETS, seeds: Sequence[int] = SEEDS) -> FloatArray:
-        """The indexes of a controller of Table 1 by set, seed of the encoder noise and index, (sets, seeds, 6)."""
-        made, runs = self.controller(controller), self.earlier_runs
-        return indexes_by_seed(self.unknowns, made, seeds=seeds, sets=sets, earlier_runs=runs)
+        """Return the indexes of a controller by set, seed of the encoder noise and index, (sets, seeds, 6).
+
+        All seeds share the earlier runs. Raises DivergedError if a run diverged.
+        """
+        machines = [plant(self.unknowns, name) for name in sets]
+        made = self.controller(controller)
+        prepared = [after_earlier_runs(machine, made, self.earlier_runs, seeds[0]) for machine in machines]
+        batch = closed_loop_batch(
+            [machine for machine in machines for _ in seeds],
+            [each for each in prepared for _ in seeds],
+            reference(),
+            duration=DURATION,
+            seeds=list(seeds) * len(sets),
+            final_window=FINAL_WINDOW,
+        )
+        if batch.failures:
+            raise _core.DivergedError(batch.failures[0].reason)
+        return np.stack([batch.indexes[name] for name in CORE_INDEXES], axis=-1).reshape(len(sets), len(seeds), -1)
 
     def table(self) -> dict[str, FloatArray]:
-        """The means of the indexes over SEEDS by controller, (3, 6)."""
+        """Return the means of the indexes over SEEDS by controller, (3, 6)."""
         return {controller: self.by_seed(controller).mean(axis=1) for controller in CONTROLLERS}
 
 
 def shipped_file() -> dict[str, Any]:
-    """What plant.toml holds."""
+    """Return the content of plant.toml (by studies.xu2001.calibration)."""
     return shipped_toml("cogging.papers.xu2001", "plant.toml")
 
 
 def conditions_of(part: Mapping[str, Any]) -> Conditions:
-    """The conditions that a part of plant.toml states."""
-    return Conditions(
-        Unknowns(**part["unknowns"]),
-        part.get("adaptation_factor", 1.0),
-        part.get("earlier_runs", 0),
-        part.get("changes", {}),
-    )
+    """Return the conditions that a part of plant.toml states."""
+    fields = {name: part[name] for name in ("adaptation_factor", "earlier_runs", "changes") if name in part}
+    return Conditions(Unknowns(**part["unknowns"]), **fields)
 
 
-def joint_conditions(law: str = JOINT_LAW) -> Conditions:
-    """The conditions that are fitted to all numbers of Table 1, by friction law: those of the reproduced table."""
-    return conditions_of(shipped_file()["joint"][law])
+def joint_conditions() -> Conditions:
+    """Return the conditions fitted to all numbers of Table 1: those of the reproduced table."""
+    return conditions_of(shipped_file()["joint"][JOINT_LAW])

@@ -1,15 +1,14 @@
-"""The PID with its poles at -320 of Xu and Yao 2001 (section 4.3): unstable in their experiments, and what makes it so.
+"""The PID with its poles at -320 of Xu and Yao 2001 (section 4.3): unstable in their experiments, and possible causes.
 
-On a rigid axis with the calibrated delay both -300 and -320 are stable. Two things that the paper does not report
-would make the one stable and the other not: a longer delay, or a structural mode (`effects.FlexibleMode`).
+On a rigid axis with the calibrated delay both -300 and -320 are stable. Two properties that the paper does not report
+would make only -320 unstable: a longer delay, or a structural mode (`effects.FlexibleMode`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Any
 
 import numpy as np
 
@@ -19,61 +18,40 @@ from cogging.arrays import FloatArray
 from cogging.design.linear_plant import held, linear_plant
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
-from cogging.papers.result import Row, Table, explored
-from cogging.papers.xu2001.epoxy_motor import (
-    DURATION,
-    FRICTION_LEVEL,
-    FRICTION_WIDTH,
-    MASSES,
-    SAMPLE_RATE,
-    SEED,
-    VISCOUS,
-    Unknowns,
-    arc_parameters,
-    pid_parameters,
-    plant,
-    reference,
-)
+from cogging.papers.result import Table, explored
+from cogging.papers.xu2001 import epoxy_motor
+from cogging.papers.xu2001.epoxy_motor import MASSES, SAMPLE_RATE, Unknowns, pid_parameters
 from cogging.simulation.batch import closed_loop_batch
 
 POLES = (-300.0, -320.0)  # 1/s: of Table 1, and those that the paper found unstable (section 4.3)
 DAMPING = 0.01  # of the mode, assumed
-FREQUENCIES = (250.0, 300.0, 400.0)  # Hz: modes that are looked at
+FREQUENCIES = (250.0, 300.0, 400.0)  # Hz: possible modes
 SIMULATED = 300.0  # Hz: the mode that is simulated
 BELOW = 0.995  # of the load that makes -300 unstable: the load that is simulated
 
 
 @dataclass(frozen=True)
 class Loop:
-    """The PID (57) about a speed on an axis with a delay and, where its load is above 0, a mode.
+    """The PID (57) about a speed on an axis with a delay and, if its load is above 0, a mode."""
 
-    Attributes:
-        pole: 1/s, all three.
-        mass: V/(m/s^2).
-        delay: s, from reading to acting command.
-        frequency, mass_ratio: Hz and load over total, of the mode.
-        at_rest: friction and its compensation have the slope of rest; otherwise that of motion, none.
-    """
-
-    pole: float
-    mass: float
-    delay: float
-    frequency: float = 0.0
-    mass_ratio: float = 0.0
-    at_rest: bool = False
+    pole: float  # 1/s, all three
+    mass: float  # V/(m/s^2)
+    delay: float  # s, from reading to acting command
+    frequency: float = 0.0  # Hz, of the mode
+    mass_ratio: float = 0.0  # load over total
+    at_rest: bool = False  # friction and its compensation have the slope of rest; otherwise that of motion, none
 
     def radius(self) -> float:
-        """Largest size of the eigenvalues from sample to sample, exact for a held command; above 1 it is unstable."""
+        """Return the largest |eigenvalue| from sample to sample, exact for a held command; above 1 it is unstable."""
         return float(np.abs(np.linalg.eigvals(self._transition())).max())
 
     def _transition(self) -> FloatArray:
-        """Of the states: the axis, the commands that still act, the error before, the sum of the errors."""
-        friction = FRICTION_LEVEL * float(smooth_sign(1e-9, FRICTION_WIDTH)) / 1e-9 if self.at_rest else 0.0
-        axis = AxisParameters(mass=self.mass, viscous=VISCOUS + friction)
-        machine = held(
-            linear_plant(Model(axis, effects=[effects.CommandDelay(delay=self.delay), *self.modes()])),
-            1.0 / SAMPLE_RATE,
-        )
+        """Return the transition of the axis, the commands that still act, the previous error, the sum of the errors."""
+        slope = epoxy_motor.FRICTION_LEVEL * float(smooth_sign(1e-9, epoxy_motor.FRICTION_WIDTH)) / 1e-9
+        friction = slope if self.at_rest else 0.0
+        axis = AxisParameters(mass=self.mass, viscous=epoxy_motor.VISCOUS + friction)
+        model = Model(axis, effects=[effects.CommandDelay(delay=self.delay), *self.modes()])
+        machine = held(linear_plant(model), 1.0 / SAMPLE_RATE)
         p = pid_parameters(pole=self.pole)
         rate = (p.kd - p.viscous - friction) * SAMPLE_RATE
         states, late = machine.transition.shape[0], machine.whole + 1
@@ -93,19 +71,14 @@ class Loop:
         return step
 
     def modes(self) -> list[effects.FlexibleMode]:
-        """The mode as an effect of a plant; empty where there is none."""
+        """Return the mode as an effect of a plant; empty if there is none."""
         if self.mass_ratio == 0.0:
             return []
         return [effects.FlexibleMode(frequency=self.frequency, damping_ratio=DAMPING, mass_ratio=self.mass_ratio)]
 
 
 def edge(radius: Callable[[float], float], values: Sequence[float]) -> float:
-    """Where the first of rising values makes a loop unstable; NaN where none does.
-
-    Args:
-        radius: of the loop, by value.
-        values: rising, coarse; the first is stable.
-    """
+    """Return the value at which a loop becomes unstable, within rising coarse values from a stable one; NaN: none."""
     from scipy.optimize import brentq
 
     for below, above in pairwise(values):
@@ -115,55 +88,48 @@ def edge(radius: Callable[[float], float], values: Sequence[float]) -> float:
 
 
 def delay_limit(pole: float, mass: float, at_rest: bool = False) -> float:
-    """The delay (s) from which the rigid axis is unstable."""
+    """Return the delay (s) from which the rigid axis is unstable."""
     return edge(lambda delay: Loop(pole, mass, delay, at_rest=at_rest).radius(), [0.0, 1e-3, 2e-3])
 
 
 def load_limit(pole: float, mass: float, delay: float, frequency: float) -> float:
-    """The load over the total mass from which a mode of that frequency (Hz) is unstable; NaN: below 0.3 none is."""
+    """Return the load over the total mass from which a mode (Hz) is unstable; NaN: stable up to 0.3."""
     return edge(lambda ratio: Loop(pole, mass, delay, frequency, ratio).radius(), [1e-4, 0.05, 0.1, 0.2, 0.3])
 
 
 def just_below(unknowns: Unknowns, frequency: float, limit: float) -> Loop:
-    """A mode just below the load that makes -300 unstable."""
+    """Return a mode just below the load that makes -300 unstable."""
     return Loop(POLES[0], MASSES["1"], unknowns.delay, frequency, BELOW * limit)
 
 
-def simulated(unknowns: Unknowns, mode: Loop, duration: float = DURATION) -> dict[str, tuple[str, str, float]]:
-    """Set 1 on the calibrated plant with a mode: index, unit and value, e_M or, where the run diverges, when."""
-    controllers: Mapping[str, ListedController] = {
-        **{f"PID at {pole:g}": Pid(pid_parameters(pole=pole)) for pole in POLES},
-        "ARC": OutputFeedbackArc(arc_parameters()),
-    }
-    rigid = plant(unknowns, "1")
+def simulated(
+    unknowns: Unknowns, mode: Loop, duration: float = epoxy_motor.DURATION
+) -> dict[str, tuple[str, str, float]]:
+    """Run set 1 on the calibrated plant with a mode; return index, unit and value: e_M, or when the run diverges."""
+    laws: dict[str, ListedController] = {f"PID at {pole:g}": Pid(pid_parameters(pole=pole)) for pole in POLES}
+    laws["ARC"] = OutputFeedbackArc(epoxy_motor.arc_parameters())
+    rigid = epoxy_motor.plant(unknowns, "1")
     machine = Plant(rigid.axis, effects=[*rigid.effects, *mode.modes()], encoder=rigid.encoder)
-    batch = closed_loop_batch(
-        [machine] * 3, list(controllers.values()), reference(), duration=duration, seeds=[SEED] * 3
-    )
+    motion, seeds = epoxy_motor.reference(), [epoxy_motor.SEED] * len(laws)
+    batch = closed_loop_batch([machine] * len(laws), list(laws.values()), motion, duration=duration, seeds=seeds)
     ends = {failure.run: failure.time for failure in batch.failures}
     return {
         name: ("diverges_at", "s", ends[run]) if run in ends else ("e_M", "m", float(batch.indexes["error_max"][run]))
-        for run, name in enumerate(controllers)
+        for run, name in enumerate(laws)
     }
 
 
 def pid_poles_table(unknowns: Unknowns) -> Table:
-    """Where -300 and -320 become unstable: by the delay of a rigid axis, by a mode; and one such mode simulated."""
-    rows: list[Row] = []
-
-    def row(name: str, index: str, unit: str, value: float, **labels: Any) -> None:
-        rows.append(explored(name, index, unit, value, labels))
-
+    """Tabulate where -300 and -320 become unstable: by a delay, by a mode; and one such mode simulated."""
+    rows = []
     for (set_name, where), pole in product((("1", "in motion"), ("2", "at rest")), POLES):
         limit = delay_limit(pole, MASSES[set_name], where == "at rest")
-        row(f"PID at {pole:g}", "delay_limit", "s", limit, set=set_name, friction=where)
-    limits = {
-        (frequency, pole): load_limit(pole, MASSES["1"], unknowns.delay, frequency)
-        for frequency, pole in product(FREQUENCIES, POLES)
-    }
-    for (frequency, pole), limit in limits.items():
-        row(f"PID at {pole:g}", "load_limit", "1", limit, set="1", mode=f"{frequency:g} Hz")
+        rows.append(explored(f"PID at {pole:g}", "delay_limit", "s", limit, set=set_name, friction=where))
+    limits = {}
+    for frequency, pole in product(FREQUENCIES, POLES):
+        limit = limits[frequency, pole] = load_limit(pole, MASSES["1"], unknowns.delay, frequency)
+        rows.append(explored(f"PID at {pole:g}", "load_limit", "1", limit, set="1", mode=f"{frequency:g} Hz"))
     mode = just_below(unknowns, SIMULATED, limits[SIMULATED, POLES[0]])
-    for name, found in simulated(unknowns, mode).items():
-        row(name, *found, set="1", mode=f"{SIMULATED:g} Hz, load {100 * mode.mass_ratio:.1f} %")
+    said = f"{SIMULATED:g} Hz, load {100 * mode.mass_ratio:.1f} %"
+    rows += [explored(name, *found, set="1", mode=said) for name, found in simulated(unknowns, mode).items()]
     return Table("pid_poles", "PID poles at -320: what makes them unstable and those at -300 not", rows)

@@ -1,6 +1,6 @@
 """Why the robust terms that Xu and Yao 2001 print cannot run, and which of them can. Exploratory.
 
-What one encoder count makes of them, the sampling rate that they need, and each of them alone.
+The command due to one encoder count, the sampling rate that the terms need, and each of them alone.
 """
 
 from __future__ import annotations
@@ -12,27 +12,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
-from cogging.arrays import FloatArray
 from cogging.logs.log import Log
+from cogging.papers.compared import PRINTED
 from cogging.papers.result import Row, Table, explored
+from cogging.papers.xu2001 import epoxy_motor
 from cogging.papers.xu2001.backstepping import backstepping, steps
-from cogging.papers.xu2001.epoxy_motor import (
-    DURATION,
-    INDEXES,
-    MASSES,
-    RESOLUTION,
-    SEED,
-    TABLE_1,
-    VISCOUS,
-    Unknowns,
-    arc_parameters,
-    indexes,
-    plant,
-    reference,
-)
+from cogging.papers.xu2001.epoxy_motor import INDEXES, RESOLUTION, TABLE_1, Unknowns, arc_parameters, reference
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.scales import scale_of
-from cogging.plot.series import LIMIT, look, marker
+from cogging.plot.series import look, marker
 from cogging.simulation.batch import closed_loop_batch
 
 if TYPE_CHECKING:
@@ -51,57 +39,36 @@ ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
 HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
 FACTORS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-#: Samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200.
-SETTLED = 500
+SETTLED = 500  # samples at rest after which the filters have settled: 0.2 s, 40 time constants of their poles at -200
 RATES = (1e5, 1e6, 1e7, 1e8)  # Hz
-FINE = 100_000.0  # Hz: at which the gains along a run are taken
+FINE = 100_000.0  # Hz: at which the gains along a run are computed
 SHORT = 0.02  # s: all of RATES have diverged by then
-START = 0.1  # s, the part of it that is looked at: the largest K_2 of a whole period stands at 0.055 s
+START = 0.1  # s, examined part of the run: the largest K_2 of a whole period is at 0.055 s
 STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
 
 
-@drawn
-def figure_increment() -> Figure:
-    """The rms command increment against a common factor on the printed robust terms."""
-    figure = new_figure((7.2, 4.2))
-    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
-    axes = figure.subplots()
-    for place, (rate, resolution) in enumerate(HARDWARE):
-        values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
-        length = scale_of("m", resolution)
-        label = f"{rate / 1000:g} kHz, {length(resolution):g} {length.unit}"
-        axes.loglog(FACTORS[1:], values, marker=marker(place), label=label, **look(place))
-    printed = TABLE_1["ARC"]["1"][4]
-    axes.axhline(printed, color=LIMIT, linestyle=(0, (6, 3)), linewidth=1.0, label=f"paper: {printed:g} V")
-    axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)", xlim=(5e-8, 2.0))
-    legend(axes)
-    return figure
-
-
 def rigid(resolution: float) -> Plant:
-    """Set 1 without delay, friction or noise: what is left is the quantiser."""
-    axis = AxisParameters(mass=MASSES["1"], viscous=VISCOUS, travel=[-0.3, 0.3])
+    """Return set 1 without delay, friction or noise: only the quantiser is left."""
+    axis = AxisParameters(mass=epoxy_motor.MASSES["1"], viscous=epoxy_motor.VISCOUS, travel=[-0.3, 0.3])
     return Plant(axis, encoder=EncoderParameters(resolution=resolution))
 
 
-def increment(factor: float, sample_rate: float, resolution: float, duration: float = 1.0) -> float:
-    """The rms command increment (V) with all printed robust terms times a factor; infinite where the run diverges."""
+def increment(factor: float, sample_rate: float, resolution: float) -> float:
+    """Return the rms command increment (V) over 1 s with all robust terms times a factor; infinite if it diverges."""
     controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, robust_factor=factor, **ALL_TERMS))
     substeps = max(1, round(20_000 / sample_rate))
     try:
-        found = closed_loop(rigid(resolution), controller, reference(), duration=duration, steps_per_sample=substeps)
+        found = closed_loop(rigid(resolution), controller, reference(), duration=1.0, steps_per_sample=substeps)
     except DivergedError:
         return float("inf")
-    return indexes(Log.of(found))["du_rms"]
+    return epoxy_motor.indexes(Log.of(found))["du_rms"]
 
 
 def one_count(resolution: float, held: int = SETTLED) -> float:
-    """The command (V) that one encoder count (m) makes with all printed robust terms, at rest at 2.5 kHz.
+    """Return the command (V) due to one encoder count (m) with all printed robust terms after samples at rest.
 
-    Args:
-        resolution: m.
-        held: samples for which the controller has been at rest before. The gains grow with the filter psi (12), which
-            rises from zero: one sample after the start a count moves the command 3,600 times less than settled.
+    The gains grow with the filter psi (12), which rises from zero: one sample after the start a count moves the command
+    3,600 times less than settled.
     """
     controller = OutputFeedbackArc(arc_parameters(**ALL_TERMS))
     for _ in range(held):
@@ -110,7 +77,7 @@ def one_count(resolution: float, held: int = SETTLED) -> float:
 
 
 def by_hand(resolution: float) -> float:
-    """The command (V) of a settled count (m): -K_2 K_1 / theta_1min times it.
+    """Return the command (V) of a settled count (m): -K_2 K_1 / theta_1min times it.
 
     K_1 and K_2 of the printed robust terms at rest are from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12).
     """
@@ -121,58 +88,56 @@ def by_hand(resolution: float) -> float:
     return -float(found.gain_1[0]) * float(found.gain_2[0]) / p.theta_min[0] * resolution
 
 
-class Duration(NamedTuple):
-    """How long the printed robust terms run: s, largest error (m; NaN where it diverged), and how it ended."""
+class Lasting(NamedTuple):
+    """How long a run lasted."""
 
-    time: float
-    error: float
-    end: str
+    time: float  # s
+    error: float  # m, the largest; NaN if it diverged
+    end: str  # how it ended
 
 
-def time_to_divergence(sample_rate: float, duration: float) -> Duration:
-    """How long all printed robust terms run with an ideal encoder at a sampling rate (Hz), at most a duration (s)."""
+def time_to_divergence(sample_rate: float, duration: float) -> Lasting:
+    """Run all printed robust terms with an ideal encoder at a sampling rate (Hz), at most for a duration (s)."""
     controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, **ALL_TERMS))
     batch = closed_loop_batch([rigid(0.0)], [controller], reference(), duration=duration)
     if batch.failures:
-        return Duration(batch.failures[0].time, float("nan"), batch.failures[0].reason)
-    return Duration(duration, float(batch.indexes["error_max"][0]), "ran to its end")
-
-
-def gain_along_the_run() -> tuple[FloatArray, FloatArray]:
-    """Time (s) and K_2 (1/s) of the printed robust terms along the start of a run that follows case 1."""
-    run = arc_parameters(sample_rate=FINE)
-    found = closed_loop(rigid(0.0), OutputFeedbackArc(run), reference(), duration=START, record_estimates=True)
-    return found["time"], backstepping(Log.of(found), arc_parameters(sample_rate=FINE, **ALL_TERMS)).gain_2
+        return Lasting(batch.failures[0].time, float("nan"), batch.failures[0].reason)
+    return Lasting(duration, float(batch.indexes["error_max"][0]), "ran to its end")
 
 
 def one_count_table() -> Table:
-    """What one count of 1 um moves the command, and how long all printed robust terms last at a sampling rate."""
-    rows: list[Row] = []
+    """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate.
 
-    def row(index: str, unit: str, value: float, **labels: str) -> None:
-        rows.append(explored("ARC, all terms", index, unit, value, labels))
-
-    row("one_count", "V", abs(one_count(RESOLUTION, held=1)), count="one sample after the start")
-    row("one_count", "V", abs(one_count(RESOLUTION)), count=f"settled, {SETTLED} samples")
-    row("one_count", "V", abs(by_hand(RESOLUTION)), count="settled, by hand")
-    time, gain = gain_along_the_run()
+    unstable_from is where K_2 of the robust terms, along a run without them that follows case 1, exceeds its limit.
+    """
+    name = "ARC, all terms"
+    counts = {
+        "one sample after the start": one_count(RESOLUTION, held=1),
+        f"settled, {SETTLED} samples": one_count(RESOLUTION),
+        "settled, by hand": by_hand(RESOLUTION),
+    }
+    rows = [explored(name, "one_count", "V", abs(value), count=said) for said, value in counts.items()]
+    law = OutputFeedbackArc(arc_parameters(sample_rate=FINE))
+    log = Log.of(closed_loop(rigid(0.0), law, reference(), duration=START, record_estimates=True))
+    gain = backstepping(log, arc_parameters(sample_rate=FINE, **ALL_TERMS)).gain_2
     for rate in RATES:
-        row("diverges_at", "s", time_to_divergence(rate, SHORT).time, rate=f"{rate:.0e} Hz")
-        row("unstable_from", "s", float(time[np.argmax(gain > STABLE * rate)]), rate=f"{rate:.0e} Hz")
-    row("rate_needed", "Hz", float(gain.max()) / STABLE)
+        label, unstable = f"{rate:.0e} Hz", log.time[np.argmax(gain > STABLE * rate)]
+        rows.append(explored(name, "diverges_at", "s", time_to_divergence(rate, SHORT).time, rate=label))
+        rows.append(explored(name, "unstable_from", "s", unstable, rate=label))
+    rows.append(explored(name, "rate_needed", "Hz", gain.max() / STABLE))
     return Table("robust_terms", "The printed robust terms: one encoder count, and the sampling rate they need", rows)
 
 
 def subsets() -> list[tuple[str, ...]]:
-    """All 128 choices among the seven terms."""
+    """Return all 128 choices among the seven terms."""
     return [chosen for count in range(len(ROBUST_TERMS) + 1) for chosen in combinations(ROBUST_TERMS, count)]
 
 
 def which_run(chosen: Sequence[tuple[str, ...]], machine: Plant) -> dict[tuple[str, ...], dict[str, float]]:
-    """Choices of terms in case 1 at 2.5 kHz: e_M, e_rms (m), du_rms (V), or `diverges_at` (s)."""
+    """Run choices of terms in case 1 at 2.5 kHz; return e_M, e_rms (m), du_rms (V), or `diverges_at` (s) of each."""
     made = [OutputFeedbackArc(arc_parameters(**dict.fromkeys(one, True))) for one in chosen]
-    seeds = [SEED] * len(made)
-    batch = closed_loop_batch([machine] * len(made), made, reference(), duration=DURATION, seeds=seeds)
+    machines, seeds = [machine] * len(made), [epoxy_motor.SEED] * len(made)
+    batch = closed_loop_batch(machines, made, reference(), duration=epoxy_motor.DURATION, seeds=seeds)
     ends = {failure.run: failure.time for failure in batch.failures}
     names = (("e_M", "error_max"), ("e_rms", "error_rms"), ("du_rms", "command_change_rms"))
     return {
@@ -184,16 +149,34 @@ def which_run(chosen: Sequence[tuple[str, ...]], machine: Plant) -> dict[tuple[s
 
 
 def subsets_table(unknowns: Unknowns) -> Table:
-    """None, each of the terms alone and whatever else runs: on the rigid axis, and in set 1 on the calibrated plant."""
+    """Tabulate none, each of the terms alone and all other choices that run: rigid, and on the calibrated set 1."""
     on_rigid = which_run(subsets(), rigid(RESOLUTION))
     running = [one for one, values in on_rigid.items() if "diverges_at" not in values]
     singles = {one: values for one, values in on_rigid.items() if len(one) < 2 or one in running}
     units, rows = {"diverges_at": "s", "du_rms": "V"}, []
-    for on, found in (("rigid", singles), ("calibrated", which_run(running, plant(unknowns, "1")))):
+    for on, found in (("rigid", singles), ("calibrated", which_run(running, epoxy_motor.plant(unknowns, "1")))):
         for one, values in found.items():
             labels = {"terms": " + ".join(one).replace("use_", "") or "none", "plant": on}
             for index, value in values.items():
                 printed = TABLE_1["ARC"]["1"][INDEXES.index(index)] if on == "calibrated" and index in INDEXES else None
                 rows.append(Row("ARC", index, units.get(index, "m"), printed, value, "exploratory", labels))
-    rows.append(explored("ARC", "choices_that_run", "1", len(running), {"of": "128"}))
+    rows.append(explored("ARC", "choices_that_run", "1", len(running), of="128"))
     return Table("robust_subsets", "The seven robust terms: none, each alone, and the others that run at 2.5 kHz", rows)
+
+
+@drawn
+def figure_increment() -> Figure:
+    """Draw the rms command increment against a common factor on the printed robust terms."""
+    figure = new_figure((7.2, 4.2))
+    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
+    axes = figure.subplots()
+    for place, (rate, resolution) in enumerate(HARDWARE):
+        values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
+        length = scale_of("m", resolution)
+        label = f"{rate / 1000:g} kHz, {length(resolution):g} {length.unit}"
+        axes.loglog(FACTORS[1:], values, marker=marker(place), label=label, **look(place))
+    printed = TABLE_1["ARC"]["1"][4]
+    axes.axhline(printed, **PRINTED, label=f"paper: {printed:g} V")
+    axes.set(xlabel="factor on the printed robust terms", ylabel="rms command increment (V)", xlim=(5e-8, 2.0))
+    legend(axes)
+    return figure

@@ -1,4 +1,4 @@
-"""Table 1 of Xu and Yao 2001, what was held out of fits, Figs. 2 to 4, and which changes bring the ARC nearer."""
+"""Table 1 of Xu and Yao 2001, held-out fits, Figs. 2 to 4, and which changes bring the ARC nearer."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.compared import Trace, compared
 from cogging.papers.result import Row, Table, explored
+from cogging.papers.xu2001 import epoxy_motor
 from cogging.papers.xu2001.epoxy_motor import (
     CONTROLLERS,
     DISTURBANCE,
@@ -21,40 +22,32 @@ from cogging.papers.xu2001.epoxy_motor import (
     FITTED,
     HELD_OUT,
     INDEXES,
-    JOINT_FREE,
     JOINT_LAW,
     PERIOD,
     PID,
     SEEDS,
     SETS,
     TABLE_1,
-    UNITS,
     Conditions,
     Unknowns,
     arc_parameters,
-    conditions_of,
     indexes,
-    joint_conditions,
-    run,
     shipped_file,
 )
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TITLE = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(SEEDS)} seeds of the encoder noise"
-PLACES = [(controller, name) for controller in CONTROLLERS for name in SETS]
 OTHER_SEEDS = tuple(range(100, 900, 100))  # that took part in no fit
-DU_RMS = "du_rms = c_u u_rms by (54): derived and not counted. The paper prints it with one digit."
-#: What `trivial` is, by split.
+#: The guess without a model, by split.
 GUESS = {"set_2": "set 2 equals set 1", "arc_sets_2_3": "the PID's number times ARC over PID in set 1"}
-#: Number and words of the figure of each set, and the part (s) of the run that its second column shows.
+#: Number and title of the figure of each set, and the part (s) of the run in its second column.
 OF_SET = {
     "1": (2, "without load", (DURATION - PERIOD, DURATION)),
     "2": (3, "with load (cut off, as in the paper)", (DURATION - PERIOD, DURATION)),
     "3": (4, "with disturbance", (DISTURBANCE[1] - 0.2, DISTURBANCE[1] + 0.8)),
 }
-#: m: where Fig. 3 is cut off. The paper says that it is, and not where; assumed: the scale of Fig. 2.
+#: m: where Fig. 3 is cut off. The paper says that it is, but not where; assumed: the scale of Fig. 2.
 CUT_OFF = 60e-6
 
 
@@ -65,50 +58,42 @@ def table_1(
     free: Sequence[str] = (),
     before: Table | None = None,
 ) -> Table:
-    """Table 1 of indexes by controller (Conditions.table); `fitted`: the sets of each controller in the fit."""
-    return Table("table1", TITLE, _rows(found, PLACES, fitted), free=free, before=before)
-
-
-def _rows(
-    found: Mapping[str, FloatArray], places: Iterable[tuple[str, str]], fitted: Mapping[str, Sequence[str]]
-) -> list[Row]:
+    """Return Table 1 of Conditions.table(); fitted: the sets of each controller that took part in the fit."""
     rows = []
-    for controller, name in places:
-        values = found[controller][SETS.index(name)].tolist()
-        for index, unit, printed, value in zip(INDEXES, UNITS, TABLE_1[controller][name], values, strict=True):
-            status = "calibrated" if name in fitted.get(controller, ()) else "predicted"
-            status = status if index in FITTED else "derived"
-            rows.append(Row(controller, index, unit, printed, value, status, {"set": name}))
-    return rows
+    for controller in CONTROLLERS:
+        for name, values in zip(SETS, found[controller].tolist(), strict=True):
+            seen = "calibrated" if name in fitted.get(controller, ()) else "predicted"
+            printed = TABLE_1[controller][name]
+            for index, unit, paper, value in zip(INDEXES, epoxy_motor.UNITS, printed, values, strict=True):
+                status = seen if index in FITTED else "derived"
+                rows.append(Row(controller, index, unit, paper, value, status, {"set": name}))
+    title = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(SEEDS)} seeds of the encoder noise"
+    return Table("table1", title, rows, free=free, before=before)
 
 
 def rms_log_error(rows: Iterable[Row]) -> float:
-    """The rms log-ratio to the paper's of the rows that are calibrated or predicted."""
-    counted = [row for row in rows if row.paper and row.status in ("calibrated", "predicted")]
-    return float(np.sqrt(np.mean([np.log(row.simulated / (row.paper or 1.0)) ** 2 for row in counted])))
+    """Return the rms log-ratio to the paper's of the calibrated and predicted rows."""
+    ratios = [row.ratio for row in rows if row.ratio is not None and row.status in ("calibrated", "predicted")]
+    return float(np.sqrt(np.mean([np.log(ratio) ** 2 for ratio in ratios])))
 
 
 def seeds_table(joint: Conditions) -> Table:
-    """How near Table 1 comes at single seeds of the encoder noise, those of the fit and others."""
+    """Tabulate how near Table 1 is at single seeds of the encoder noise, those of the fit and others."""
     rows = []
     for words, seeds in (("fitted", SEEDS), ("others", OTHER_SEEDS)):
         runs = {name: joint.by_seed(name, seeds=seeds) for name in CONTROLLERS}
-        tables = [
-            table_1({name: runs[name][:, place] for name in CONTROLLERS}, fitted=PID) for place in range(len(seeds))
-        ]
+        tables = [table_1({name: runs[name][:, place] for name in CONTROLLERS}) for place in range(len(seeds))]
         near = [float(table.counts().within[1]) for table in tables]
         left = [rms_log_error(table.rows) for table in tables]
         for index, values in (("within_15", near), ("rms_log_error", left)):
-            rows += [
-                explored("both", index, "1", pick(values), {"seeds": words, "of 8": name})
-                for name, pick in (("least", min), ("mean", lambda x: float(np.mean(x))), ("largest", max))
-            ]
+            for name, value in (("least", min(values)), ("mean", np.mean(values)), ("largest", max(values))):
+                rows.append(explored("both", index, "1", float(value), seeds=words, **{"of 8": name}))
     title = "Single seeds of the encoder noise: of 30 numbers within 15 %, and the rms log error"
     return Table("seeds", title, rows)
 
 
 def better_shares(table: Table) -> dict[tuple[str, str], float]:
-    """Error of the ARC over that of the PID, by set and index."""
+    """Return the ARC's error over the PID's, by set and index."""
     found = {(row.controller, row.labels["set"], row.index): row.simulated for row in table.rows}
     return {
         (name, index): found["ARC", name, index] / found["PID", name, index]
@@ -118,47 +103,46 @@ def better_shares(table: Table) -> dict[tuple[str, str], float]:
 
 
 def joint_note(table: Table) -> str:
-    """What is reproduced, under which assumptions."""
-    joint, counts, shares = joint_conditions(), table.counts(), better_shares(table).values()
-    early = [row.simulated / row.paper for row in (table.before or table).rows if row.controller == "ARC" and row.paper]
+    """Return what Table 1 reproduces, and under which assumptions."""
+    joint, counts, shares = epoxy_motor.joint_conditions(), table.counts(), better_shares(table).values()
+    early = [row.ratio for row in (table.before or table).rows if row.controller == "ARC" and row.ratio]
     factor, runs, near = joint.adaptation_factor, joint.earlier_runs, counts.within
     smaller, left = sum(share < 1.0 for share in shares), rms_log_error(table.rows)
     others = " and ".join(f"{part['adaptation_factor']:.3g}" for part in shipped_file()["held_out"].values())
-    sentences = (
+    return textwrap.fill(
         f"Two assumptions bring the ARC columns near the printed ones: adaptation rates {factor:.3g} times those "
         f"printed, and estimates of theta_1 and theta_2 kept from {runs} earlier runs of each set, where the paper "
         f"states theta_hat(0). Of {counts.numbers} fitted numbers {near[1]} lie within 15 % and {near[2]} within 40 "
         f"% (rms log error {left:.3f}); the ARC's error is smaller than the PID's in {smaller} of {len(shares)} cases "
-        f"(paper: {len(shares)}).",
-        f"Fits to a part of the numbers ask for factors of {others}; table conditions says what the factor may mean.",
+        f"(paper: {len(shares)}). "
+        f"Fits to a part of the numbers ask for factors of {others}; table conditions says what the factor may mean. "
         "Before, on the plant of the PID columns with all as printed, the ARC's numbers are "
         f"{min(early):.2g} to {max(early):.2g} times the paper's. The robust terms are off: as printed they cannot run "
         "on a 1 um encoder.",
+        110,
     )
-    return textwrap.fill(" ".join(sentences), 110)
 
 
 def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
-    """What the paper's own fitted numbers say of a withheld set without any model, by index.
+    """Return what the paper's fitted numbers say of a withheld set without a model, by index.
 
-    Where the controller was seen in several sets: its numbers in set 1. Where it was seen in set 1 alone: the other
+    If the controller was seen in several sets: its numbers in set 1. If it was seen in set 1 alone: the other
     controller's number in the withheld set, times the ratio of the two in set 1.
     """
-    seen = HELD_OUT[split]
     guess = np.array(TABLE_1[controller]["1"])
-    if len(seen[controller]) == 1:
+    if len(HELD_OUT[split][controller]) == 1:
         other = next(name for name in CONTROLLERS if name != controller)
         guess *= np.divide(TABLE_1[other][set_name], TABLE_1[other]["1"])
     return dict(zip(INDEXES, guess.tolist(), strict=True))
 
 
 def held_out_table(split: str) -> Table:
-    """Return what a fit to one part of the table predicts of the other, beside the trivial guess."""
-    conditions, seen = conditions_of(shipped_file()["held_out"][split]), HELD_OUT[split]
+    """Return the predictions of a fit to a part of the table, beside the trivial guess."""
+    conditions, seen = epoxy_motor.conditions_of(shipped_file()["held_out"][split]), HELD_OUT[split]
     rows = [
         row
-        for row in _rows(conditions.table(), PLACES, seen)
-        if row.status == "calibrated" or row.labels["set"] not in seen.get(row.controller, ())
+        for row in table_1(conditions.table(), fitted=seen).rows
+        if row.status == "calibrated" or row.labels["set"] not in seen[row.controller]
     ]
     predicted = [row for row in rows if row.status == "predicted"]
     guesses = [
@@ -175,25 +159,18 @@ def held_out_table(split: str) -> Table:
         f"within 15 %: {near[0]} of {len(predicted)}, rms log error {left[0]:.2f}; "
         f"guess ({GUESS[split]}): {near[1]} of {len(predicted)}, {left[1]:.2f}"
     )
-    return Table(f"held_out_{split}", title, rows, free=JOINT_FREE, before=before, beside="guess")
-
-
-def exploration_table(gaps: Mapping[str, float]) -> Table:
-    """The rms log-ratio of the ARC columns to the paper's, by change of the ARC's numbers."""
-    rows = [explored("ARC", "gap", "1", size, {"change": name}) for name, size in gaps.items()]
-    return Table("exploration", "Rms log-ratio of the ARC columns to the paper's, by change of the ARC's numbers", rows)
+    return Table(f"held_out_{split}", title, rows, free=epoxy_motor.JOINT_FREE, before=before, beside="guess")
 
 
 def conditions_table() -> Table:
-    """The error that fits to all numbers leave under other conditions, as the calibration found it."""
+    """Tabulate the errors of the fits to all numbers under other conditions, as the calibration found them."""
     file = shipped_file()
     joint = file["joint"][JOINT_LAW]
     runs = {**file["earlier_runs"], str(joint["earlier_runs"]): joint}
     parts = {f"plant {law}": part for law, part in file["joint"].items()}
     parts |= {f"earlier runs: {number}": runs[number] for number in sorted(runs)} | file["readings"]
     rows = [
-        explored("both", "rms_log_error", "1", part["rms_log_error"], {"conditions": name})
-        for name, part in parts.items()
+        explored("both", "rms_log_error", "1", part["rms_log_error"], conditions=name) for name, part in parts.items()
     ]
     return Table("conditions", "Rms log-ratio of all 30 fitted numbers to the paper's, by what else is assumed", rows)
 
@@ -210,7 +187,7 @@ def gap(found: FloatArray) -> float:
 
 
 def changes() -> dict[str, dict[str, Any]]:
-    """The changes of the ARC's numbers that are tried, each alone and some together."""
+    """Return the tried changes of the ARC's numbers, each alone and some together."""
     base = arc_parameters()
 
     def adaptation(factor: float) -> dict[str, Any]:
@@ -239,37 +216,34 @@ def changes() -> dict[str, dict[str, Any]]:
     }
 
 
-def explore(unknowns: Unknowns) -> dict[str, float]:
-    """The gap of the ARC columns for each of the changes; infinite where a run diverges."""
-    found = {}
+def exploration_table(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
+    """Tabulate the gap of the ARC columns for each of the changes, and on the way to the joint conditions.
+
+    Infinite if a run diverges; arc_logs: of the joint conditions.
+    """
+    gaps = {}
     for name, change in changes().items():
         try:
-            found[name] = gap(columns(run(unknowns, OutputFeedbackArc(arc_parameters(**change)))))
+            gaps[name] = gap(columns(epoxy_motor.run(unknowns, OutputFeedbackArc(arc_parameters(**change)))))
         except DivergedError:
-            found[name] = float("inf")
-    return found
-
-
-def explore_conditions(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> dict[str, float]:
-    """The same on the way to the joint conditions, whose ARC logs are given: earlier runs, the factor, the plant."""
+            gaps[name] = float("inf")
     runs, factor = joint.earlier_runs, joint.adaptation_factor
     kept = f"{runs} earlier runs"
     both = f"{kept}, adaptation x {factor:.3g}"
-    return {
-        kept: gap(columns(Conditions(unknowns, earlier_runs=runs).logs("ARC"))),
-        both: gap(columns(replace(joint, unknowns=unknowns).logs("ARC"))),
-        f"{both}, all fitted": gap(columns(arc_logs)),
-    }
+    gaps[kept] = gap(columns(Conditions(unknowns, earlier_runs=runs).logs("ARC")))
+    gaps[both] = gap(columns(replace(joint, unknowns=unknowns).logs("ARC")))
+    gaps[f"{both}, all fitted"] = gap(columns(arc_logs))
+    rows = [explored("ARC", "gap", "1", size, change=name) for name, size in gaps.items()]
+    return Table("exploration", "Rms log-ratio of the ARC columns to the paper's, by change of the ARC's numbers", rows)
 
 
 def figure_errors(logs: Mapping[str, Mapping[str, Log]], set_name: str) -> Figure:
-    """Figs. 2, 3, 4: the tracking errors of PID and ARC on one scale, and a part of them."""
+    """Draw Fig. 2, 3 or 4: the tracking errors of PID and ARC in a set on one scale, and a part of them."""
     number, words, part = OF_SET[set_name]
     cut = set_name == "2"
     traces = []
     for name in CONTROLLERS:
         log, printed = logs[name][set_name], TABLE_1[name][set_name][0]
-        found = indexes(log)["e_M"]
-        words_of = f"{name}: largest {1e6 * found:.3g} µm, the paper's {1e6 * printed:.3g} µm" if cut else name
-        traces.append(Trace(words_of, log.time, log.error, printed=None if cut else printed))
+        largest = f"{name}: largest {1e6 * indexes(log)['e_M']:.3g} µm, the paper's {1e6 * printed:.3g} µm"
+        traces.append(Trace(largest if cut else name, log.time, log.error, printed=None if cut else printed))
     return compared(f"Fig. {number}: sinusoidal motion {words}", traces, zoom=part, limit=CUT_OFF if cut else None)
