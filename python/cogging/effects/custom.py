@@ -415,15 +415,16 @@ def compiled_function(function: Any) -> Any:
 
 def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
     """Return the names of a law's arguments, places first."""
-    if compiled_function(function) is not None:
-        return _compiled_arguments(label, compiled_function(function), hook, parameters)
+    known = (*HOOKS[hook], *parameters)
+    if (compiled := compiled_function(function)) is not None:
+        _require_doubles(label, compiled, known, parameters)
+        return known
     if not callable(function):
         raise ValueError(f"{label}: must be a function, got {function!r}")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
         raise ValueError(f"{label}: must be a function whose arguments have names, got {function!r}") from None
-    known = (*HOOKS[hook], *parameters)
     named: set[str] = set()
     for name, argument in signature.parameters.items():
         if argument.kind is argument.VAR_KEYWORD:
@@ -437,8 +438,8 @@ def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, 
     return tuple(name for name in known if name in named)
 
 
-def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
-    known = (*HOOKS[hook], *parameters)
+def _require_doubles(label: str, function: Any, known: tuple[str, ...], parameters: Mapping[str, Parameter]) -> None:
+    """Refuse a ctypes function that is a callback of Python, or does not accept all arguments as doubles."""
     if any(type(one).__name__ == "CThunkObject" for one in (getattr(function, "_objects", None) or {}).values()):
         raise ValueError(f"{label}: must be compiled code; give a Python function itself, not a ctypes callback of it")
     for key, one in parameters.items():
@@ -449,7 +450,6 @@ def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mappin
         arguments = ", ".join(getattr(one, "__name__", str(one)) for one in types)
         given = f"({arguments}) -> {getattr(function.restype, '__name__', function.restype)}"
         raise ValueError(f"{label}: must take doubles ({', '.join(known)}) and return one, got {given}")
-    return known
 
 
 def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:

@@ -182,8 +182,7 @@ def closed_loop_batch(
         start, stop: s; indexes and reductions use the rows with start <= time < stop.
         final_window: s, of error_final_max.
         reductions: further reductions by name.
-        columns: columns of the log to record, by name.
-        every: record every so many rows, from the first on.
+        columns: columns of the log to record, by name, `every` so many rows from the first on.
         logs: record all columns and rows, so that the batch is a sequence of logs.
         units: unit labels of command and position in the result; V and m by default.
         progress: see cogging.progress.
