@@ -62,7 +62,7 @@ def print_result(
     """
     target = getattr(arguments, "json", None)
     json = "" if target is None else to_json(document, indent=indent)
-    content = {} if target in (None, STANDARD_OUTPUT) else {target: [json.encode()]}
+    content: dict[str, Iterable[bytes]] = {} if target in (None, STANDARD_OUTPUT) else {target: [json.encode()]}
     content |= files or {}
     write_files(content)
     if target == STANDARD_OUTPUT:

@@ -48,9 +48,9 @@ def run(arguments: argparse.Namespace) -> None:
         for action in parser._actions:
             metavar = action.metavar if isinstance(action.metavar, str) else ""
             if metavar == "DIR":
-                action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+                action.complete = shtab.DIRECTORY
             elif metavar in ("LOG", "SCAN", "OUT", "FILE") or "." in metavar.removesuffix("..."):
-                action.complete = shtab.FILE  # type: ignore[attr-defined]
+                action.complete = shtab.FILE
             elif metavar == "PAPER":
                 action.choices = PAPERS
             elif metavar == "COMMAND" and parser is not whole:

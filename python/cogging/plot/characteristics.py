@@ -269,8 +269,8 @@ def spectrum(
             axes.plot(1.0 / periods, scale(sizes), "v", label="proposed periods", **peaks)
             length = scale_of("m", periods, units=units)
             for period, size in list(zip(periods, sizes, strict=True))[:LABELLED]:
-                text, at = f"{length(period):.4g} {length.unit}", (1.0 / period, float(scale(size)))
-                axes.annotate(text, at, xytext=(4, 3), textcoords="offset points", fontsize="small")
+                text, place = f"{length(period):.4g} {length.unit}", (1.0 / period, float(scale(size)))
+                axes.annotate(text, place, xytext=(4, 3), textcoords="offset points", fontsize="small")
         legend(axes)
     elif hasattr(spectrum, "line_threshold"):
         axes.plot(x, scale(spectrum.line_threshold), color=LIMIT, linestyle="--", label="found from here")

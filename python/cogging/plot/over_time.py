@@ -221,7 +221,7 @@ def _controller_fields(stated: Any) -> Mapping[str, Any] | None:
     if isinstance(stated, Mapping):
         return stated if "type" in stated or "cogging_bounds" in stated or "theta_min" in stated else None
     for holder in (stated, getattr(stated, "parameters", None), getattr(stated, "controller", None)):
-        if "sample_rate" in getattr(holder, "FIELDS", ()):
+        if holder is not None and "sample_rate" in getattr(holder, "FIELDS", ()):
             fields: Mapping[str, Any] = holder.to_dict()
             return fields
     return None

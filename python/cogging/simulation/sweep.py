@@ -276,7 +276,7 @@ def sweep(
     if is_parquet(out):
         library("pyarrow")
     target_of(out)
-    asked = {"reference": reference_to_dict(setup.reference), "paths": list(vary), "points": points}
+    asked: dict[str, Any] = {"reference": reference_to_dict(setup.reference), "paths": list(vary), "points": points}
     asked |= {"seed": common.seed, "duration": common.duration, "window": list(common.window)}
     digest = digest_of(setup.model, {**asked, "reductions": list(common.reductions)})
     if digest is None:
@@ -615,7 +615,12 @@ def run_elsewhere(
 
 def _submitted(function: Callable[[Any], Any], piece: Any, executor: Executor, stop: StopFlag) -> Future[Any]:
     if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can see the flag
-        return executor.submit(lambda: (stop.heed() or "", function(piece)))
+
+        def run_until_stopped() -> tuple[str, Any]:
+            stop.heed()
+            return "", function(piece)
+
+        return executor.submit(run_until_stopped)
     given = {
         "program": WORKER,
         "space": {},

@@ -95,7 +95,7 @@ def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
     model, reference = setup
     structs = _structs(setup)
     changes: dict[str, dict[str, Any]] = {name: {} for name in structs}  # of fields, by section
-    inside = {}
+    inside: dict[str, float] = {}
     for path, value in values.items():
         name, _, rest = path.partition(".")
         if name not in structs:

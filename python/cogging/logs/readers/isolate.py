@@ -217,6 +217,7 @@ def serve(job: Mapping[str, Any]) -> None:
     tempfile.tempdir = job["temporary"]
     named = {name: job[name] for name in ("path", "names", "optional", "columns", "scaled", "shown")}
     request = Request(**named, rows=slice(*job["rows"]), survey=[] if job["survey"] else None)
+    answer: dict[str, Any]
     try:
         columns = _read(job["kind"], request)
     except InputError as error:
