@@ -35,7 +35,6 @@ ROOMS = {
     "files": "Files and errors",
     "cpp_library": "The core from C++",
 }
-ALSO_FILES = {"file_schema", "values"}
 #: Public names of the core by the folder of the core that they are of.
 CORE = {
     "closed_loop": "simulation",
@@ -55,52 +54,37 @@ CORE = {
 }
 
 
-def room_of(name: str) -> str:
-    """Return the room of a public name."""
-    if name in CORE:
-        return CORE[name]
-    if name in controllers.__all__:
-        return "controllers"
-    if name in references.__all__:
-        return "references"
-    value = getattr(cogging, name)
-    module = value.__name__ if inspect.ismodule(value) else value.__module__
-    if module.startswith("cogging._core"):
-        return "plant"
-    room = module.split(".")[1]
-    return "files" if room in ALSO_FILES else room
-
-
 def rooms() -> dict[str, list[str]]:
     """Return public names by room, in the order of the headings."""
     found: dict[str, list[str]] = {room: [] for room in ROOMS}
+    of_core = dict.fromkeys(controllers.__all__, "controllers") | dict.fromkeys(references.__all__, "references") | CORE
     for name in sorted(cogging.__all__, key=lambda name: (not name[0].islower(), name.lower())):
-        found.setdefault(room_of(name), []).append(name)
+        value = getattr(cogging, name)
+        room = (value.__name__ if inspect.ismodule(value) else getattr(value, "__module__", "")).split(".")[1:2]
+        place = of_core.get(name) or {"_core": "plant", "file_schema": "files", "values": "files"}.get(*room, *room)
+        found.setdefault(place, []).append(name)
     return {room: names for room, names in found.items() if names}
 
 
 def write_api(folder: Path) -> None:
     """Write a page for each room, and that of the data sets."""
     folder.mkdir(parents=True, exist_ok=True)
-    for old in folder.glob("*.md"):
-        if old.stem not in (*rooms(), "datasets"):
-            old.unlink()
+    pages = {}
     for room, names in rooms().items():
-        put(folder / f"{room}.md", page(room, names))
-    put(folder / "datasets.md", "# Data sets\n\n```{eval-rst}\n.. automodule:: cogging.datasets\n```\n" + _loaders())
+        heading = ROOMS.get(room, room.replace("_", " ").capitalize())
+        pages[room] = "\n\n".join([f"# {heading}", *map(entry, names)]) + "\n"
+    pages["datasets"] = "# Data sets\n\n```{eval-rst}\n.. automodule:: cogging.datasets\n```\n" + _loaders()
+    for old in folder.glob("*.md"):
+        if old.stem not in pages:
+            old.unlink()
+    for name, text in pages.items():
+        put(folder / f"{name}.md", text)
 
 
 def put(path: Path, text: str) -> None:
     """Write a text if it has changed; Sphinx reads only changed files again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
-
-
-def page(room: str, names: list[str]) -> str:
-    """Return the page of a room."""
-    parts = [f"# {ROOMS.get(room, room.replace('_', ' ').capitalize())}"]
-    parts += [entry(name) for name in names]
-    return "\n\n".join(parts) + "\n"
 
 
 def entry(name: str) -> str:
@@ -110,27 +94,26 @@ def entry(name: str) -> str:
         listed = "\n".join(f"- `{key}`: `{kind.__name__}`" for key, kind in value.items())
         return f"## `{name}`\n\nEvery name of a model or reference file, and its class:\n\n{listed}"
     if inspect.ismodule(value):
-        own = [word for word, thing in vars(value).items() if _is_own(value, word, thing)]
-        told = "\n".join(_documented(f"{value.__name__}.{word}", getattr(value, word)) for word in sorted(own))
-        return f"## `{value.__name__}`\n\n```{{eval-rst}}\n.. automodule:: {value.__name__}\n\n{told}```"
+        own = []
+        for word, thing in sorted(vars(value).items()):  # effects have their pages in the catalogue
+            module = getattr(thing, "__module__", None) or ""
+            if word[0] != "_" and callable(thing) and module.startswith(value.__name__):
+                own.append(word)
+        listed = "\n".join(_documented(f"{value.__name__}.{word}", getattr(value, word)) for word in own)
+        return f"## `{value.__name__}`\n\n```{{eval-rst}}\n.. automodule:: {value.__name__}\n\n{listed}```"
     return f"## `{name}`\n\n```{{eval-rst}}\n{_documented(f'cogging.{name}', value)}```"
-
-
-def _is_own(module: Any, word: str, thing: Any) -> bool:
-    """Return whether a module defines a public name itself; effects have their pages in the catalogue."""
-    known = getattr(thing, "__module__", "") or ""
-    return not word.startswith("_") and callable(thing) and known.startswith(module.__name__)
 
 
 def _documented(place: str, value: Any) -> str:
     """Return the directive for a function, an error, or a class with its members."""
-    kind = "autofunction" if not inspect.isclass(value) else "autoclass"
-    kind = "autoexception" if kind == "autoclass" and issubclass(value, BaseException) else kind
-    members = "\n   :members:\n   :inherited-members: object" + _told_by(value) if kind == "autoclass" else ""
-    return f".. {kind}:: {place}{members}\n"
+    if not inspect.isclass(value):
+        return f".. autofunction:: {place}\n"
+    if issubclass(value, BaseException):
+        return f".. autoexception:: {place}\n"
+    return f".. autoclass:: {place}\n   :members:\n   :inherited-members: object{_without_attributes(value)}\n"
 
 
-def _told_by(*classes: Any) -> str:
+def _without_attributes(*classes: Any) -> str:
     """Return the option that leaves out fields that the docstrings of classes list."""
     fields = set()
     for one in classes:
@@ -142,14 +125,13 @@ def _told_by(*classes: Any) -> str:
 
 def _loaders() -> str:
     """Return the entries of the data sets, each with its loader."""
-    made = []
+    made = ""
     for name in (one.name for one in pkgutil.iter_modules(datasets.__path__) if one.name != "source"):
         module = importlib.import_module(f"cogging.datasets.{name}")
         own = [one for one in vars(module).values() if inspect.isclass(one) and one.__module__ == module.__name__]
-        made.append(
-            f"\n## `{name}`\n\n```{{eval-rst}}\n.. automodule:: {module.__name__}\n   :members:{_told_by(*own)}\n```\n"
-        )
-    return "".join(made)
+        members = f":members:{_without_attributes(*own)}"
+        made += f"\n## `{name}`\n\n```{{eval-rst}}\n.. automodule:: {module.__name__}\n   {members}\n```\n"
+    return made
 
 
 def escaped(app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:

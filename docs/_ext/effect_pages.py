@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -76,16 +75,12 @@ def fields_table(effect: Effect) -> str:
     """Return the fields with unit, meaning and neutral value."""
     lines = ["| field | unit | meaning | no effect at |", "|---|---|---|---|"]
     for name, (unit, meaning) in effect.FIELDS.items():
-        told = meaning.replace("|", "\\|")
-        lines.append(f"| `{name}` | {'' if unit == '1' else unit} | {told} | {_neutral(effect.ROLES[name])} |")
+        neutral = effect.ROLES[name]["neutral"]
+        words = {"None": "", "[]": "no entries", "inf": "infinity"}
+        shown = f"{neutral:g}" if isinstance(neutral, float) and neutral != np.inf else words[str(neutral)]
+        text = meaning.replace("|", "\\|")
+        lines.append(f"| `{name}` | {'' if unit == '1' else unit} | {text} | {shown} |")
     return "\n".join(lines)
-
-
-def _neutral(role: Mapping[str, Any]) -> str:
-    neutral = role["neutral"]
-    if neutral is None:
-        return ""
-    return "no entries" if neutral == [] else "infinity" if neutral == np.inf else f"{neutral:g}"
 
 
 def images(name: str, finding: str, folder: str = "", kind: str = "signature") -> str:
@@ -113,18 +108,14 @@ def figure(effect: Effect) -> Any:
 def lacking(effect: Effect) -> dict[str, FloatArray]:
     """Return the rows of a run with the effect, and the force that mass and friction of its readings leave, V."""
     kp, ki, kd = cogging.pid_gains([-10.0] * 3, MASS)
-    model = cogging.Model(
-        axis=cogging.AxisParameters(mass=MASS, viscous=VISCOUS, coulomb=COULOMB, coulomb_width=WIDTH),
-        effects=[effect],
-        controller=cogging.PidParameters(
-            sample_rate=1000.0, kp=kp, ki=ki, kd=kd, mass=MASS, viscous=VISCOUS, coulomb=COULOMB, coulomb_width=WIDTH
-        ),
-        controller_type="pid",
-    )
+    friction: dict[str, float] = {"mass": MASS, "viscous": VISCOUS, "coulomb": COULOMB, "coulomb_width": WIDTH}
+    pid = cogging.PidParameters(sample_rate=1000.0, kp=kp, ki=ki, kd=kd, **friction)
+    axis = cogging.AxisParameters(**friction)
+    model = cogging.Model(axis, effects=[effect], controller=pid, controller_type="pid")
     log = cogging.simulate(model, MOTION, seed=1)
     velocity = np.gradient(log.position, log.time)
-    friction = VISCOUS * velocity + COULOMB * 2.0 / np.pi * np.arctan(velocity / WIDTH)
+    rubbed = VISCOUS * velocity + COULOMB * 2.0 / np.pi * np.arctan(velocity / WIDTH)
     applied = 0.5 * (log.command + np.roll(log.command, 1))  # a command acts from its row on
-    missing = applied - MASS * np.gradient(velocity, log.time) - friction
+    missing = applied - MASS * np.gradient(velocity, log.time) - rubbed
     rows = {"time": log.time, "position": log.position, "velocity": velocity, "command": log.command}
     return {name: values[2:-2] for name, values in {**rows, "lacking": -missing}.items()}

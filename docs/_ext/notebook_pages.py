@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from api_pages import put
+from docutils import nodes
+from PIL import Image
 
 WIDTH = 640  # pixels of a thumbnail
 ENOUGH = 80  # characters of a card's text
@@ -32,16 +34,16 @@ def write(notebooks: Path, folder: Path) -> None:
 
 def _card(stem: str, notebook: dict[str, Any], folder: Path) -> str:
     """Return the card of a notebook: title, picture and first sentences."""
-    title, told = opening(notebook)
-    picture = first_picture(notebook)
-    shown = ""
+    title, text = opening(notebook)
+    shown, picture = "", first_picture(notebook)
     if picture is not None:
-        (folder / f"{stem}.png").write_bytes(_small(picture))
-        told_picture = f":class: thumbnail\n:alt: First figure of the notebook: {title}"
-        shown = f"```{{image}} _generated/notebooks/{stem}.png\n{told_picture}\n```\n\n"
-    return (
-        f"`````{{grid-item-card}} {title}\n:link: _generated/notebooks/{stem}\n:link-type: doc\n\n{shown}{told}\n`````"
-    )
+        with Image.open(io.BytesIO(picture)) as image:
+            image.thumbnail((WIDTH, WIDTH))
+            image.convert("RGB").save(folder / f"{stem}.png", optimize=True)
+        options = f":class: thumbnail\n:alt: First figure of the notebook: {title}"
+        shown = f"```{{image}} _generated/notebooks/{stem}.png\n{options}\n```\n\n"
+    link = f":link: _generated/notebooks/{stem}\n:link-type: doc"
+    return f"`````{{grid-item-card}} {title}\n{link}\n\n{shown}{text}\n`````"
 
 
 def opening(notebook: dict[str, Any]) -> tuple[str, str]:
@@ -49,10 +51,10 @@ def opening(notebook: dict[str, Any]) -> tuple[str, str]:
     first = "".join(notebook["cells"][0]["source"])
     heading, _, rest = first.partition("\n")
     sentences = re.split(r"(?<=[.?])(?<!al\.) (?=[A-Z])", " ".join(rest.strip().split("\n\n")[0].split()))
-    told = sentences.pop(0)
-    while sentences and len(told) < ENOUGH:
-        told += " " + sentences.pop(0)
-    return heading.lstrip("# ").strip(), told
+    text = sentences.pop(0)
+    while sentences and len(text) < ENOUGH:
+        text += " " + sentences.pop(0)
+    return heading.lstrip("# ").strip(), text
 
 
 def first_picture(notebook: dict[str, Any]) -> bytes | None:
@@ -65,21 +67,8 @@ def first_picture(notebook: dict[str, Any]) -> bytes | None:
     return None
 
 
-def _small(picture: bytes) -> bytes:
-    """Return a picture no wider than WIDTH."""
-    from PIL import Image
-
-    with Image.open(io.BytesIO(picture)) as image:
-        image.thumbnail((WIDTH, WIDTH))
-        made = io.BytesIO()
-        image.convert("RGB").save(made, "PNG", optimize=True)
-    return made.getvalue()
-
-
 def name_pictures(doctree: Any) -> None:
     """Give each figure of a notebook an alternative text: the heading above it."""
-    from docutils import nodes
-
     for picture in doctree.findall(nodes.image):
         if not picture.get("alt"):
             section = picture

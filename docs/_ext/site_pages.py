@@ -55,13 +55,7 @@ def repair_links(app: Any, document: str, source: list[str]) -> None:
 
 
 def repaired(text: str, written_at: Path, shown_at: Path) -> str:
-    """Return a text whose links fit another place.
-
-    Args:
-        text: Markdown.
-        written_at: the file that holds it.
-        shown_at: the page of the site that shows it.
-    """
+    """Return a Markdown text, written in one file, whose links fit the page of the site that shows it."""
 
     def lead(found: re.Match[str]) -> str:
         start, link, end = found.groups()
@@ -71,17 +65,12 @@ def repaired(text: str, written_at: Path, shown_at: Path) -> str:
         if not target.exists() or not target.is_relative_to(ROOT):
             return found.group()
         known = target.relative_to(ROOT).as_posix()
-        if known in STANDS_FOR:
-            return start + _relative(DOCS / STANDS_FOR[known], shown_at) + end
-        if target.is_dir():
+        if target.is_dir() and known not in STANDS_FOR:
             return start.removeprefix("!")[1:-2] + f" (`{known}`)"
-        return start + _relative(target, shown_at) + end
+        target = DOCS / STANDS_FOR[known] if known in STANDS_FOR else target
+        return start + Path(os.path.relpath(target, shown_at.parent)).as_posix() + end
 
     return LINK.sub(lead, text)
-
-
-def _relative(target: Path, page: Path) -> str:
-    return Path(os.path.relpath(target, page.parent)).as_posix()
 
 
 def name_pictures(app: Any, doctree: Any, document: str) -> None:
@@ -95,8 +84,7 @@ def copy_mathjax(app: Any, error: Exception | None) -> None:
     if error is None and app.builder.format == "html":
         package = importlib.util.find_spec("sphinx-mathjax-offline")
         assert package is not None, "extra docs"
-        assert package.origin is not None, "extra docs"
-        script = Path(package.origin).parent / "static" / "mathjax" / "tex-svg.js"
+        script = Path(str(package.origin)).parent / "static" / "mathjax" / "tex-svg.js"
         place = Path(app.outdir) / "_static" / "mathjax"
         place.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(script, place / script.name)

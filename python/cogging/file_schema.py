@@ -214,7 +214,7 @@ def _tune() -> dict[str, Any]:
 def _section(description: str, properties: Mapping[str, Any], required: list[str] | None = None) -> dict[str, Any]:
     return {
         "type": "object",
-        "description": _first_line(description),
+        "description": description.strip().partition("\n")[0],
         "properties": dict(properties),
         "required": required or [],
         "additionalProperties": False,
@@ -230,11 +230,14 @@ def _described(fields: Mapping[str, tuple[dict[str, Any], str, str]]) -> dict[st
 
 
 def _fields(struct: Any) -> dict[str, Any]:
+    found = {}
     defaults = struct().to_dict()
-    return {
-        name: {**_type_of(name, defaults[name]), **_default(defaults[name]), "unit": unit or "", "description": meaning}
-        for name, (unit, meaning) in struct.FIELDS.items()
-    }
+    for name, (unit, meaning) in struct.FIELDS.items():
+        value = defaults[name]
+        finite = all(math.isfinite(v) for v in (value if isinstance(value, list) else [value]) if isinstance(v, float))
+        default = {"default": value} if finite else {}
+        found[name] = {**_type_of(name, value), **default, "unit": unit or "", "description": meaning}
+    return found
 
 
 def _type_of(name: str, default: Any) -> dict[str, Any]:
@@ -247,12 +250,3 @@ def _type_of(name: str, default: Any) -> dict[str, Any]:
             return {"type": "array", "items": NUMBERS}
         return WHOLE_NUMBERS if name.endswith("harmonics") else NUMBERS
     return {"type": "integer"} if isinstance(default, int) else NUMBER
-
-
-def _default(value: Any) -> dict[str, Any]:
-    finite = all(math.isfinite(v) for v in (value if isinstance(value, list) else [value]) if isinstance(v, float))
-    return {"default": value} if finite else {}
-
-
-def _first_line(text: str) -> str:
-    return text.strip().split("\n", 1)[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import errno
 import itertools
@@ -28,7 +29,7 @@ PART_FILE = re.compile(r"\.cogging-[0-9a-f]{16}\.part")  # an incomplete file, i
 synced = True  # data reach the disk before their names do; tests switch it off
 
 
-def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPath] = ()) -> None:
+def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Sequence[AnyPath] = ()) -> None:
     """Raise InputError if an output would overwrite an input or another output, or cannot be written.
 
     Args:
@@ -36,9 +37,8 @@ def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Iterable[AnyPat
         inputs: files to read, with their sidecars (with_sidecars).
     """
     given = {name: path for name, path in outputs.items() if path is not None}
-    read = list(inputs)
     for name, path in given.items():
-        for other in read:
+        for other in inputs:
             if same_file(path, other):
                 raise InputError(f"{name}: {path}: must not be a file that is read, got {os.fspath(other)}")
     _require_different(given)
@@ -101,7 +101,7 @@ def with_sidecars(logs: Iterable[AnyPath]) -> list[AnyPath]:
 
 def write_text(path: AnyPath, text: str) -> None:
     """Write a text file (see write_files)."""
-    write_bytes(path, text.encode())
+    write_files({os.fspath(path): [text.encode()]})
 
 
 def write_bytes(path: AnyPath, content: bytes, *, sync: bool = True) -> None:
@@ -120,7 +120,10 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
         files: content in pieces, by path; None: the file is removed.
         sync: data reach the disk before the rename, so that a power failure leaves the old or the new file.
     """
-    targets = {path: target_of(path) if pieces is not None else _link_itself(path) for path, pieces in files.items()}
+    targets = {
+        path: target_of(path) if pieces is not None else Path(os.path.realpath(Path(path).parent), Path(path).name)
+        for path, pieces in files.items()  # a link itself is removed
+    }
     _require_different(targets)
     parts: dict[str, Path] = {}
     path = ""
@@ -160,11 +163,6 @@ def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -
             os.fsync(descriptor)
 
 
-def _link_itself(path: AnyPath) -> Path:
-    given = Path(path)
-    return Path(os.path.realpath(given.parent), given.name)
-
-
 class Checksum:
     """CRC-32 of the pieces of a file, computed as they are written; `str` gives it."""
 
@@ -185,8 +183,7 @@ def checksum_of(path: AnyPath) -> str:
     """Return the checksum of a file, as Checksum formats it."""
     with open(path, "rb") as file:
         checksum = Checksum(iter(lambda: file.read(1 << 20), b""))
-        for _ in checksum:
-            pass
+        collections.deque(checksum, maxlen=0)
     return str(checksum)
 
 

@@ -20,14 +20,16 @@ def printable(text: str, keep: str = "") -> str:
     """
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c in keep else _escaped(c) for c in text)
-
-
-def _escaped(character: str) -> str:
-    code = ord(character)
-    if 0xDC80 <= code <= 0xDCFF:  # how Python represents a byte of a name that it cannot decode
-        return f"\\x{code - 0xDC00:02x}"
-    return character.encode("unicode_escape").decode("ascii")
+    shown = []
+    for character in text:
+        code = ord(character)
+        if character.isprintable() or character in keep:
+            shown.append(character)
+        elif 0xDC80 <= code <= 0xDCFF:  # how Python represents a byte of a name that it cannot decode
+            shown.append(f"\\x{code - 0xDC00:02x}")
+        else:
+            shown.append(character.encode("unicode_escape").decode("ascii"))
+    return "".join(shown)
 
 
 def one_line(text: str) -> str:

@@ -89,7 +89,6 @@ def _cell(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return f"{value:.6g}"
     if isinstance(value, list | tuple | np.ndarray):
-        return ", ".join(_cell(entry) for entry in np.ravel(np.asarray(value, dtype=object))[:6]) + (
-            ", ..." if np.size(value) > 6 else ""
-        )
+        cells = [_cell(entry) for entry in np.ravel(np.asarray(value, dtype=object))[:6]]
+        return ", ".join([*cells, "..."] if np.size(value) > 6 else cells)
     return _text(shortened(str(value), LONGEST_CELL))

@@ -50,22 +50,19 @@ def print_result(
     written: Sequence[str] = (),
     next_command: str = "",
 ) -> None:
-    """Write the files of a command, and print its result.
+    """Write the files of a command, all or none, and print its result.
 
     Args:
         arguments: of the command, with the options of add_answer_options.
         text: for a person, or "" if `print_part` has printed it.
-        document: the result for `--json`.
-        indent: of the document.
-        files: content in pieces by path, written now, all or none.
+        document, indent: the result for `--json`.
+        files: content in pieces by path.
         written: files that exist already and are named.
         next_command: the next command (cogging.cli.next_command), or "".
     """
     target = getattr(arguments, "json", None)
     json = "" if target is None else to_json(document, indent=indent)
-    content: dict[str, Iterable[bytes]] = {}
-    if target is not None and target != STANDARD_OUTPUT:
-        content[target] = [json.encode()]
+    content: dict[str, Iterable[bytes]] = {} if target in (None, STANDARD_OUTPUT) else {target: [json.encode()]}
     content |= files or {}
     write_files(content)
     if target == STANDARD_OUTPUT:

@@ -6,7 +6,6 @@ shtab writes it from the parser. It contains all completions, so that the TAB ke
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import print_text
@@ -44,23 +43,16 @@ def run(arguments: argparse.Namespace) -> None:
     except ImportError:
         raise InputError(EXTRA) from None
     whole = arguments.whole
-    for action in _actions(whole):
-        metavar = action.metavar if isinstance(action.metavar, str) else ""
-        if metavar == "DIR":
-            action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
-        elif metavar in ("LOG", "SCAN", "OUT", "FILE") or "." in metavar.removesuffix("..."):
-            action.complete = shtab.FILE  # type: ignore[attr-defined]
-        elif metavar == "PAPER":
-            action.choices = PAPERS
-        elif metavar == "COMMAND" and not isinstance(action, argparse._SubParsersAction):
-            action.choices = next(list(one.choices) for one in whole._actions if hasattr(one, "add_parser"))
+    commands = next(action.choices for action in whole._actions if isinstance(action, argparse._SubParsersAction))
+    for parser in (whole, *commands.values()):
+        for action in parser._actions:
+            metavar = action.metavar if isinstance(action.metavar, str) else ""
+            if metavar == "DIR":
+                action.complete = shtab.DIRECTORY
+            elif metavar in ("LOG", "SCAN", "OUT", "FILE") or "." in metavar.removesuffix("..."):
+                action.complete = shtab.FILE
+            elif metavar == "PAPER":
+                action.choices = PAPERS
+            elif metavar == "COMMAND" and parser is not whole:
+                action.choices = list(commands)
     print_text(shtab.complete(whole, shell=arguments.shell), plain=True)
-
-
-def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Yield the arguments of a parser and of its subcommands."""
-    for action in parser._actions:
-        yield action
-        if isinstance(action, argparse._SubParsersAction):
-            for other in action.choices.values():
-                yield from _actions(other)

@@ -57,16 +57,10 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs(outputs, inputs)
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
+    names, confirm_names = ([printable(path) for path in logs] for logs in (arguments.logs, arguments.confirm))
+    options = {"names": names, "confirm_names": confirm_names, "empirical": arguments.empirical}
     with status_line(arguments, "diagnose") as begin:
-        result = diagnose(
-            given,
-            model,
-            confirm=others,
-            names=[printable(path) for path in arguments.logs],
-            confirm_names=[printable(path) for path in arguments.confirm],
-            empirical=arguments.empirical,
-            progress=begin,
-        )
+        result = diagnose(given, model, confirm=others, progress=begin, **options)
         files = {}
         following = after_diagnose(arguments, result)
         if arguments.report:
@@ -75,10 +69,5 @@ def run(arguments: argparse.Namespace) -> None:
             files[arguments.report] = [result.html(title=title, step=following).encode()]
         if arguments.out:
             files[arguments.out] = [result.model.to_toml(read_text(arguments.model)).encode()]
-    print_result(
-        arguments,
-        result.text(verbose=arguments.verbose),
-        document=result.to_dict(),
-        files=files,
-        next_command=following.line,
-    )
+    text, document = result.text(verbose=arguments.verbose), result.to_dict()
+    print_result(arguments, text, document=document, files=files, next_command=following.line)

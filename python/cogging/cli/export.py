@@ -37,13 +37,12 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
     command.add_argument("--to", required=True, metavar="FORM", help="one of the forms below")
     maps = [form.name for form in FORMS.values() if form.of_map]
-    for option, forms in _options():
-        taken = f"{option.help} ({'all maps' if forms == maps else ', '.join(forms)})"
-        if option.kind is bool:
-            command.add_argument(option_of(option.name), action="store_true", default=None, help=taken)
-        else:
-            how: dict[str, Any] = {"choices": option.choices} if option.choices else {"metavar": option.metavar}
-            command.add_argument(option_of(option.name), help=taken, type=option.kind, **how)
+    for name, (option, forms) in _options().items():
+        help = f"{option.help} ({'all maps' if forms == maps else ', '.join(forms)})"
+        how: dict[str, Any] = {"type": option.kind}
+        how |= {"choices": option.choices} if option.choices else {"metavar": option.metavar}
+        how = {"action": "store_true", "default": None} if option.kind is bool else how
+        command.add_argument(option_of(name), help=help, **how)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="FILE", help="write the file")
     add_answer_options(group, json="the printed text")
@@ -55,12 +54,11 @@ def run(arguments: argparse.Namespace) -> None:
         got = f"{quoted(arguments.to)}: {did_you_mean(arguments.to, FORMS)}"
         raise InputError(f"--to: must be one of {', '.join(FORMS)}, got {got}")
     form = FORMS[arguments.to]
-    taken = {option.name for option in form.options}
-    given = {option.name: getattr(arguments, option.name) for option, _ in _options()}
-    options = {name: value for name, value in given.items() if value is not None}
+    known = {option.name: option for option in form.options}
+    options = {name: value for name in _options() if (value := getattr(arguments, name)) is not None}
     for name in options:
-        if name not in taken:
-            rest = ", ".join(option_of(other) for other in sorted(taken)) or "no option"
+        if name not in known:
+            rest = ", ".join(map(option_of, sorted(known))) or "no option"
             rule = f"must be one that the form {form.name} takes ({rest})"
             raise InputError(f"{option_of(name)}: {rule}, got one that is not")
     json = {"--json": json_file(arguments)}
@@ -74,10 +72,10 @@ def run(arguments: argparse.Namespace) -> None:
     print_result(arguments, made.text, document=document, files=files, next_command=following)
 
 
-def _options() -> list[tuple[Option, list[str]]]:
-    """Return the options of all forms, each with the forms that accept it."""
+def _options() -> dict[str, tuple[Option, list[str]]]:
+    """Return the options of all forms by name, each with the forms that accept it."""
     found: dict[str, tuple[Option, list[str]]] = {}
     for form in FORMS.values():
         for option in form.options:
             found.setdefault(option.name, (option, []))[1].append(form.name)
-    return list(found.values())
+    return found

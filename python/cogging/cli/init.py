@@ -31,15 +31,11 @@ def add_parser(commands: Commands) -> None:
     command.add_argument("log", metavar="LOG", help="with columns of any names and units")
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument(
-        "--out", metavar="MODEL.toml", default="model.toml", help="write the model (default: model.toml)"
-    )
-    group.add_argument(
-        "--reference",
-        metavar="REF.toml",
-        default="reference.toml",
-        help="write its motion (default: reference.toml)",
-    )
+    for option, metavar, file, what in (
+        ("--out", "MODEL.toml", "model.toml", "the model"),
+        ("--reference", "REF.toml", "reference.toml", "its motion"),
+    ):
+        group.add_argument(option, metavar=metavar, default=file, help=f"write {what} (default: {file})")
     add_answer_options(group, json="all findings")
 
 

@@ -9,6 +9,7 @@ import argparse
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -26,16 +27,11 @@ Entries: TypeAlias = dict[str, dict[str, Any]]
 def add_log_options(command: argparse.ArgumentParser) -> None:
     """Add the options `--columns`, `--scale`, `--zero` and `--rows`."""
     group = command.add_argument_group("reading files")
+    scales, zeros = "a.csv:command=35,b.csv:command=2", "a.csv:position=0.012"
     for option, convert, metavar, text, example in (
         ("--columns", _names, "NAME=IN_FILE,...", "names of columns in the file", "a.csv:position=qm"),
-        ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", "a.csv:command=35,b.csv:command=2"),
-        (
-            "--zero",
-            _zeros,
-            "NAME=VALUE,...",
-            "values subtracted from columns, after the factors",
-            "a.csv:position=0.012",
-        ),
+        ("--scale", _factors, "NAME=FACTOR,...", "factors on columns of the file", scales),
+        ("--zero", _zeros, "NAME=VALUE,...", "values subtracted from columns, after the factors", zeros),
         ("--rows", _rows, "FIRST:END", "the data rows to read, from 0", "a.csv:0:500,b.csv:100:"),
     ):
         help = f"{text}; {ONE_FILE % example}"
@@ -70,9 +66,8 @@ def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], p
     """Return columns with their zeros subtracted."""
     for name in zero:
         if name not in columns:
-            raise InputError(
-                f"--zero: {quoted(name)}: must be a column of {path}, {', '.join(columns)}{nearest(name, columns)}"
-            )
+            rule = f"must be a column of {path}, {', '.join(columns)}{nearest(name, columns)}"
+            raise InputError(f"--zero: {quoted(name)}: {rule}")
     return {name: column - zero[name] if name in zero else column for name, column in columns.items()}
 
 
@@ -81,9 +76,8 @@ def require_known(arguments: argparse.Namespace, paths: Sequence[str]) -> None:
     for option in OPTIONS:
         for file in getattr(arguments, option):
             if file and not any(_names_file(file, path) for path in paths):
-                raise InputError(
-                    f"--{option}: {quoted(file)}: must be a file of this call, {', '.join(paths)}{nearest(file, paths)}"
-                )
+                rule = f"must be a file of this call, {', '.join(paths)}{nearest(file, paths)}"
+                raise InputError(f"--{option}: {quoted(file)}: {rule}")
 
 
 def _names_file(file: str, path: str) -> bool:
@@ -126,12 +120,8 @@ def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> Entries:
     return pairs
 
 
-def _names(text: str) -> Entries:
-    return _pairs(text, str, "NAME=VALUE,...")
-
-
-def _factors(text: str) -> Entries:
-    return _pairs(text, float, "NAME=NUMBER,...")
+_names = partial(_pairs, convert=str, rule="NAME=VALUE,...")
+_factors = partial(_pairs, convert=float, rule="NAME=NUMBER,...")
 
 
 def _zeros(text: str) -> Entries:

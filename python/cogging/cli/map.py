@@ -33,19 +33,10 @@ def add_parser(commands: Commands) -> None:
     )
     command.add_argument("scan", metavar="SCAN", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m or rad")
-    command.add_argument(
-        "--force-sign",
-        type=int,
-        default=1,
-        metavar="S",
-        help="-1: the sensor reads the force of the motor (default: 1)",
-    )
-    command.add_argument(
-        "--units",
-        type=_units,
-        metavar="command=N,...",
-        help="labels of the units of force and position",
-    )
+    sign = "-1: the sensor reads the force of the motor (default: 1)"
+    command.add_argument("--force-sign", type=int, default=1, metavar="S", help=sign)
+    units = "labels of the units of force and position"
+    command.add_argument("--units", type=_units, metavar="command=N,...", help=units)
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", metavar="MODEL.toml", help="write the [cogging] section, and a figure beside it")
@@ -64,16 +55,16 @@ def run(arguments: argparse.Namespace) -> None:
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
     with status_line(arguments, "map"):
         try:
-            signed = {"force_sign": arguments.force_sign, "units": arguments.units}
-            fit = fit_map(table["position"], table["force"], pitch=arguments.pitch, **signed)
+            options = {name: getattr(arguments, name) for name in ("pitch", "force_sign", "units")}
+            fit = fit_map(table["position"], table["force"], **options)
         except ValueError as error:
             raise InputError(f"{arguments.scan}: {error}") from None
         if arguments.out:
             fit.write(arguments.out)
-    text = fit.text()
+    text, written = fit.text(), []
     if arguments.out:
         text += f"\nreplace the [cogging] section of a model by that of {printable(arguments.out)}"
-    written = [arguments.out, str(figure)] if arguments.out else []
+        written = [arguments.out, str(figure)]
     print_result(arguments, text, document=fit.to_dict(), written=written, next_command=after_map(arguments))
 
 

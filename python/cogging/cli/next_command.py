@@ -10,7 +10,7 @@ import math
 import os
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,15 +50,14 @@ def shell_word(word: str) -> str:
     """Return a word quoted for the shell; characters that the terminal cannot show as $'...' of bash and zsh."""
     if os.name == "nt":
         return f'"{word}"' if not word or any(letter in word for letter in " &()^;,'") else word
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    if word.isprintable() and word.encode(encoding, "replace").decode(encoding) == word:
+        return shlex.quote(word)
+    # A lone surrogate is a byte of a file name that is not UTF-8, or occurs in no name.
     try:
-        word.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
-        if word.isprintable():
-            return shlex.quote(word)
+        content = os.fsencode(word)
     except UnicodeError:
-        pass
-    # Lone surrogates outside the range for undecodable bytes occur in no file name.
-    lone = any("\ud800" <= letter < "\udc80" or "\udcff" < letter <= "\udfff" for letter in word)
-    content = word.encode("utf-8", "surrogatepass" if lone else "surrogateescape")
+        content = word.encode("utf-8", "surrogatepass")
     letters = (chr(byte) if 0x20 <= byte < 0x7F and chr(byte) not in "'\\" else f"\\x{byte:02x}" for byte in content)
     return f"$'{''.join(letters)}'"
 
@@ -75,10 +74,8 @@ def option(name: str, *values: AnyPath | None) -> list[str]:
 
 def log_options(arguments: argparse.Namespace) -> list[str]:
     """Return the options with which the logs were read, as given."""
-    words = []
-    for name, text in getattr(arguments, "log_words", ()):
-        words += [f"{name}={text}"] if text.startswith("-") else [name, text]
-    return words
+    given = getattr(arguments, "log_words", ())
+    return [word for name, text in given for word in ([f"{name}={text}"] if text.startswith("-") else [name, text])]
 
 
 def free_name(path: AnyPath, ending: str = "") -> str:
@@ -137,21 +134,20 @@ def after_diagnose(arguments: argparse.Namespace, result: Diagnosis) -> NextStep
         empirical=arguments.empirical,
     )
     step = next_step(result, given)
-    everything = files([*arguments.logs, *arguments.confirm])
-    patched: dict[str, Any] = {
+    patched = {
         "out": arguments.out or free_name(arguments.model, "patched"),
-        "empirical": "--empirical" in step.line.split(),
+        "empirical": arguments.empirical or "--empirical" in step.line.split(),
     }
     if step.kind == "mend":
-        line = _read_otherwise(arguments, result)
+        line = _read_otherwise(arguments, result.mismatch or {})
     elif step.kind == "audit":
         line = _audit(arguments)
     elif step.kind == "move":
         line = experiment(arguments.model)
     elif step.kind == "write_result":
         line = _diagnose_again(arguments, json=free_name("result.json"))
-    elif step.kind == "tell_apart":
-        known = ["--logs", *everything, *log_options(arguments)]  # their motion is not proposed again
+    elif step.kind == "tell_apart":  # the motion of known logs is not proposed again
+        known = ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
         line = experiment(arguments.model, *option("--result", arguments.json), *known)
     elif step.kind == "write_model":
         line = _diagnose_again(arguments, **patched)
@@ -169,55 +165,38 @@ def _audit(arguments: argparse.Namespace) -> str:
     return command_line("audit", logs, option("--model", arguments.model), log_options(arguments))
 
 
-def _diagnose_again(
-    arguments: argparse.Namespace,
-    *,
-    logs: Sequence[str] | None = None,
-    confirm: Sequence[str] | None = None,
-    out: str | None = None,
-    json: str | None = None,
-    empirical: bool = False,
-    more: Sequence[str] = (),
-) -> str:
-    """Return the same call with changed or further options."""
-    others = arguments.confirm if confirm is None else confirm
-    return command_line(
-        "diagnose",
-        files(arguments.logs if logs is None else logs),
-        option("--model", arguments.model),
-        option("--confirm", *others) if others else [],
-        log_options(arguments),
-        list(more),
-        option("--json", json or arguments.json),
-        option("--report", arguments.report),
-        option("--out", out or arguments.out),
-        ["--empirical"] if empirical or arguments.empirical else [],
-    )
+def _diagnose_again(arguments: argparse.Namespace, *more: str, **changes: Any) -> str:
+    """Return the same call with changed or more options."""
+    call = argparse.Namespace(**{**vars(arguments), **changes})
+    confirm = option("--confirm", *call.confirm) if call.confirm else []
+    written = [*option("--json", call.json), *option("--report", call.report), *option("--out", call.out)]
+    empirical = ["--empirical"] if call.empirical else []
+    read = [*option("--model", call.model), *confirm, *log_options(call), *more]
+    return command_line("diagnose", files(call.logs), read, written, empirical)
 
 
-def _read_otherwise(arguments: argparse.Namespace, result: Diagnosis) -> str:
+def _read_otherwise(arguments: argparse.Namespace, mismatch: Mapping[str, Any]) -> str:
     """Return the same call with the misread column read correctly; the audit if no option does that."""
-    mismatch = result.mismatch or {}
-    name, _, pairs = str(mismatch.get("option", "")).partition(" ")
     if mismatch.get("misreading") in ("derivative", "reference"):
-        return _diagnose_again(arguments, more=["--columns", "position=NAME"])  # the user names the encoder's column
-    every = [*arguments.logs, *arguments.confirm]
+        return _diagnose_again(arguments, "--columns", "position=NAME")  # the user names the encoder's column
+    name, _, pairs = str(mismatch.get("option", "")).partition(" ")
+    kind, every = name.removeprefix("--"), [*arguments.logs, *arguments.confirm]
     wrong = [path for path in every if printable(path) in mismatch.get("logs", ())]
-    if name not in ("--scale", "--columns") or not wrong:
+    if kind not in ("scale", "columns") or not wrong:
         return _audit(arguments)
-    entries, kind = [], name.removeprefix("--")
+    # An option with the file's name takes precedence over one without; a name with a comma cannot stand there.
+    by_file = len(every) > 1 or any(getattr(arguments, kind))
+    if by_file and any("," in path or "=" in path for path in wrong):
+        return _audit(arguments)
     for path in wrong:
         pairs = pairs.replace(f"{printable(path)}:", "")
+    entries = []
     for path in wrong:
         given = options_of(arguments, path)[0][kind]
-        # An option with the file's name takes precedence over one without.
-        before = "" if len(every) == 1 and set(getattr(arguments, kind)) <= {""} else f"{path}:"
         for column, _, value in (pair.partition("=") for pair in dict.fromkeys(pairs.split(","))):
-            new = repr(float(value) * given.get(column, 1.0)) if name == "--scale" else given.get(value, value)
-            entries.append(f"{before}{column}={new}")
-        if "," in before or "=" in before:  # a name that cannot stand in an option
-            return _audit(arguments)
-    return _diagnose_again(arguments, more=[name, ",".join(entries)])
+            new = repr(float(value) * given.get(column, 1.0)) if kind == "scale" else given.get(value, value)
+            entries.append(f"{f'{path}:' if by_file else ''}{column}={new}")
+    return _diagnose_again(arguments, name, ",".join(entries))
 
 
 # After the other commands ---------------------------------------------------------------------------------------------

@@ -136,22 +136,25 @@ def add_run_files(command: argparse.ArgumentParser) -> None:
     command.add_argument("--controller", choices=("pid",), help="in place of the model's: a PID for its mass")
 
 
-def run_model(arguments: argparse.Namespace) -> Model:
-    """Return the model of add_run_files, with the controller that was asked for."""
-    from cogging.design.pid import assumed_pid
+@contextlib.contextmanager
+def run_model(arguments: argparse.Namespace) -> Iterator[tuple[Model, str]]:
+    """Yield the model of add_run_files with the controller that was asked for, and a line about that or nothing.
+
+    A ValueError of the block names model and reference.
+    """
+    from cogging.design.pid import ASSUMED, assumed_pid
     from cogging.model.model import Model
 
-    model = Model.read(arguments.model)
-    if arguments.controller is None:
-        return model
-    return model.replace(controller=assumed_pid(model.axis), controller_type=arguments.controller)
-
-
-def run_controller(arguments: argparse.Namespace) -> str:
-    """Return the line about the controller that was asked for, or nothing."""
-    from cogging.design.pid import ASSUMED
-
-    return "" if arguments.controller is None else f"controller: {ASSUMED}, for the model's mass\n"
+    try:
+        model, said = Model.read(arguments.model), ""
+        if arguments.controller is not None:
+            model = model.replace(controller=assumed_pid(model.axis), controller_type=arguments.controller)
+            said = f"controller: {ASSUMED}, for the model's mass\n"
+        yield model, said
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{arguments.model} with {arguments.reference}: {error}") from None
 
 
 def add_threads(command: argparse.ArgumentParser) -> None:
@@ -172,14 +175,3 @@ def add_seed(command: argparse.ArgumentParser, of: str) -> None:
 def require_seed(arguments: argparse.Namespace) -> None:
     """Raise InputError for a seed below 0 or of more than 64 bits."""
     require_whole("--seed", arguments.seed, 0, SEEDS - 1)
-
-
-@contextlib.contextmanager
-def naming_files(arguments: argparse.Namespace) -> Iterator[None]:
-    """Let a ValueError of a simulation name model and reference."""
-    try:
-        yield
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(f"{arguments.model} with {arguments.reference}: {error}") from None

@@ -6,17 +6,7 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import can_predict, command_line, experiment, free_name, option
-from cogging.cli.parser import (
-    Commands,
-    add_command,
-    add_run_files,
-    add_seed,
-    naming_files,
-    require_seed,
-    require_whole,
-    run_controller,
-    run_model,
-)
+from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, require_seed, require_whole, run_model
 from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs
 from cogging.simulation.reference import files_of_reference
@@ -50,18 +40,11 @@ def run(arguments: argparse.Namespace) -> None:
     require_whole("--samples", arguments.samples, 2, MOST_SAMPLES)
     require_seed(arguments)
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
-    options = {"samples": arguments.samples, "seed": arguments.seed}
-    with naming_files(arguments), status_line(arguments, "predict"):
-        model = run_model(arguments)
-        prediction = predict_error(model, arguments.reference, **options)
+    with status_line(arguments, "predict"), run_model(arguments) as (model, controller):
+        prediction = predict_error(model, arguments.reference, samples=arguments.samples, seed=arguments.seed)
     if can_predict(model):
         following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))
     else:  # a motion that determines what is not known
         following = experiment(arguments.model, "--goal", "fit")
-    print_result(
-        arguments,
-        f"{run_controller(arguments)}{prediction.text()}",
-        document=prediction.to_dict(),
-        indent=2,
-        next_command=following,
-    )
+    text, document = f"{controller}{prediction.text()}", prediction.to_dict()
+    print_result(arguments, text, document=document, indent=2, next_command=following)

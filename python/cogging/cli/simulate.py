@@ -6,17 +6,7 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, files, option
-from cogging.cli.parser import (
-    Commands,
-    add_command,
-    add_run_files,
-    add_seed,
-    naming_files,
-    require_seed,
-    require_whole,
-    run_controller,
-    run_model,
-)
+from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, require_seed, require_whole, run_model
 from cogging.cli.terminal import status_line
 from cogging.logs.log import performance
 from cogging.model.model import STEPS_MAX
@@ -63,8 +53,8 @@ def run(arguments: argparse.Namespace) -> None:
     outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out), "--json": json_file(arguments)}
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
     with status_line(arguments, "simulate") as begin:
-        with naming_files(arguments):
-            log = simulate(run_model(arguments), arguments.reference, seed=arguments.seed, steps_per_sample=steps)
+        with run_model(arguments) as (model, controller):
+            log = simulate(model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
         begin("writing the log")
         log.write(arguments.out)
     document = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}
@@ -73,4 +63,4 @@ def run(arguments: argparse.Namespace) -> None:
     text = f"{printable(arguments.out)}: {len(log)} rows, {log.time[-1]:g} s, max |error| {worst}"
     following = command_line("audit", files([arguments.out]), option("--model", arguments.model))
     document |= {name: getattr(indexes, name) for name in INDEXES}
-    print_result(arguments, run_controller(arguments) + text, document=document, next_command=following)
+    print_result(arguments, controller + text, document=document, next_command=following)

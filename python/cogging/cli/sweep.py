@@ -67,11 +67,11 @@ def run(arguments: argparse.Namespace) -> None:
     indexes = {}
     for name in INDEXES:
         values = runs.table[name][np.isfinite(runs.table[name])]
-        low, middle, high = np.quantile(values, (0.0, 0.5, 1.0)) if values.size else (np.nan,) * 3
-        indexes[name] = {"smallest": low, "median": middle, "largest": high}
-    summary = {"out": arguments.out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units)}
+        ends = np.quantile(values, (0.0, 0.5, 1.0)) if values.size else (np.nan,) * 3
+        indexes[name] = dict(zip(("smallest", "median", "largest"), ends, strict=True))
+    document = {"out": arguments.out, "runs": len(runs), "failed": runs.failed, "varied": dict(runs.units)}
+    document |= {"indexes": indexes, "influence": runs.influence()}
     following = after_many_runs(asked["model"], asked["reference"])
-    document = {**summary, "indexes": indexes, "influence": runs.influence()}
     files = {arguments.figure: [picture(runs.plot())]} if arguments.figure else {}
     text = f"{printable(arguments.out)}: {runs.text()}"
     print_result(arguments, text, document=document, indent=2, files=files, next_command=following)

@@ -92,36 +92,25 @@ def wants_colour(stream: TextIO) -> bool:
     NO_COLOR forbids it; FORCE_COLOR and CLICOLOR_FORCE demand it; otherwise the stream must be a capable terminal, and
     CLICOLOR=0 forbids it (no-color.org, force-color.org, bixense.com/clicolors).
     """
-    environment = os.environ
-    if environment.get("NO_COLOR"):
+    wishes = os.environ
+    if wishes.get("NO_COLOR"):
         return False
-    forced = environment.get("CLICOLOR_FORCE", "0") not in ("", "0")
-    if forced or environment.get("FORCE_COLOR", "0") not in ("", "0", "false"):
+    if wishes.get("CLICOLOR_FORCE", "0") not in ("", "0") or wishes.get("FORCE_COLOR", "0") not in ("", "0", "false"):
         return True
-    terminal = environment.get("TERM", "dumb" if os.name != "nt" else "")
-    if environment.get("CLICOLOR") == "0" or terminal == "dumb":
-        return False
-    if os.name == "nt" and not (environment.get("WT_SESSION") or terminal or environment.get("ANSICON")):
-        return False  # an old console, which shows the codes
-    try:
-        return stream.isatty()
-    except ValueError:  # closed
-        return False
+    kind = wishes.get("TERM") or wishes.get("WT_SESSION") or wishes.get("ANSICON")  # Windows has the latter two
+    return wishes.get("CLICOLOR") != "0" and kind not in (None, "dumb") and not stream.closed and stream.isatty()
 
 
 def coloured(text: str) -> str:
     """Return a text with verdict, names and warnings coloured."""
-    return "\n".join(map(_coloured_line, text.split("\n")))
-
-
-def _coloured_line(line: str) -> str:
-    for pattern, colour in PATTERNS:
-        found = pattern.match(line)
-        if found:
+    lines = text.split("\n")
+    for place, line in enumerate(lines):
+        found, colour = next(((hit, paint) for pattern, paint in PATTERNS if (hit := pattern.match(line))), (None, ""))
+        if found is not None:
             begin, end = found.span(1)
             paint = colour or BOLD + VERDICTS.get(found[1], RED)
-            return f"{line[:begin]}{paint}{line[begin:end]}{PLAIN}{line[end:]}"
-    return line
+            lines[place] = f"{line[:begin]}{paint}{line[begin:end]}{PLAIN}{line[end:]}"
+    return "\n".join(lines)
 
 
 @contextmanager

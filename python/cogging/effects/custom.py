@@ -30,6 +30,7 @@ HOOKS = {
     "command_gain": ("position", "time"),
     "reading_error": ("position",),
 }
+NAME = re.compile("[a-z][a-z0-9_]*")  # of an effect or a parameter
 CHANGES = ("mass_change", "viscous_change", "coulomb_change")  # names in results, reserved too
 TRIAL = ([0.02, 0.05, 0.11], [-0.3, 0.0, 0.2], [0.0, 0.4, 1.7])  # m, m/s, s
 SAME = 1e-9  # of the largest value: tolerance between numbers and arrays
@@ -204,25 +205,35 @@ class Custom(OwnLaws):
     ) -> None:
         given = zip(HOOKS, (force, friction_level, command_gain, reading_error), strict=True)
         laws = {hook: function for hook, function in given if function is not None}
-        _check_name(name)
+        if not isinstance(name, str) or not NAME.fullmatch(name):
+            raise ValueError(f"name: must be lower-case letters, digits and _, beginning with a letter, got {name!r}")
+        if name in EFFECTS or name in CHANGES:
+            raise ValueError(f"name: must not be one of the vocabulary, got {name!r}")
         if not laws:
             raise ValueError(f"{name}: must have a law, one of {', '.join(HOOKS)}, got none")
         specified = {
             key: one if isinstance(one, Parameter) else Parameter(one) for key, one in (parameters or {}).items()
         }
-        _check_parameters(name, specified, {*dir(type(self)), *PLACES, "name"})
+        for key in specified:
+            if not isinstance(key, str) or not NAME.fullmatch(key) or key in {*dir(type(self)), *PLACES, "name"}:
+                rule = "must be lower-case letters, digits and _, and no place or method of an effect"
+                raise ValueError(f"{name}.parameters: {rule}, got {key!r}")
         taken = {hook: arguments_of(f"{name}.{hook}", function, hook, specified) for hook, function in laws.items()}
         used = {argument for arguments in taken.values() for argument in arguments}
         for key in specified:
             if key not in used:
                 raise ValueError(f"{name}.{key}: must be an argument of a law, one of {', '.join(sorted(used))}")
         scales = {"length_scale": length_scale, "velocity_scale": velocity_scale, "time_scale": time_scale}
+        kinds = tuple(kinds)
+        for key in (key for kind in kinds for word, key in kind.to_dict().items() if word != "coordinate"):
+            if key not in specified:
+                raise ValueError(f"{name}.kinds: must name parameters ({', '.join(specified)}), got {key!r}")
         definition = Definition(
             name,
             laws,
             specified,
             law or "; ".join(f"{hook}({', '.join(arguments)})" for hook, arguments in taken.items()),
-            _checked_kinds(name, tuple(kinds), specified),
+            kinds,
             {key: math.inf if scale is None else float(scale) for key, scale in scales.items()},
             taken,
         )
@@ -404,15 +415,16 @@ def compiled_function(function: Any) -> Any:
 
 def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
     """Return the names of a law's arguments, places first."""
-    if compiled_function(function) is not None:
-        return _compiled_arguments(label, compiled_function(function), hook, parameters)
+    known = (*HOOKS[hook], *parameters)
+    if (compiled := compiled_function(function)) is not None:
+        _require_doubles(label, compiled, known, parameters)
+        return known
     if not callable(function):
         raise ValueError(f"{label}: must be a function, got {function!r}")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
         raise ValueError(f"{label}: must be a function whose arguments have names, got {function!r}") from None
-    known = (*HOOKS[hook], *parameters)
     named: set[str] = set()
     for name, argument in signature.parameters.items():
         if argument.kind is argument.VAR_KEYWORD:
@@ -426,8 +438,8 @@ def arguments_of(label: str, function: Any, hook: str, parameters: Mapping[str, 
     return tuple(name for name in known if name in named)
 
 
-def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
-    known = (*HOOKS[hook], *parameters)
+def _require_doubles(label: str, function: Any, known: tuple[str, ...], parameters: Mapping[str, Parameter]) -> None:
+    """Refuse a ctypes function that is a callback of Python, or does not accept all arguments as doubles."""
     if any(type(one).__name__ == "CThunkObject" for one in (getattr(function, "_objects", None) or {}).values()):
         raise ValueError(f"{label}: must be compiled code; give a Python function itself, not a ctypes callback of it")
     for key, one in parameters.items():
@@ -438,30 +450,6 @@ def _compiled_arguments(label: str, function: Any, hook: str, parameters: Mappin
         arguments = ", ".join(getattr(one, "__name__", str(one)) for one in types)
         given = f"({arguments}) -> {getattr(function.restype, '__name__', function.restype)}"
         raise ValueError(f"{label}: must take doubles ({', '.join(known)}) and return one, got {given}")
-    return known
-
-
-def _check_name(name: Any) -> None:
-    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
-        raise ValueError(f"name: must be lower-case letters, digits and _, beginning with a letter, got {name!r}")
-    if name in EFFECTS or name in CHANGES:
-        raise ValueError(f"name: must not be one of the vocabulary, got {name!r}")
-
-
-def _check_parameters(name: str, parameters: Mapping[str, Parameter], reserved: set[str]) -> None:
-    for key in parameters:
-        if not isinstance(key, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", key) or key in reserved:
-            rule = "must be lower-case letters, digits and _, and no place or method of an effect"
-            raise ValueError(f"{name}.parameters: {rule}, got {key!r}")
-
-
-def _checked_kinds(name: str, kinds: tuple[Any, ...], parameters: Mapping[str, Parameter]) -> tuple[Any, ...]:
-    for kind in kinds:
-        fields = {key: value for key, value in kind.to_dict().items() if key != "coordinate"}
-        for value in fields.values():
-            if value not in parameters:
-                raise ValueError(f"{name}.kinds: must name parameters ({', '.join(parameters)}), got {value!r}")
-    return kinds
 
 
 def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Protocol, TypeVar, cast
+from collections.abc import Iterable, Mapping
+from typing import Any, Protocol, TypeVar
 
 from cogging._core import EFFECTS, AxisParameters, CoggingModel
 from cogging._core.effects import Knots as Knots
@@ -55,29 +55,13 @@ class Effect(Protocol):
         """Return a copy with the fields that come from the plant filled in."""
 
 
-class Laws(Effect, Protocol):
-    """An effect whose laws, named by its HOOKS, are functions of numbers and arrays."""
+def laws_of(effect: Effect) -> Any:
+    """Return the effect for its laws, functions of numbers and arrays; only those in its HOOKS exist.
 
-    @property
-    def force_at(self) -> Callable[..., Any]:
-        """Force (V) at positions, velocities and times."""
-
-    @property
-    def friction_level_at(self) -> Callable[..., Any]:
-        """Level (V) added to Fc at positions, velocities and times."""
-
-    @property
-    def gain_at(self) -> Callable[..., Any]:
-        """Addition to the gain 1 of the command at positions and times."""
-
-    @property
-    def reading_at(self) -> Callable[..., Any]:
-        """Reading of the encoder at positions, m."""
-
-
-def laws_of(effect: Effect) -> Laws:
-    """Return the effect, typed with its laws; only those in its HOOKS exist."""
-    return cast(Laws, effect)
+    `force_at` (V) and `friction_level_at` (V, added to Fc) at positions, velocities and times; `gain_at` (added to the
+    gain 1 of the command) at positions and times; `reading_at` (m) at positions.
+    """
+    return effect
 
 
 def for_core(effects: Iterable[Effect]) -> list[Any]:

@@ -40,6 +40,7 @@ READ_WITH = "read_with"  # key of the metadata: notes of the reader
 CHECKSUM = "log_checksum"  # key of a sidecar: checksum of its log
 TRUE = ("true_position", "true_velocity")
 OPTIONAL = ("reference", "reference_velocity", "reference_acceleration")
+FURTHER = (*OPTIONAL, *TRUE, "estimates")
 COLUMN_UNITS = {"time": "s", **UNITS}
 
 
@@ -84,7 +85,7 @@ class Log(ByValue):
 
     def __post_init__(self) -> None:
         rows = -1
-        for name in (*REQUIRED, *OPTIONAL, *TRUE, "estimates"):
+        for name in (*REQUIRED, *FURTHER):
             given = getattr(self, name)
             if given is None and name not in REQUIRED:
                 continue
@@ -100,7 +101,7 @@ class Log(ByValue):
     def of(cls, columns: Mapping[str, Any], metadata: Mapping[str, Any] | None = None) -> Log:
         """Return a log of columns by name."""
         required = {name: columns[name] for name in REQUIRED}
-        further: dict[str, Any] = {name: columns.get(name) for name in (*OPTIONAL, *TRUE, "estimates")}
+        further: dict[str, Any] = {name: columns.get(name) for name in FURTHER}
         return cls(**required, **further, metadata=metadata or {})
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -113,7 +114,7 @@ class Log(ByValue):
         if len(self) < 2:
             return "1 row"
         span = float(self.time[-1] - self.time[0])
-        extra = [name for name in OPTIONAL[:1] if getattr(self, name) is not None]
+        extra = ["reference"] * (self.reference is not None)
         extra += ["true motion"] * (self.true_position is not None) + ["estimates"] * (self.estimates is not None)
         low, high = float(self.position.min()), float(self.position.max())
         rate = f"{span:.6g} s at {(len(self) - 1) / span:.6g} Hz"
@@ -129,7 +130,7 @@ class Log(ByValue):
             rule = "must be a slice such as log[100:200], or an array of rows"
             raise TypeError(f"Log: rows: {rule}, got {quoted(rows)}: a column is an attribute, as log.position")
         chosen = rows if isinstance(rows, slice) else np.asarray(rows)
-        columns = {name: getattr(self, name) for name in (*REQUIRED, *OPTIONAL, *TRUE, "estimates")}
+        columns = {name: getattr(self, name) for name in (*REQUIRED, *FURTHER)}
         return Log.of({name: None if one is None else one[chosen] for name, one in columns.items()}, self.metadata)
 
     def between(self, start: float, stop: float = math.inf) -> Log:
@@ -168,8 +169,7 @@ class Log(ByValue):
         Raises:
             ImportError: pandas is not installed; names the extra.
         """
-        columns = self.columns()
-        columns |= {name: value for name in TRUE if (value := getattr(self, name)) is not None}
+        columns = self.columns() | {name: one for name in TRUE if (one := getattr(self, name)) is not None}
         if self.estimates is not None:
             columns |= {f"estimates[{i}]": column for i, column in enumerate(self.estimates.T)}
         return frame_of(columns, self._column_units())
@@ -188,16 +188,7 @@ class Log(ByValue):
         return html_table(f"Log: {self._brief()}", ["column", "unit", "least", "largest", "rms"], rows)
 
     def plot(self, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Figure:
-        """Plot columns over time, one panel each (cogging.plot.log).
-
-        Args:
-            columns: names of one or more, `error` among them; None: position, error and command.
-            units: labels of command and position (cogging.Units); None: those of the model that the log carries.
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
+        """Plot columns over time, one panel each, and return the figure (arguments as of cogging.plot.log)."""
         return plot.log(self, columns, units=self.units if units is None else units, ax=ax).figure
 
     def write(self, path: str | os.PathLike[str]) -> None:
@@ -332,11 +323,9 @@ def _require_increasing(time: FloatArray, first_row: int = 0) -> None:
     if not rising.all():
         row = int(np.argmin(rising)) + 1
         before, here = float(time[row - 1]), float(time[row])
-        texts = (f"{here:g}", f"{before:g}")
-        if texts[0] == texts[1] and here != before:  # they differ in later digits
-            texts = (repr(here), repr(before))
-        rule = "must be strictly increasing"
-        raise ValueError(f"row {first_row + row}: time: {rule}, got {texts[0]} after {texts[1]}")
+        same = f"{here:g}" == f"{before:g}" and here != before  # they differ in later digits
+        got = f"{here!r} after {before!r}" if same else f"{here:g} after {before:g}"
+        raise ValueError(f"row {first_row + row}: time: must be strictly increasing, got {got}")
 
 
 def _plain(value: Any) -> Any:

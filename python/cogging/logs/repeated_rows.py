@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -34,21 +32,9 @@ NEWTON_STEPS = 8  # to the shift in time
 MIXERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0xFF51AFD7ED558CCD], dtype=np.uint64)
 
 
-@dataclass(frozen=True)
-class Spread:
-    """Largest range and magnitude of position and command over several logs."""
-
-    position: tuple[float, float]
-    command: tuple[float, float]
-
-    @classmethod
-    def of(cls, logs: Sequence[Log]) -> Spread:
-        """Return those of these logs."""
-
-        def both(columns: Sequence[FloatArray]) -> tuple[float, float]:
-            return max(float(np.ptp(c)) for c in columns), max(float(np.abs(c).max()) for c in columns)
-
-        return cls(both([log.position for log in logs]), both([log.command for log in logs]))
+def _spread(*columns: FloatArray) -> tuple[float, float]:
+    """Return the largest range and magnitude of a column over several logs."""
+    return max(float(np.ptp(one)) for one in columns), max(float(np.abs(one).max()) for one in columns)
 
 
 def repeated(log: Log, other: Log) -> Mask:
@@ -81,27 +67,22 @@ def _in_units_of(log: Log, other: Log) -> Log | None:
 def _shared_rows(log: Log, other: Log) -> Mask:
     """Return the shared rows of two logs in the same units."""
     found = np.zeros(len(log), dtype=bool)
-    spread = Spread.of([log, other])
-    for offset in _offsets(log, other, spread):
+    length, force = _spread(log.position, other.position), _spread(log.command, other.command)
+    hashes = [_rounded_rows(one, length, force) for one in (log, other)]
+    for offset in _offsets(*hashes):
         first, end = max(0, -offset), min(len(log), len(other) - offset)
         if end - first < STRETCH:
             continue
         mine, its = slice(first, end), slice(first + offset, end + offset)
-        same = _close(log.position[mine], other.position[its], spread.position)
-        same &= _close(log.command[mine], other.command[its], spread.command)
+        same = _close(log.position[mine], other.position[its], length)
+        same &= _close(log.command[mine], other.command[its], force)
         edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
-            rows = slice(first + int(start), first + int(stop))
-            if stop - start < STRETCH:
-                continue
-            with np.errstate(over="ignore"):
-                different = len(np.unique(_rounded(log.position[rows], log.command[rows], spread)))
-            found[rows] |= different >= STRETCH_DIFFERENT
+        for start, stop in zip(edges[::2] + first, edges[1::2] + first, strict=True):
+            if stop - start >= STRETCH:
+                found[start:stop] |= len(np.unique(hashes[0][start:stop])) >= STRETCH_DIFFERENT
     if found.any():
         return found
-    with np.errstate(over="ignore"):
-        hashes = [_rounded(one.position, one.command, spread) for one in (log, other)]
-    for found in (_in_order(*hashes), _between_rows(log, other, (spread.position[0], spread.command[0]))):
+    for found in (_in_order(*hashes), _between_rows(log, other, (length[0], force[0]))):
         if found.sum() >= MUCH * min(len(log), len(other)):
             return found
     return np.zeros(len(log), dtype=bool)
@@ -135,7 +116,7 @@ def counted_once(
                 kept[i][:] = False
                 said[i] += f", and the other {left} are too few to count" if left else ""
                 break
-    left_over = [log if rows.all() else rows_of(log, rows) for log, rows in zip(logs, kept, strict=True) if rows.any()]
+    left_over = [log if rows.all() else log[rows] for log, rows in zip(logs, kept, strict=True) if rows.any()]
     return left_over, kept, tuple(said[i] for i in sorted(said))
 
 
@@ -146,27 +127,20 @@ def repeated_text(rows: Mask) -> str:
     return f"{int(rows.sum())} of its {rows.size} rows, from row {int(np.argmax(rows))} on, are"
 
 
-def rows_of(log: Log, rows: Mask) -> Log:
-    """Return some rows of a log."""
-    columns = {field.name: getattr(log, field.name) for field in dataclasses.fields(log) if field.name != "metadata"}
-    taken = {name: column[rows] for name, column in columns.items() if column is not None}
-    return dataclasses.replace(log, **taken)
-
-
 def _close(one: FloatArray, other: FloatArray, spread: tuple[float, float]) -> Mask:
     return np.asarray(np.abs(one - other) <= SAME * spread[0] + 4.0 * np.finfo(float).eps * spread[1])
 
 
-def _rounded(position: FloatArray, command: FloatArray, spread: Spread) -> npt.NDArray[np.uint64]:
+def _rounded_rows(log: Log, length: tuple[float, float], force: tuple[float, float]) -> npt.NDArray[np.uint64]:
     """Return a hash of the rounded position and command of each row."""
-    numbers = np.zeros(len(position), dtype=np.uint64)
-    columns = ((position, spread.position, MIXERS[0]), (command, spread.command, MIXERS[1]))
-    for column, (size, largest), mixer in columns:
+    numbers = np.zeros(len(log), dtype=np.uint64)
+    for column, (size, largest), mixer in ((log.position, length, MIXERS[0]), (log.command, force, MIXERS[1])):
         step = COARSE * max(size, 1e-9 * largest) or 1.0
-        # Scale and offset keep quantised readings away from the rounding boundaries.
-        numbers += np.floor(column / step * 0.9 + 0.377).astype(np.int64).view(np.uint64) * mixer
-        numbers ^= numbers >> np.uint64(29)
-        numbers *= MIXERS[2]
+        with np.errstate(over="ignore"):
+            # Scale and offset keep quantised readings away from the rounding boundaries.
+            numbers += np.floor(column / step * 0.9 + 0.377).astype(np.int64).view(np.uint64) * mixer
+            numbers ^= numbers >> np.uint64(29)
+            numbers *= MIXERS[2]
     return numbers
 
 
@@ -186,11 +160,11 @@ def _blocks(numbers: npt.NDArray[np.uint64]) -> tuple[npt.NDArray[np.uint64], Ma
     return hashed, (total[BLOCK:] - total[:-BLOCK]) >= DIFFERENT
 
 
-def _offsets(log: Log, other: Log, spread: Spread) -> list[int]:
-    """Return the offsets in rows at which blocks of two logs agree, the most frequent first."""
+def _offsets(log: npt.NDArray[np.uint64], other: npt.NDArray[np.uint64]) -> list[int]:
+    """Return the offsets in rows at which blocks of two logs agree, the most frequent first; both given as hashes."""
     with np.errstate(over="ignore"):
-        mine, known = _blocks(_rounded(log.position, log.command, spread))
-        its, its_known = _blocks(_rounded(other.position, other.command, spread))
+        mine, known = _blocks(log)
+        its, its_known = _blocks(other)
     places = np.flatnonzero(its_known)
     order = places[np.argsort(its[places], kind="stable")]
     ordered = its[order]
@@ -235,6 +209,8 @@ def _between_rows(log: Log, other: Log, spread: tuple[float, float]) -> Mask:
     The position is on the line between two rows; the command is too, or is held from the row before. `spread`: range of
     position and command, (m, V).
     """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
     found = np.zeros(len(log), dtype=bool)
     shift = _shift(log, other)
     if shift is None:
@@ -247,18 +223,12 @@ def _between_rows(log: Log, other: Log, spread: tuple[float, float]) -> Mask:
     before = np.clip(np.searchsorted(other.time, at, side="right") - 1, 0, len(other) - 1)
     held = np.abs(log.command - other.command[before]) <= BETWEEN * spread[1]
     line = np.abs(log.command - np.interp(at, other.time, other.command)) <= BETWEEN * spread[1]
-    moving = _range(log.position) >= MOVING * BETWEEN * spread[0]
-    moving &= _range(log.command) >= MOVING * BETWEEN * spread[1]
+    moving = np.ones(len(log), dtype=bool)
+    for column, size in ((log.position, spread[0]), (log.command, spread[1])):
+        moving &= maximum_filter1d(column, WINDOW) - minimum_filter1d(column, WINDOW) >= MOVING * BETWEEN * size
     for same in (inside & off & line, inside & off & held):
         found |= same & (_windowed(same.astype(float)) >= ON_LINE * WINDOW) & moving
     return found
-
-
-def _range(values: FloatArray) -> FloatArray:
-    """Return the range of values in the window around each row, (n,)."""
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-    return np.asarray(maximum_filter1d(values, WINDOW) - minimum_filter1d(values, WINDOW))
 
 
 def _windowed(values: FloatArray) -> FloatArray:
@@ -293,10 +263,8 @@ def _shift(log: Log, other: Log) -> float | None:
     for _ in range(NEWTON_STEPS):  # refine within two rows
         at = log.time[inside] + shift
         miss = log.position[inside] - np.interp(at, other.time, other.position)
-        slope = (
-            np.interp(at + 0.5 * step, other.time, other.position)
-            - np.interp(at - 0.5 * step, other.time, other.position)
-        ) / step
+        ends = [np.interp(at + way * step, other.time, other.position) for way in (0.5, -0.5)]
+        slope = (ends[0] - ends[1]) / step
         power = float(slope @ slope)
         if power == 0.0:
             break

@@ -73,10 +73,6 @@ class ListedController(Protocol):
     def estimates(self) -> FloatArray:
         """Present estimates, (p,)."""
 
-    @property
-    def samples_refused(self) -> int:
-        """Number of refused samples."""
-
     def update(self, applied: float) -> None:
         """End the sample with the command (V) that was applied."""
 

@@ -68,11 +68,9 @@ class Intervals:
     @property
     def notes(self) -> tuple[str, ...]:
         """Which intervals were not in `[bounds]`, one line for each reason."""
-        reasons: dict[str, list[str]] = {}
-        for path, reason in self._notes.items():
-            reasons.setdefault(reason, []).append(path)
         lines = []
-        for reason, paths in reasons.items():
+        for reason in dict.fromkeys(self._notes.values()):
+            paths = [path for path, other in self._notes.items() if other == reason]
             cogging = [path for path in paths if path.startswith("cogging.")]
             subjects = [path for path in paths if path not in cogging]
             subjects += cogging if len(cogging) < 3 else [f"{len(cogging)} amplitudes of the cogging"]

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import math
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cogging import _core
-from cogging._core import (
-    AxisParameters,
-    CoggingModel,
-    EncoderParameters,
-    NoiseParameters,
-    Plant,
-    SplineHarmonics,
-)
+from cogging._core import AxisParameters, CoggingModel, EncoderParameters, NoiseParameters, Plant, SplineHarmonics
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
@@ -91,24 +85,25 @@ class Model(ByValue):
     units: Units = field(default_factory=Units)
 
     def __post_init__(self) -> None:
-        if self.controller is None and self.controller_type is not None:
-            raise ValueError(f"controller: must be given with controller_type {self.controller_type!r}, got None")
-        if self.controller_type is not None and self.controller_type not in CONTROLLERS:
-            got = f"{self.controller_type!r}{nearest(self.controller_type, CONTROLLERS)}"
-            raise ValueError(f"controller_type: must be one of {', '.join(CONTROLLERS)}, got {got}")
+        kind = self.controller_type
+        if self.controller is None and kind is not None:
+            raise ValueError(f"controller: must be given with controller_type {kind!r}, got None")
+        if kind is not None and kind not in CONTROLLERS:
+            rule = f"must be one of {', '.join(CONTROLLERS)}, got {kind!r}{nearest(kind, CONTROLLERS)}"
+            raise ValueError(f"controller_type: {rule}")
         if not isinstance(self.units, Units):
             raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
-        if self.controller is not None and not isinstance(self.controller, PARAMETERS):
-            rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}"
-            own = "simulate(model, reference, controller=...) accepts a controller of your own"
-            own = "give its .parameters" if hasattr(self.controller, "parameters") else own
-            raise TypeError(f"controller: {rule}, got {type(self.controller).__name__}: {own}")
         if self.controller is not None:
+            given = type(self.controller).__name__
             types = [name for name, (struct, _) in CONTROLLERS.items() if isinstance(self.controller, struct)]
-            kind = types[0] if self.controller_type is None and len(types) == 1 else self.controller_type
+            if not types:
+                own = "simulate(model, reference, controller=...) accepts a controller of your own"
+                own = "give its .parameters" if hasattr(self.controller, "parameters") else own
+                rule = f"must be the parameters of one of {', '.join(CONTROLLERS)}, got {given}: {own}"
+                raise TypeError(f"controller: {rule}")
+            kind = types[0] if kind is None and len(types) == 1 else kind
             if kind not in types:
-                own = type(self.controller).__name__
-                raise ValueError(f"controller_type: must be {' or '.join(types)} with {own}, got {kind!r}")
+                raise ValueError(f"controller_type: must be {' or '.join(types)} with {given}, got {kind!r}")
             object.__setattr__(self, "controller_type", kind)
         object.__setattr__(self, "effects", tuple(self.effects))
         refuse_two_of_one_name(self.effects)
@@ -174,7 +169,6 @@ class Model(ByValue):
 
         Raises:
             ValueError: there is no such form, or the model cannot be expressed in it.
-            InputError: the file cannot be written.
 
         Example:
             >>> said = model.export("akd", "table.csv")
@@ -221,9 +215,8 @@ class Model(ByValue):
             >>> loop.margins().stable, len(loop.plant.poles())
             (True, 2)
         """
-        made: ControlLoop = importlib.import_module("cogging.export.control").to_control(
-            self, speed=speed, position=position, sample_rate=sample_rate, pade=pade
-        )
+        linearise = importlib.import_module("cogging.export.control").to_control
+        made: ControlLoop = linearise(self, speed=speed, position=position, sample_rate=sample_rate, pade=pade)
         return made
 
     def replace(self, **changes: Any) -> Model:
@@ -327,35 +320,40 @@ class Model(ByValue):
         return document
 
 
+@contextlib.contextmanager
+def _reading_section(name: str, occurrence: int = 0) -> Iterator[None]:
+    """Let an error name section and occurrence; that of the core or of an effect is "field: rule, got value"."""
+    try:
+        yield
+    except FieldError as error:
+        raise FieldError(error.section, error.key, error.problem, occurrence) from None
+    except ValueError as error:
+        key, _, problem = str(error).partition(": ")
+        raise FieldError(name, key.rpartition(".")[2], problem, occurrence) from None
+
+
 def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurrence: int = 0) -> Any:
     """Return a C++ parameter struct from a section, with the defaults and rules of the struct."""
-    try:
+    with _reading_section(name, occurrence):
         refuse_unknown_keys(section, struct.FIELDS, name)
         defaults = struct().to_dict()
         for key, value in section.items():
             _require_type(value, defaults[key], name, key)
-    except FieldError as error:
-        raise FieldError(error.section, error.key, error.problem, occurrence) from None
-    try:
         return struct(**section)
-    except ValueError as error:  # the core says "field: rule, got value"
-        key, _, problem = str(error).partition(": ")
-        raise FieldError(name, key, problem, occurrence) from None
 
 
 def cogging_to_dict(cogging: CoggingModel) -> dict[str, Any]:
     """Return the section `[cogging]` of a cogging model."""
     basis = cogging.basis
-    section: dict[str, Any] = {"pitch": basis.pitch if basis.pitch > 0 else basis.spline.pitch}
-    if basis.harmonics:
-        section["harmonics"] = list(basis.harmonics)
-    else:
-        section["periods"] = list(basis.periods)
-    section["order"] = basis.spline.order
-    section["origin"] = basis.spline.origin
-    section["sine"] = cogging.sine.tolist()
-    section["cosine"] = cogging.cosine.tolist()
-    return section
+    terms = {"harmonics": list(basis.harmonics)} if basis.harmonics else {"periods": list(basis.periods)}
+    return {
+        "pitch": basis.pitch if basis.pitch > 0 else basis.spline.pitch,
+        **terms,
+        "order": basis.spline.order,
+        "origin": basis.spline.origin,
+        "sine": cogging.sine.tolist(),
+        "cosine": cogging.cosine.tolist(),
+    }
 
 
 def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
@@ -401,12 +399,10 @@ def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
     rows = {key: _rows(section[key], key) for key in ("sine", "cosine") if key in section}
     if len(rows) == 1:
         raise FieldError("cogging", next(iter(rows)), "needs both sine and cosine, or neither, got one")
-    for key in ("pitch", "origin"):
-        _require_type(section.get(key, 0.0), 0.0, "cogging", key)
-    _require_type(section.get("order", 3), 3, "cogging", "order")
-    for key in ("harmonics", "periods"):
-        if key in section:
-            _require_type(section[key], [], "cogging", key)
+    kinds: dict[str, Any] = {"pitch": 0.0, "origin": 0.0, "order": 3, "harmonics": [], "periods": []}
+    for key, value in section.items():
+        if key in kinds:
+            _require_type(value, kinds[key], "cogging", key)
     points = rows["sine"].shape[1] if rows else 1
     arguments = {key: value for key, value in section.items() if key not in rows}
     try:
@@ -437,7 +433,12 @@ def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]
         refuse_mistyped(fields, "name", "effects", occurrence)
         name = fields.pop("name", None)
         if isinstance(name, str) and name in own:
-            made.append(_custom_effect_from(own[name], fields, occurrence))
+            effect = own[name]
+            with _reading_section("effects", occurrence):
+                refuse_unknown_keys(fields, effect.FIELDS, "effects")
+                for key, value in fields.items():
+                    _require_type(value, [] if isinstance(getattr(effect, key), list) else 0.0, "effects", key)
+                made.append(effect.replace(**fields))
             continue
         if not isinstance(name, str) or name not in _core.EFFECTS:
             known = ", ".join((*_core.EFFECTS, *own))
@@ -446,19 +447,6 @@ def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]
             raise FieldError("effects", "name", f"{rule}, got {quoted(name)}{near}", occurrence)
         made.append(parameters_from(_core.EFFECTS[name], fields, "effects", occurrence))
     return tuple(made)
-
-
-def _custom_effect_from(effect: Custom, section: Mapping[str, Any], occurrence: int) -> Custom:
-    try:
-        refuse_unknown_keys(section, effect.FIELDS, "effects")
-        for key, value in section.items():
-            _require_type(value, [] if isinstance(getattr(effect, key), list) else 0.0, "effects", key)
-        return effect.replace(**section)
-    except FieldError as error:
-        raise FieldError(error.section, error.key, error.problem, occurrence) from None
-    except ValueError as error:  # "effect.field: rule, got value"
-        key, _, problem = str(error).partition(": ")
-        raise FieldError("effects", key.rpartition(".")[2], problem, occurrence) from None
 
 
 def _controller_from(

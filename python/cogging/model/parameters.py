@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,10 +77,8 @@ class Scales:
         """Return the largest of each magnitude over several logs, and the shortest sample time."""
         sizes = list(several)
         names = ("force", "position", "velocity", "acceleration", "time")
-        return cls(
-            **{name: max(getattr(s, name) for s in sizes) for name in names},
-            sample_time=min(s.sample_time for s in sizes),
-        )
+        most = {name: max(getattr(one, name) for one in sizes) for name in names}
+        return cls(**most, sample_time=min(one.sample_time for one in sizes))
 
     def of(self, unit: str) -> float:
         """Return the value of a parameter of this unit whose effect would be as large as the command."""
@@ -124,13 +121,6 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
     `cogging.stretch[0]` increases the sines and decreases the cosines (relative), and `cogging.shear[0]` adds a share
     of each to the other.
 
-    Args:
-        model: the model.
-        together: also parameters of a whole harmonic, such as gain and phase.
-
-    Returns:
-        The parameters by path.
-
     Example:
         >>> known = cogging.parameters_of(model)
         >>> print(known["axis.mass"].value, known["axis.mass"].unit, len(known))
@@ -167,28 +157,23 @@ def parameters_of(model: Model, *, together: bool = False) -> dict[str, Paramete
 def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
     """Return the effects with their paths: the name, and a number if there are several of that name."""
     effects = list(effects)
-    total = Counter(effect.NAME for effect in effects)
-    seen: Counter[str] = Counter()
-    paths = []
-    for effect in effects:
-        place = f"[{seen[effect.NAME]}]" if total[effect.NAME] > 1 else ""
-        paths.append((f"effects.{effect.NAME}{place}", effect))
-        seen[effect.NAME] += 1
-    return paths
+    names = [effect.NAME for effect in effects]
+    places = [f"[{names[:i].count(name)}]" if names.count(name) > 1 else "" for i, name in enumerate(names)]
+    return [(f"effects.{effect.NAME}{place}", effect) for effect, place in zip(effects, places, strict=True)]
 
 
 def effect_at(model: Model, path: str) -> Effect:
     """Return the effect of a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]`."""
-    prefix, field = _effect_and_field(path)
+    prefix, _, leaf = path.rpartition(".")
     effect = dict(effect_paths(model.effects)).get(prefix)
-    if effect is None or field not in effect.FIELDS:
+    if effect is None or leaf.partition("[")[0] not in effect.FIELDS:
         raise ValueError(f"{path}: must be a parameter of an effect of the model")
     return effect
 
 
 def role_at(model: Model, path: str) -> Mapping[str, Any]:
     """Return the entry of ROLES of a field of an effect (see cogging.effects)."""
-    return effect_at(model, path).ROLES[_effect_and_field(path)[1]]
+    return effect_at(model, path).ROLES[path.rpartition(".")[2].partition("[")[0]]
 
 
 def role_of(model: Model, path: str) -> str:
@@ -219,9 +204,8 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
         else:
             prefix, _, leaf = path.rpartition(".")
             if prefix not in prefixes:
-                raise ValueError(
-                    f"{path}: must be a parameter of the model, which has {', '.join(parameters_of(model))}"
-                )
+                known = ", ".join(parameters_of(model))
+                raise ValueError(f"{path}: must be a parameter of the model, which has {known}")
             changes = effects.setdefault(prefixes[prefix], {})
             if leaf.endswith("]"):
                 name, index = _indexed(path, leaf, 1)
@@ -231,20 +215,14 @@ def with_values(model: Model, values: Mapping[str, float]) -> Model:
     changed: dict[str, Any] = {}
     if axis:
         changed["axis"] = model.axis.replace(**axis)
-    if tables and model.cogging is not None:
+    if tables and (cogging := model.cogging) is not None:
         changed["cogging"] = CoggingModel(
-            model.cogging.basis, tables.get("sine", model.cogging.sine), tables.get("cosine", model.cogging.cosine)
+            cogging.basis, tables.get("sine", cogging.sine), tables.get("cosine", cogging.cosine)
         )
     if effects:
-        changed["effects"] = tuple(
-            effect.replace(**effects[i]) if i in effects else effect for i, effect in enumerate(model.effects)
-        )
+        new = enumerate(model.effects)
+        changed["effects"] = tuple(effect.replace(**effects[i]) if i in effects else effect for i, effect in new)
     return model.replace(**changed) if changed else model
-
-
-def _effect_and_field(path: str) -> tuple[str, str]:
-    prefix, _, leaf = path.rpartition(".")
-    return prefix, leaf.partition("[")[0]
 
 
 def _change_harmonic(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:
@@ -272,8 +250,7 @@ def _indexed(path: str, text: str, count: int) -> list[Any]:
     return [match.group(1), *(int(match.group(i + 2)) for i in range(count))]
 
 
-@dataclass(frozen=True)
-class DifferenceStep:
+class DifferenceStep(NamedTuple):
     """Two models that differ in one parameter: df/dp is approximately (f(above) - f(below)) / span."""
 
     above: Model  # the model on one side

@@ -1,4 +1,8 @@
-"""Plots of logs, models and results: functions that take and return axes (docs/plot.md)."""
+"""Plots of logs, models and results: functions that take and return axes (docs/plot.md).
+
+Each function takes `units`, the labels of command and position (cogging.Units; None: those of the model or result), and
+`ax`, axes of matplotlib (None: a new figure), and returns the axes. An argument of another type raises TypeError.
+"""
 
 from cogging.plot.characteristics import cogging_map, friction_curve, intervals, spectrum
 from cogging.plot.gaps import ledger, residual

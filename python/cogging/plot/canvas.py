@@ -34,7 +34,7 @@ class Panels(tuple["Axes", ...]):
     @property
     def figure(self) -> Figure:
         """The figure of the axes."""
-        return figure_of(self[0])
+        return self[0].figure.figure  # also of axes in a subfigure
 
     def _repr_png_(self) -> bytes:
         from cogging.plot.shown_figure import picture
@@ -75,14 +75,11 @@ def plot_method(draw: Callable[..., Any], doc: str, axes: str) -> Callable[..., 
         figure: Figure = draw(self, units=units, ax=ax).figure.figure
         return figure
 
-    plot.__doc__ = f"""{doc}
+    plot.__doc__ = f"""{doc} Return the figure.
 
         Args:
             units: labels of command and position (cogging.Units); None: those of the result.
             ax: {axes}; None: a new figure.
-
-        Returns:
-            The figure.
         """
     return plot
 
@@ -96,21 +93,18 @@ def new_figure(size: tuple[float, float] | None = None, *, window: bool = False)
     from cogging.plot.shown_figure import ShownFigure
 
     pyplot = sys.modules.get("matplotlib.pyplot")
-    if window and pyplot is not None and threading.current_thread() is threading.main_thread() and _has_windows(pyplot):
-        figure: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
-        return figure
+    if window and pyplot is not None and threading.current_thread() is threading.main_thread():
+        backend = str(pyplot.get_backend()).lower()
+        if backend not in WINDOWLESS and not backend.startswith("module://"):
+            figure: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
+            return figure
     return ShownFigure(figsize=size, layout="constrained")
-
-
-def _has_windows(pyplot: Any) -> bool:
-    backend = str(pyplot.get_backend()).lower()
-    return backend not in WINDOWLESS and not backend.startswith("module://")
 
 
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
     """Return the given axes, or those of a new figure."""
     if ax is None:
-        return grid_of(None, 1, 1, size=size)[0]
+        return grid_of(None, 1, size=size)[0]
     from matplotlib.axes import Axes
 
     if isinstance(ax, list | tuple | np.ndarray) and np.size(np.array(ax, dtype=object)) == 1:
@@ -122,37 +116,33 @@ def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
 
 def grid_of(
     ax: Any,
-    rows: int,
-    columns: int,
+    count: int,
+    columns: int = 1,
+    *,
     size: tuple[float, float] | None = None,
     sharex: bool = False,
     window: bool = True,
 ) -> Panels:
-    """Return the given axes, rows times columns in any shape, or those of a new figure."""
+    """Return the given axes, `count` in any shape, or those of a new figure, in so many columns."""
     if ax is None:
         from cogging.plot.shown_figure import ShownAxes
 
-        keywords: dict[str, Any] = {"axes_class": ShownAxes}
-        figure = new_figure(size, window=window)
-        return Panels(
-            np.ravel(figure.subplots(rows, columns, squeeze=False, sharex=sharex, subplot_kw=keywords)).tolist()
-        )
+        figure, keywords = new_figure(size, window=window), {"axes_class": ShownAxes}
+        made: Any = figure.subplots(-(-count // columns), columns, squeeze=False, sharex=sharex, subplot_kw=keywords)
+        for spare in made.flat[count:]:
+            spare.remove()
+        return Panels(made.flat[:count])
     given = ax if isinstance(ax, Sequence | np.ndarray) else [ax]
     panels = Panels(one_of(one) for one in np.ravel(np.array(given, dtype=object)).tolist())
-    if len(panels) != rows * columns:
-        raise ValueError(f"ax: must be {rows * columns} axes for as many panels, got {len(panels)}")
+    if len(panels) != count:
+        raise ValueError(f"ax: must be {count} axes for as many panels, got {len(panels)}")
     return panels
 
 
 def grid_to_write(rows: int, columns: int, size: tuple[float, float]) -> Panels:
     """Return axes of a figure for a file: in the style of this package, without a window."""
     with styled():
-        return grid_of(None, rows, columns, size=size, window=False)
-
-
-def figure_of(ax: Axes) -> Figure:
-    """Return the figure of axes, also if they are in a subfigure."""
-    return ax.figure.figure
+        return grid_of(None, rows * columns, columns, size=size, window=False)
 
 
 def legend(ax: Axes, columns: int = 4) -> None:

@@ -48,28 +48,27 @@ def cogging_map(
         force: V, (n,).
         deviation: standard deviation of `force`, V, (n,), for its band.
         position: at which a map is plotted, m, (n,); None: over the scan, the travel, or three pitches.
-        units: labels of command and position (cogging.Units); None: those of the model.
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes.
+        units, ax: see cogging.plot.
 
     Raises:
         ValueError: a model without cogging, or arrays of other shapes.
-        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.cogging_map(model)
         >>> ax.get_xlabel(), ax.get_ylabel()
         ('position (mm)', 'cogging force (V)')
     """
+    scan = None  # position, force without offset, trend and friction, direction
     if force is not None:
         x = numbers("cogging", cogging)
         y = numbers("force", force, x.size)
         half = None if deviation is None else SIGMAS_95 * numbers("deviation", deviation, x.size)
-        points = None
     else:
-        known = model_of(cogging)
+        known = cogging if isinstance(cogging, CoggingModel) else getattr(cogging, "cogging", cogging)
+        if known is None:
+            raise ValueError("cogging: must be in the model to be drawn, got a model without [cogging]")
+        if not isinstance(known, CoggingModel):
+            raise TypeError(f"cogging: must be a MapFit, a Model or a CoggingModel, got {described(cogging)}")
         if position is None:
             low, high = _range(cogging, known)
             waves = (high - low) * max(known.basis.wavenumbers) / (2.0 * np.pi)
@@ -77,20 +76,17 @@ def cogging_map(
         else:
             x = numbers("position", position)
         y, half = np.asarray(known.force(x), dtype=np.float64), _half_band(cogging, known, x)
-        points = None
-        if hasattr(cogging, "fitted"):  # position, force without offset, trend and friction, direction
+        if hasattr(cogging, "fitted"):
             left = cogging.force - cogging.fitted + np.asarray(known.force(cogging.position))
-            points = (cogging.position, left, cogging.direction)
+            scan = (cogging.position, left, cogging.direction)
     units = units or units_of(cogging)
     axes = one_of(ax)
     along = scale_of("m", x, units=units)
-    up = scale_of("V", y, None if points is None else points[1], units=units)
-    for place, (way, name) in enumerate(DIRECTIONS if points is not None else ()):
-        assert points is not None
-        kept = points[2] == way
-        if kept.any():
+    up = scale_of("V", y, None if scan is None else scan[1], units=units)
+    for place, (way, name) in enumerate(DIRECTIONS):
+        if scan is not None and (kept := scan[2] == way).any():
             dots = {**look(place), "linestyle": "none", "marker": "os"[place], "markersize": 2.5, "alpha": 0.6}
-            axes.plot(along(points[0][kept]), up(points[1][kept]), label=f"measured, {name}", **dots)
+            axes.plot(along(scan[0][kept]), up(scan[1][kept]), label=f"measured, {name}", **dots)
     if half is not None:
         # Above the points and below the map.
         band: dict[str, Any] = {"color": GREY, "alpha": 0.6, "linewidth": 0, "zorder": 2.2}
@@ -101,17 +97,8 @@ def cogging_map(
     return axes
 
 
-def model_of(thing: Any) -> CoggingModel:
-    """Return a cogging model, or that of a model or a fit."""
-    found = thing if isinstance(thing, CoggingModel) else getattr(thing, "cogging", thing)
-    if found is None:
-        raise ValueError("cogging: must be in the model to be drawn, got a model without [cogging]")
-    if not isinstance(found, CoggingModel):
-        raise TypeError(f"cogging: must be a MapFit, a Model or a CoggingModel, got {described(thing)}")
-    return found
-
-
 def _range(thing: Any, cogging: CoggingModel) -> tuple[float, float]:
+    """Return where a map is plotted: over the scan, the travel, the spline, or three pitches, m."""
     scan = getattr(thing, "position", None)
     if scan is not None:
         return float(np.min(scan)), float(np.max(scan))
@@ -121,18 +108,23 @@ def _range(thing: Any, cogging: CoggingModel) -> tuple[float, float]:
     basis = cogging.basis
     if basis.spline.control_points > 1:
         return float(basis.spline.origin), float(basis.spline.end)
-    longest = basis.pitch if basis.pitch > 0.0 else max(2.0 * np.pi / wave for wave in basis.wavenumbers)
-    return 0.0, 3.0 * longest
+    return 0.0, 3.0 * (basis.pitch if basis.pitch > 0.0 else max(2.0 * np.pi / wave for wave in basis.wavenumbers))
 
 
 def _half_band(thing: Any, cogging: CoggingModel, x: FloatArray) -> FloatArray | None:
     """Return the half width of the 95 % band, V, from the deviations of the amplitudes and their correlation."""
-    tables = [getattr(thing, f"{part}_standard_error", None) for part in ("sine", "cosine")]
-    if tables[0] is None:
-        tables = [_of_intervals(getattr(thing, "intervals", None), part, cogging) for part in ("sine", "cosine")]
-    if any(table is None for table in tables) or not np.any(tables[0]):
+    tables = []
+    for part in ("sine", "cosine"):
+        table = getattr(thing, f"{part}_standard_error", None)
+        if table is None:  # from the model's 95 % intervals
+            intervals, table = getattr(thing, "intervals", None) or {}, np.zeros_like(cogging.sine)
+            for row, point in np.ndindex(*table.shape):
+                low, high = intervals.get(f"cogging.{part}[{row}][{point}]", (np.nan, np.nan))
+                table[row, point] = 0.5 * (high - low) / SIGMAS_95
+        tables.append(np.asarray(table))
+    if not np.isfinite(tables).all() or not np.any(tables[0]):
         return None
-    deviation = np.stack([np.asarray(table) for table in tables], axis=-1).transpose(1, 0, 2).ravel()
+    deviation = np.stack(tables, axis=-1).transpose(1, 0, 2).ravel()
     rows = np.asarray(cogging.basis.regressor(x)) * deviation
     scan = getattr(thing, "position", None)
     together = np.eye(deviation.size)
@@ -144,15 +136,6 @@ def _half_band(thing: Any, cogging: CoggingModel, x: FloatArray) -> FloatArray |
         together = covariance / np.outer(size, size)
     variance = np.maximum(np.sum((rows @ together) * rows, axis=1), 0.0)
     return np.asarray(SIGMAS_95 * np.sqrt(variance))
-
-
-def _of_intervals(intervals: Any, part: str, cogging: CoggingModel) -> FloatArray | None:
-    """Return the deviations of amplitudes from the model's 95 % intervals; None if any has none."""
-    found = np.zeros_like(cogging.sine)
-    for row, point in np.ndindex(*found.shape):
-        low, high = (intervals or {}).get(f"cogging.{part}[{row}][{point}]", (np.nan, np.nan))
-        found[row, point] = 0.5 * (high - low) / SIGMAS_95
-    return found if np.isfinite(found).all() else None
 
 
 @drawn
@@ -175,22 +158,35 @@ def friction_curve(
         force: V, (n,), positive forward.
         fastest: m/s, up to which the friction of a model is plotted.
         by_speed: plot both directions over the speed, each force along the direction of motion.
-        units: labels of command and position (cogging.Units); None: those of the model.
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes.
+        units, ax: see cogging.plot.
 
     Raises:
         ValueError: arrays of other shapes, or `fastest` is not above 0.
-        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.friction_curve(model)
         >>> ax.get_xlabel(), ax.get_ylabel()
         ('velocity (m/s)', 'friction (V)')
     """
-    points, lines = _friction_of(curve, force, fastest)
+    points: dict[str, tuple[FloatArray, FloatArray]] = {}  # velocity and force by name
+    lines: dict[str, tuple[FloatArray, FloatArray]] = {}  # the best one last
+    if not (isinstance(fastest, int | float | np.floating) and 0.0 < fastest < np.inf):
+        raise ValueError(f"fastest: must be above 0 and finite, got {fastest!r}")
+    if force is not None:
+        v = numbers("curve", curve)
+        points["measured"] = (v, numbers("force", force, v.size))
+    elif hasattr(curve, "models") and hasattr(curve, "best"):
+        v, f = curve.velocity, curve.force
+        points = {name: (v[kept], f[kept]) for name, kept in (("forward", v > 0), ("backward", v < 0)) if kept.any()}
+        fine = np.linspace(0.5 * np.abs(v).min(), np.abs(v).max(), POINTS)
+        grid = np.concatenate([side * fine[:: int(side)] for side in (-1.0, 1.0) if np.any(side * v > 0)])
+        for law in sorted(curve.models, key=lambda law: law.name == curve.best.name):
+            lines[law.name.replace("_", " ")] = (grid, law.force(grid))
+    elif hasattr(curve, "axis") and hasattr(curve, "effects"):
+        v = fastest * np.concatenate([-np.geomspace(1.0, 1e-4, POINTS), np.geomspace(1e-4, 1.0, POINTS)])
+        lines["model"] = (v, _steady_friction(curve, v))
+    else:
+        raise TypeError(f"curve: must be a FrictionCurve, a Model or velocities with a force, got {described(curve)}")
     units = units or units_of(curve)
     axes = one_of(ax)
     along = scale_of("m/s", *(x for x, _ in (*points.values(), *lines.values())), units=units)
@@ -203,38 +199,14 @@ def friction_curve(
         style = {**look(place + 2), "linestyle": "-" if place == 0 else look(place)["linestyle"]}
         for number, side in enumerate((x < 0.0, x > 0.0)):
             if side.any():
-                turned = np.sign(x[side]) if by_speed else np.ones(int(side.sum()))
-                axes.plot(along(turned * x[side]), up(turned * y[side]), label=named(name) if number else None, **style)
+                way = np.where(by_speed, np.sign(x[side]), 1.0)
+                axes.plot(along(way * x[side]), up(way * y[side]), label=named(name) if number else None, **style)
     axes.set(xlabel=along.label("speed" if by_speed else "velocity"), ylabel=up.label("friction"))
     legend(axes, columns=3)
     return axes
 
 
-Curves = dict[str, tuple[FloatArray, FloatArray]]
-
-
-def _friction_of(curve: Any, force: npt.ArrayLike | None, fastest: float) -> tuple[Curves, Curves]:
-    """Return points and lines by name; the best line is the last."""
-    if force is not None:
-        v = numbers("curve", curve)
-        return {"measured": (v, numbers("force", force, v.size))}, {}
-    if not (isinstance(fastest, int | float | np.floating) and 0.0 < fastest < np.inf):
-        raise ValueError(f"fastest: must be above 0 and finite, got {fastest!r}")
-    if hasattr(curve, "models") and hasattr(curve, "best"):
-        v, f = curve.velocity, curve.force
-        points = {name: (v[kept], f[kept]) for name, kept in (("forward", v > 0), ("backward", v < 0)) if kept.any()}
-        fine = np.linspace(0.5 * np.abs(v).min(), np.abs(v).max(), POINTS)
-        grid = np.concatenate([side * fine[:: int(side)] for side in (-1.0, 1.0) if np.any(side * v > 0)])
-        laws = sorted(curve.models, key=lambda law: law.name == curve.best.name)
-        named_laws = {law.name.replace("_", " "): (grid, law.force(grid)) for law in laws}
-        return points, named_laws
-    if hasattr(curve, "axis") and hasattr(curve, "effects"):
-        v = fastest * np.concatenate([-np.geomspace(1.0, 1e-4, POINTS), np.geomspace(1e-4, 1.0, POINTS)])
-        return {}, {"model": (v, steady_friction(curve, v))}
-    raise TypeError(f"curve: must be a FrictionCurve, a Model or velocities with a force, got {described(curve)}")
-
-
-def steady_friction(model: Any, velocity: FloatArray) -> FloatArray:
+def _steady_friction(model: Any, velocity: FloatArray) -> FloatArray:
     """Return the friction of a model at steady velocities, V, (n,), with the velocity-dependent part of its effects."""
     axis = model.axis
     sign = np.asarray(smooth_sign(velocity, axis.coulomb_width))
@@ -261,16 +233,11 @@ def spectrum(
     Args:
         spectrum: a TrackingSpectrum or a MapFit; or frequencies (1/m, (n,)) where `amplitude` is given.
         amplitude: (n,), in `unit`.
-        units: labels of command and position (cogging.Units).
+        units, ax: see cogging.plot.
         unit: of `amplitude`, in the terms of this package: "m", "V".
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes.
 
     Raises:
         ValueError: arrays of other shapes.
-        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.spectrum(cogging.tracking_spectrum(log))
@@ -278,82 +245,56 @@ def spectrum(
         ('spatial frequency (1/m)', 'tracking error (µm)')
     """
     units = units or units_of(spectrum)
+    along = scale_of("1/m", units=units).label("spatial frequency")
     if amplitude is not None:
-        x = numbers("spectrum", spectrum)
+        x, name = numbers("spectrum", spectrum), "amplitude"
         y = numbers("amplitude", amplitude, x.size)
-        axes, scale = one_of(ax), scale_of(unit, y, units=units)
-        _draw_spectrum(
-            axes, x, scale(y), scale.label("amplitude"), scale_of("1/m", units=units).label("spatial frequency")
-        )
-        return axes
+    elif hasattr(spectrum, "period_amplitudes"):
+        x, y, unit, name = spectrum.frequency, spectrum.amplitude, "m", "tracking error"
+    elif hasattr(spectrum, "line_threshold"):
+        x, y, unit, name, along = spectrum.line, spectrum.line_amplitude, "V", "force", "harmonic of the pitch"
+    else:
+        raise TypeError(f"spectrum: must be a TrackingSpectrum, a MapFit or frequencies, got {described(spectrum)}")
+    axes, scale = one_of(ax), scale_of(unit, y, units=units)
+    axes.plot(x, scale(y), color=MEASURED, linewidth=0.9, label="measured")
+    if np.any(y > 0.0):
+        axes.set_yscale("log")
+    axes.set(xlabel=along, ylabel=scale.label(name))
+    peaks: dict[str, Any] = {"color": "black", "markersize": 6}
     if hasattr(spectrum, "period_amplitudes"):
-        return _draw_tracking_spectrum(spectrum, units, one_of(ax))
-    if hasattr(spectrum, "line_threshold"):
-        return _draw_map_spectrum(spectrum, units, one_of(ax))
-    raise TypeError(f"spectrum: must be a TrackingSpectrum, a MapFit or frequencies, got {described(spectrum)}")
-
-
-def _draw_tracking_spectrum(found: Any, units: Any, ax: Axes) -> Axes:
-    scale = scale_of("m", found.amplitude, units=units)
-    _draw_spectrum(
-        ax,
-        found.frequency,
-        scale(found.amplitude),
-        scale.label("tracking error"),
-        scale_of("1/m", units=units).label("spatial frequency"),
-    )
-    if found.noise > 0.0:
-        ax.axhline(float(scale(found.noise)), color=LIMIT, linestyle="--", label="noise")
-    if found.periods:
-        periods, sizes = np.array(found.periods), np.array(found.period_amplitudes)
-        ax.plot(1.0 / periods, scale(sizes), "v", color="black", markersize=6, label="proposed periods")
-        length = scale_of("m", periods, units=units)
-        for period, size in list(zip(periods, sizes, strict=True))[:LABELLED]:
-            text, at = f"{length(period):.4g} {length.unit}", (1.0 / period, float(scale(size)))
-            ax.annotate(text, at, xytext=(4, 3), textcoords="offset points", fontsize="small")
-    legend(ax)
-    return ax
-
-
-def _draw_map_spectrum(fit: Any, units: Any, ax: Axes) -> Axes:
-    scale = scale_of("V", fit.line_amplitude, units=units)
-    _draw_spectrum(ax, fit.line, scale(fit.line_amplitude), scale.label("force"), "harmonic of the pitch")
-    ax.plot(fit.line, scale(fit.line_threshold), color=LIMIT, linestyle="--", label="found from here")
-    known = [entry for entry in fit.amplitudes if fit.line.size]
-    if known:
-        at = [int(np.argmin(np.abs(fit.line - entry.harmonic))) for entry in known]
-        sizes = scale(fit.line_amplitude[at])
-        ax.plot([entry.harmonic for entry in known], sizes, "v", color="black", markersize=6, label="harmonics")
-    largest = float(fit.line_amplitude.max())
-    if largest > 0.0:
-        lowest = max(0.03 * float(fit.line_threshold.min()), 1e-6 * largest)
-        ax.set_ylim(float(scale(lowest)), float(scale(3.0 * largest)))
-    legend(ax)
-    return ax
-
-
-def _draw_spectrum(ax: Axes, x: Any, y: Any, label: str, along: str) -> None:
-    ax.plot(x, y, color=MEASURED, linewidth=0.9, label="measured")
-    if np.any(np.asarray(y) > 0.0):
-        ax.set_yscale("log")
-    ax.set(xlabel=along, ylabel=label)
+        if spectrum.noise > 0.0:
+            axes.axhline(float(scale(spectrum.noise)), color=LIMIT, linestyle="--", label="noise")
+        if spectrum.periods:
+            periods, sizes = np.array(spectrum.periods), np.array(spectrum.period_amplitudes)
+            axes.plot(1.0 / periods, scale(sizes), "v", label="proposed periods", **peaks)
+            length = scale_of("m", periods, units=units)
+            for period, size in list(zip(periods, sizes, strict=True))[:LABELLED]:
+                text, place = f"{length(period):.4g} {length.unit}", (1.0 / period, float(scale(size)))
+                axes.annotate(text, place, xytext=(4, 3), textcoords="offset points", fontsize="small")
+        legend(axes)
+    elif hasattr(spectrum, "line_threshold"):
+        axes.plot(x, scale(spectrum.line_threshold), color=LIMIT, linestyle="--", label="found from here")
+        if spectrum.amplitudes and x.size:
+            harmonics = [entry.harmonic for entry in spectrum.amplitudes]
+            at = [int(np.argmin(np.abs(x - harmonic))) for harmonic in harmonics]
+            axes.plot(harmonics, scale(y[at]), "v", label="harmonics", **peaks)
+        largest = float(y.max())
+        if largest > 0.0:
+            lowest = max(0.03 * float(spectrum.line_threshold.min()), 1e-6 * largest)
+            axes.set_ylim(float(scale(lowest)), float(scale(3.0 * largest)))
+        legend(axes)
+    return axes
 
 
 @drawn
 def intervals(fit: Any, *, units: Any = None, ax: Any = None) -> Axes:
     """Plot the parameters of a fit with their 95 % intervals and prior values, in per cent of each.
 
+    One row for each parameter from the top; 0 is the fitted value, 100 % the largest of value, prior and half interval.
+
     Args:
         fit: an Identification.
-        units: labels of command and position (cogging.Units); None: those of the model.
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes: one row for each parameter from the top; 0 is the fitted value. 100 % is the largest of value, prior
-        and half interval.
-
-    Raises:
-        TypeError: an argument of another type.
+        units, ax: see cogging.plot.
 
     Example:
         >>> ax = cogging.plot.intervals(cogging.identify(log, model, free=["axis.mass", "axis.viscous"]))
@@ -364,6 +305,8 @@ def intervals(fit: Any, *, units: Any = None, ax: Any = None) -> Axes:
     if not isinstance(entries, tuple) or not entries or not all(hasattr(one, "ci95") for one in entries):
         raise TypeError(f"fit: must be an Identification, got {described(fit)}")
     axes = one_of(ax, size=(7.2, 1.0 + 0.34 * len(entries)))
+    bar: dict[str, Any] = {"color": COLOURS[0], "linewidth": 3.0, "solid_capstyle": "butt"}
+    prior: dict[str, Any] = {"color": LIMIT, "markersize": 5, "markerfacecolor": "none"}
     labels, widest = [], 1e-3
     for row, one in enumerate(entries):
         low, high = one.ci95
@@ -375,13 +318,11 @@ def intervals(fit: Any, *, units: Any = None, ax: Any = None) -> Axes:
         if known:
             ends = 100.0 * np.array([low - one.value, high - one.value]) / size
             widest = max(widest, float(np.abs(ends).max()))
-            axes.plot(
-                ends, [row, row], color=COLOURS[0], linewidth=3.0, solid_capstyle="butt", label=_once(axes, "95 %")
-            )
+            axes.plot(ends, [row, row], label=_once(axes, "95 %"), **bar)
         axes.plot([0.0], [row], "o", color=FITTED, markersize=5, label=_once(axes, "fitted"))
         before = 100.0 * (one.prior - one.value) / size
         widest = max(widest, min(abs(before), 100.0))
-        axes.plot([before], [row], "D", color=LIMIT, markersize=5, markerfacecolor="none", label=_once(axes, "before"))
+        axes.plot([before], [row], "D", label=_once(axes, "before"), **prior)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.4, -0.6)
     axes.set_xlim(-1.15 * widest, 1.15 * widest)

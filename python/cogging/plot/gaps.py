@@ -60,15 +60,10 @@ def residual(
         residual: V, (n,), of coordinates.
         against: one or more of position, velocity, time, command, acceleration; None: the first four as available.
         period: m; the position is plotted modulo this period.
-        units: labels of command and position (cogging.Units); None: those of the model.
-        ax: as many axes as coordinates; None: a new figure.
-
-    Returns:
-        The axes, one for each coordinate.
+        units, ax: see cogging.plot; as many axes as coordinates.
 
     Raises:
         ValueError: an unknown coordinate, no measured gap, or arrays or axes of another number.
-        TypeError: an argument of another type.
 
     Example:
         >>> speed, = cogging.plot.residual(log.reference_velocity, 0.01 * log.command, "velocity")
@@ -84,36 +79,32 @@ def residual(
             raise ValueError(f"against: must be coordinates, got {name!r}: {did_you_mean(name, known)}")
     units = units or units_of(found)
     wide = min(2, len(chosen))
-    panels = (
-        grid_of(ax, -(-len(chosen) // wide), wide, size=(7.2, 0.6 + 2.3 * -(-len(chosen) // wide)))
-        if (ax is None)
-        else grid_of(ax, len(chosen), 1)
-    )
-    for spare in panels[len(chosen) :]:
-        spare.remove()
-    panels = Panels(panels[: len(chosen)])
+    size = (7.2, 0.6 + 2.3 * -(-len(chosen) // wide))
+    panels = grid_of(ax, len(chosen), wide, size=size)
     if period is not None:
-        rows = {label: _folded(one, period) for label, one in rows.items()}
+        if not period > 0.0:
+            raise ValueError(f"period: must be positive, got {period:g}")
+        if "position" not in known:
+            raise ValueError("period: needs the coordinate position, got none")
+        for label, one in rows.items():
+            folded = {**one.coordinates, "position": one.coordinates["position"] % period}
+            rows[label] = one._replace(coordinates=folded)
     means = {name: {label: binned(one, name) for label, one in rows.items()} for name in chosen}
     up = scale_of("V", *(part for each in means.values() for one in each.values() for part in one[1:2]), units=units)
     for panel, name in zip(panels, chosen, strict=True):
         along = scale_of(COORDINATES.get(name, "1"), *(one[0] for one in means[name].values()), units=units)
-        _draw(panel, means[name], along, up)
+        panel.axhline(0.0, color="black", linewidth=0.6)
+        for place, (label, (x, mean, half)) in enumerate(means[name].items()):
+            style = look(place)
+            low, high = up(mean - half), up(mean + half)
+            panel.fill_between(along(x), low, high, color=style["color"], alpha=0.25, linewidth=0)
+            panel.plot(along(x), up(mean), label=label, marker=marker(place), markersize=2.0, **style)
+        if not any(x.size for x, _, _ in means[name].values()):
+            panel.text(0.5, 0.5, "too few rows", transform=panel.transAxes, ha="center")
         shown = f"{name} modulo the period" if period is not None and name == "position" else name
         panel.set(xlabel=along.label(shown), ylabel=up.label("mean residual"))
     legend(panels[0])
     return panels
-
-
-def _draw(panel: Axes, means: Mapping[str, tuple[FloatArray, FloatArray, FloatArray]], along: Any, up: Any) -> None:
-    panel.axhline(0.0, color="black", linewidth=0.6)
-    for place, (label, (x, mean, half)) in enumerate(means.items()):
-        style = look(place)
-        low, high = up(mean - half), up(mean + half)
-        panel.fill_between(along(x), low, high, color=style["color"], alpha=0.25, linewidth=0)
-        panel.plot(along(x), up(mean), label=label, marker=marker(place), markersize=2.0, **style)
-    if not any(x.size for x, _, _ in means.values()):
-        panel.text(0.5, 0.5, "too few rows", transform=panel.transAxes, ha="center")
 
 
 def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -126,8 +117,7 @@ def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
     x, y, block = x[finite], rows.residual[finite], rows.block[finite]
     if x.size < FEWEST:
         return np.empty(0), np.empty(0), np.empty(0)
-    low, span = float(x.min()), float(np.ptp(x)) or 1.0
-    place = np.minimum(((x - low) / span * BINS).astype(int), BINS - 1)
+    place = np.minimum(((x - x.min()) / (float(np.ptp(x)) or 1.0) * BINS).astype(int), BINS - 1)
     cells, cell = np.unique(np.stack([place, block]), axis=1, return_inverse=True)
     count = np.bincount(cell.ravel())
     total = np.bincount(place, minlength=BINS).astype(float)
@@ -141,14 +131,6 @@ def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
         half = SIGMAS_95 * np.sqrt(np.where(seen > 1, spread * seen / (seen - 1.0), np.nan))
     middle = np.bincount(place, x, BINS) / size
     return tuple(np.where(kept, values, np.nan) for values in (middle, mean, half))  # type: ignore[return-value]
-
-
-def _folded(rows: Rows, period: float) -> Rows:
-    if not period > 0.0:
-        raise ValueError(f"period: must be positive, got {period:g}")
-    if "position" not in rows.coordinates:
-        raise ValueError("period: needs the coordinate position, got none")
-    return rows._replace(coordinates={**rows.coordinates, "position": rows.coordinates["position"] % period})
 
 
 def _of_arrays(found: Any, residual: npt.ArrayLike, against: Any) -> dict[str, Rows]:
@@ -170,30 +152,30 @@ def _of_result(found: Any) -> dict[str, Rows]:
     """Return the residuals of a Diagnosis or a Location by label."""
     series = getattr(found, "series", None)
     if not isinstance(series, Mapping):
-        raise TypeError(
-            f"found: must be a Diagnosis, a Location or coordinates with a residual, got {described(found)}"
-        )
-    if not any(name in series for name in GAPS):
+        rule = "must be a Diagnosis, a Location or coordinates with a residual"
+        raise TypeError(f"found: {rule}, got {described(found)}")
+    names = [name for name in GAPS if name in series]
+    if not names:
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")
-    same = "gap_after" in series and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None)
-    names = [name for name in GAPS if name in series and not (same and name == "gap_after")]
-    return {GAPS[name]: joined(series, name) for name in names}
+    if "gap_after" in names and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None):
+        names.remove("gap_after")  # the same
+    return {GAPS[name]: _rows_in_motion(series, name) for name in names}
 
 
-def joined(series: Mapping[str, Any], name: str) -> Rows:
+def _rows_in_motion(series: Mapping[str, Any], name: str) -> Rows:
     """Return the rows in motion of all logs for a residual of a Diagnosis or a Location (its `series`)."""
-    blocks, offset = [], 0
     kept = [np.asarray(mask) > 0 for mask in series["mask"]]
+    blocks, offset = [], 0
     for time, rows in zip(series["time"], kept, strict=True):
         block = np.floor((np.asarray(time) - time[0]) / BLOCK).astype(int) + offset
         offset = int(block[-1]) + 1
         blocks.append(block[rows])
-
-    def whole(column: str) -> FloatArray:
-        parts = [np.asarray(one, dtype=np.float64)[rows] for one, rows in zip(series[column], kept, strict=True)]
-        return np.concatenate(parts)
-
-    return Rows(whole(name), {one: whole(one) for one in COORDINATES if one in series}, np.concatenate(blocks))
+    columns = {
+        one: np.concatenate([np.asarray(x, dtype=np.float64)[rows] for x, rows in zip(series[one], kept, strict=True)])
+        for one in (name, *COORDINATES)
+        if one in series
+    }
+    return Rows(columns.pop(name), columns, np.concatenate(blocks))
 
 
 def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
@@ -226,24 +208,18 @@ def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
     return [*parts, ("noise and quantiser", "floor", floor / whole)]
 
 
-def _percent(share: float) -> str:
-    return f"{share:.1f} %" if abs(share) >= 0.1 or share == 0.0 else f"{'' if share > 0.0 else '-'}< 0.1 %"
-
-
 @drawn
 def ledger(diagnosis: Any, *, ax: Any = None) -> Axes:
     """Plot the composition of a diagnosis' gap: a bar for each effect and for the rest, in shares of its power.
 
+    Bars from the top are in the order in which they were found.
+
     Args:
         diagnosis: a Diagnosis.
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes: bars from the top in the order in which they were found.
+        ax: see cogging.plot.
 
     Raises:
         ValueError: no gap was measured.
-        TypeError: an argument of another type.
 
     Example:
         >>> lean = model.replace(effects=[], intervals={})
@@ -260,7 +236,8 @@ def ledger(diagnosis: Any, *, ax: Any = None) -> Axes:
         colour, hatch = KINDS[kind]
         axes.barh(row, width, left=start, color=colour, hatch=hatch, edgecolor=FITTED, linewidth=0.6, height=0.7)
         end = max(start, start + width)
-        axes.annotate(_percent(width), (end, row), xytext=(4, 0), textcoords="offset points", va="center")
+        text = f"{width:.1f} %" if abs(width) >= 0.1 or width == 0.0 else f"{'-' * (width < 0.0)}< 0.1 %"
+        axes.annotate(text, (end, row), xytext=(4, 0), textcoords="offset points", va="center")
         start += width
     axes.set_yticks(place, [named(name) for name, _, _ in parts])
     axes.invert_yaxis()

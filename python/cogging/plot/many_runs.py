@@ -9,35 +9,26 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.calls import described, did_you_mean
 from cogging.plot.canvas import drawn, legend, one_of
-from cogging.plot.scales import Scale, scale_of, units_of
+from cogging.plot.scales import scale_of, units_of
 from cogging.plot.series import COLOURS, FITTED, GREY, LIMIT, MEASURED, look, marker, named
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Units of indexes, in V and m.
-UNITS = {"error_max": "m", "error_rms": "m", "error_final": "m", "command_rms": "V", "command_max": "V"}
-UNITS |= {"delay_margin": "s", "rms": "m", "max": "m", "max_whole": "m"}
+#: Units of indexes, in V and m, whose name does not begin with `error` or `command`.
+UNITS = {"delay_margin": "s", "rms": "m", "max": "m", "max_whole": "m", "command_chatter": "1"}
 FEW = 8  # values of a second number, up to which each is a line
 WIDE = 30.0  # ratio of largest to smallest value from which the scale is logarithmic
 
 
-def unit_of(index: str) -> str:
+def _unit_of(index: str) -> str:
     """Return the unit of an index by its name, in V and m."""
-    if index in UNITS:
-        return UNITS[index]
-    head = index.split("(")[0].split("_")[0]
-    return {"error": "m", "command": "V"}.get(head, "1") if "chatter" not in index else "1"
+    return UNITS.get(index) or {"error": "m", "command": "V"}.get(index.split("(")[0].split("_")[0], "1")
 
 
 @drawn
 def sweep(
-    runs: Any,
-    index: str = "error_rms",
-    against: str | None = None,
-    *,
-    units: Any = None,
-    ax: Any = None,
+    runs: Any, index: str = "error_rms", against: str | None = None, *, units: Any = None, ax: Any = None
 ) -> Axes:
     """Plot an index of a sweep over a varied number.
 
@@ -48,15 +39,10 @@ def sweep(
         runs: SweepRuns.
         index: `error_rms`, `error_max`, `command_rms` or another column of the table.
         against: path of the number; None: the one that explains most of the index's spread.
-        units: labels of command and position (cogging.Units).
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes.
+        units, ax: see cogging.plot.
 
     Raises:
         ValueError: an unknown index or number.
-        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.sweep(cogging.sweep(model, move, {"axis.mass": [0.11, 0.12, 0.13]}))
@@ -72,7 +58,7 @@ def sweep(
     against = against or next(iter(runs.influence(index)))
     x, y = (np.asarray(runs.table[name], dtype=np.float64) for name in (against, index))
     along = scale_of(runs.units.get(against, "1"), x, units=units)
-    up = scale_of(runs.units.get(index, unit_of(index)), y, units=units)
+    up = scale_of(runs.units.get(index, _unit_of(index)), y, units=units)
     axes = one_of(ax)
     others = [name for name in runs.varied if name != against]
     if not _draw_lines(axes, runs, along(x), up(y), others):
@@ -124,15 +110,10 @@ def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: An
     Args:
         prediction: an ErrorPrediction.
         index: `rms`, `max` or `max_whole`.
-        units: labels of command and position (cogging.Units).
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes: one row for each controller from the top.
+        units, ax: see cogging.plot.
 
     Raises:
         ValueError: an unknown index.
-        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.prediction(cogging.predict_error(model, move, ["own"], samples=4))
@@ -173,15 +154,10 @@ def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: A
     Args:
         tuning: a Tuning.
         index: abscissa; None: the one that the error was traded against.
-        units: labels of command and position (cogging.Units); None: those of the tuned model.
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes.
+        units, ax: see cogging.plot.
 
     Raises:
         ValueError: an unknown index.
-        TypeError: an argument of another type.
 
     Example:
         >>> few = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}
@@ -200,17 +176,22 @@ def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: A
     front = {name: np.asarray(tuning.front[name], dtype=np.float64) for name in ("error_rms", index)}
     errors = np.asarray(trials["error_rms"], dtype=np.float64)
     up = scale_of("m", np.median(errors[np.isfinite(errors)]) if np.isfinite(errors).any() else None, units=units)
-    along = scale_of(unit_of(index), front[index], units=units)
+    along = scale_of(_unit_of(index), front[index], units=units)
     axes = one_of(ax)
     if index in trials:
-        _draw_trials(axes, trials, index, along, up)
+        x, y, kept = along(trials[index]), up(errors), np.asarray(trials["kept"], dtype=bool)
+        for which, mark, colour, name in (
+            (~kept, "x", GREY, "beyond a limit"),
+            (kept, ".", MEASURED, "within the limits"),
+        ):
+            shown = which & np.isfinite(x) & np.isfinite(y)
+            if shown.any():
+                axes.plot(x[shown], y[shown], mark, markersize=4, color=colour, label=name)
     order = np.argsort(front[index], kind="stable") if index in trials else slice(None)
     style: dict[str, Any] = {"color": FITTED, "marker": "o", "linestyle": "-" if index == tuning.against else "none"}
     axes.plot(along(front[index])[order], up(front["error_rms"])[order], linewidth=0.8, label="none is better", **style)
-    for setting, mark, colour, name in (
-        (tuning.present, "s", LIMIT, "present"),
-        (tuning.tuned, "*", COLOURS[5], "tuned"),
-    ):
+    settings = ((tuning.present, "s", LIMIT, "present"), (tuning.tuned, "*", COLOURS[5], "tuned"))
+    for setting, mark, colour, name in settings:
         reached = None if setting is None else getattr(setting.drawn, index, None)
         if reached is not None and np.isfinite(setting.drawn.error_rms):
             at = ([float(along(reached))], [float(up(setting.drawn.error_rms))])
@@ -219,12 +200,3 @@ def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: A
     axes.set(xlabel=along.label(named(index.replace("_", " "))), ylabel=up.label("rms error"))
     legend(axes, columns=3)
     return axes
-
-
-def _draw_trials(ax: Axes, trials: dict[str, Any], index: str, along: Scale, up: Scale) -> None:
-    x, y = along(trials[index]), up(trials["error_rms"])
-    kept = np.asarray(trials["kept"], dtype=bool)
-    for which, mark, colour, name in ((~kept, "x", GREY, "beyond a limit"), (kept, ".", MEASURED, "within the limits")):
-        shown = which & np.isfinite(x) & np.isfinite(y)
-        if shown.any():
-            ax.plot(x[shown], y[shown], mark, markersize=4, color=colour, label=name)

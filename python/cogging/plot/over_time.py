@@ -22,7 +22,6 @@ WIDTH, PANEL = 7.2, 1.9  # inches
 MOST = 12  # panels by default
 #: Units of the estimates of adaptive robust controllers before those of the cogging.
 PLAIN = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V", "disturbance": "V"}
-TRIPLE = ("theta[0]", "theta[1]", "theta[2]")
 OBSERVED = {"position": "m", "velocity": "m/s", "disturbance": "m/s^2"}
 
 
@@ -35,15 +34,10 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
     Args:
         log: a Log, or columns by name with `time` (a mapping of arrays, a DataFrame).
         columns: names of one or more columns, `error` among them; None: position, error and command as available.
-        units: labels of command and position (cogging.Units); None: those of the model that the log carries.
-        ax: as many axes as columns, in any shape; None: a new figure.
-
-    Returns:
-        The axes, one for each column.
+        units, ax: see cogging.plot; as many axes as columns.
 
     Raises:
         ValueError: an unknown column, or another number of axes.
-        TypeError: an argument of another type.
 
     Example:
         >>> position, error, command = cogging.plot.log(log)
@@ -51,25 +45,20 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
         'error (µm)'
     """
     require_table(log)
-    chosen = (
-        [columns]
-        if isinstance(columns, str)
-        else list(
-            columns or [name for name in ("position", "error", "command") if name in names_of(log)] or names_of(log)
-        )
-    )
+    known = names_of(log)
+    usual = [name for name in ("position", "error", "command") if name in known]
+    chosen = [columns] if isinstance(columns, str) else list(columns or usual or known)
     found = {name: column(log, name) for name in chosen}
-    panels = grid_of(ax, len(chosen), 1, size=(WIDTH, 0.7 + PANEL * len(chosen)), sharex=True)
+    panels = grid_of(ax, len(chosen), size=(WIDTH, 0.7 + PANEL * len(chosen)), sharex=True)
     units = units or units_of(log)
     time = column(log, "time")
     over = scale_of("s", time)
     for panel, (name, values) in zip(panels, found.items(), strict=True):
-        beside = column(log, "reference") if name == "position" and "reference" in names_of(log) else None
+        beside = column(log, "reference") if name == "position" and "reference" in known else None
         scale = scale_of(UNITS.get(name, "1"), values, beside, units=units)
-        dense = is_dense(panel, len(time))
-        draw_trace(panel, over(time), scale(values), label=named(name), **look(0, dense))
+        draw_trace(panel, over(time), scale(values), label=named(name), **look(0, is_dense(panel, len(time))))
         if beside is not None:
-            draw_trace(panel, over(time), scale(beside), label="reference", **look(1, dense=False))
+            draw_trace(panel, over(time), scale(beside), label="reference", **look(1))
             legend(panel)
         panel.set_ylabel(scale.label(named(name.replace("_", " "))))
     panels[-1].set_xlabel(over.label("time"))
@@ -83,15 +72,10 @@ def error(log: Any, error: npt.ArrayLike | None = None, *, units: Any = None, ax
     Args:
         log: a Log; several, as a list or by name for the legend; or times (s, (n,)) if `error` is given.
         error: m, (n,).
-        units: labels of command and position (cogging.Units); None: those of the model that a log carries.
-        ax: axes; None: a new figure.
-
-    Returns:
-        The axes.
+        units, ax: see cogging.plot.
 
     Raises:
         ValueError: a log without reference, or arrays of other shapes.
-        TypeError: an argument of another type.
 
     Example:
         >>> ax = cogging.plot.error({"first": log, "again": log})
@@ -149,15 +133,10 @@ def adaptation(
             controller in the log's metadata, if any.
         names: of the estimates, (p,); None: those of the controller.
         which: estimates to plot, by name or by number from 0; None: the first twelve.
-        units: labels of command and position (cogging.Units); None: those in the log's metadata.
-        ax: as many axes as estimates; None: a new figure.
-
-    Returns:
-        The axes, one for each estimate.
+        units, ax: see cogging.plot; as many axes as estimates.
 
     Raises:
         ValueError: a log without estimates, other numbers of names, bounds or axes, or an unknown estimate.
-        TypeError: an argument of another type.
 
     Example:
         >>> parameters = cogging.AdaptiveRobustParameters(mass_adaptation=1.0, epsilon=0.1)
@@ -173,55 +152,50 @@ def adaptation(
     units = units or units_of(log)
     if bounds is None:  # those of the controller of the model in the metadata
         bounds = ((getattr(log, "metadata", None) or {}).get("model") or {}).get("controller")
-    known = estimates_of(bounds, values.shape[1], names, units)
+    known = _estimates(bounds, values.shape[1], names, units)
     chosen = _chosen(known, which)
     wide = 1 if len(chosen) < 3 else 2 if len(chosen) < 7 else 3
-    if ax is not None:
-        panels = grid_of(ax, len(chosen), 1)
-    else:
-        rows = -(-len(chosen) // wide)
-        panels = grid_of(None, rows, wide, size=(7.2 if wide < 3 else 9.0, 0.6 + 1.7 * rows), sharex=True)
-        for spare in panels[len(chosen) :]:
-            spare.remove()
-        panels = Panels(panels[: len(chosen)])
-        for panel in panels[max(0, len(chosen) - wide) :]:
-            panel.tick_params(labelbottom=True)
+    size = (7.2 if wide < 3 else 9.0, 0.6 + 1.7 * -(-len(chosen) // wide))
+    panels = grid_of(ax, len(chosen), wide, size=size, sharex=True)
     over = scale_of("s", log.time)
     for place, (panel, number) in enumerate(zip(panels, chosen, strict=True)):
         one = known[number]
         ends = [end for end in (one.low, one.high) if math.isfinite(end)]
         scale = scale_of(one.unit, values[:, number], ends, units=units)
-        dense = is_dense(panel, len(log.time))
-        draw_trace(panel, over(log.time), scale(values[:, number]), label=named(one.name), **look(0, dense))
+        style = look(0, is_dense(panel, len(log.time)))
+        draw_trace(panel, over(log.time), scale(values[:, number]), label=named(one.name), **style)
         for end in ends:
             panel.axhline(float(scale(end)), color=LIMIT, linestyle="--", linewidth=1.0, label="bound")
         panel.set_ylabel(scale.label(named(one.name)))
         if place >= len(chosen) - wide:
             panel.set_xlabel(over.label("time"))
+            if ax is None:
+                panel.tick_params(labelbottom=True)
     return panels
 
 
 def _chosen(known: Sequence[Estimate], which: Sequence[str | int] | None) -> list[int]:
-    names = [one.name for one in known]
+    """Return the numbers of the estimates to plot."""
     if which is None:
         return list(range(min(len(known), MOST)))
+    places = {one.name: place for place, one in enumerate(known)}
     found = []
     for wanted in [which] if isinstance(which, str | int) else which:
-        if isinstance(wanted, str) and wanted in names:
-            found.append(names.index(wanted))
-        elif isinstance(wanted, int | np.integer) and 0 <= wanted < len(known):
-            found.append(int(wanted))
-        else:
-            raise ValueError(f"which: must be estimates, got {wanted!r}: {did_you_mean(str(wanted), names)}")
+        place = places.get(wanted, -1) if isinstance(wanted, str) else wanted
+        if not isinstance(place, int | np.integer) or not 0 <= place < len(known):
+            raise ValueError(f"which: must be estimates, got {wanted!r}: {did_you_mean(str(wanted), places)}")
+        found.append(int(place))
     if not found:
         raise ValueError("which: must name at least one estimate, got none")
     return found
 
 
-def estimates_of(stated: Any, count: int, names: Sequence[str] | None = None, units: Any = None) -> list[Estimate]:
+def _estimates(stated: Any, count: int, names: Sequence[str] | None, units: Any) -> list[Estimate]:
     """Return names, units and bounds of `count` estimates; `stated`: the bounds in any form of `adaptation`."""
-    fields = _fields(stated)
-    own = [Estimate(f"[{i}]", "1") for i in range(count)] if fields is None else _of_controller(fields, count, units)
+    fields = _controller_fields(stated)
+    own = [] if fields is None else _of_controller(fields, count, units)
+    if len(own) != count:
+        own = [Estimate(f"[{i}]", "1") for i in range(count)]
     if names is not None:
         if len(names) != count:
             raise ValueError(f"names: must be {count}, one an estimate, got {len(names)}")
@@ -232,49 +206,42 @@ def estimates_of(stated: Any, count: int, names: Sequence[str] | None = None, un
         for name in stated:
             if name not in {one.name for one in own}:
                 raise ValueError(f"bounds: must be of estimates: {did_you_mean(name, [one.name for one in own])}")
-        return [
-            one._replace(low=stated[one.name][0], high=stated[one.name][1]) if one.name in stated else one
-            for one in own
-        ]
-    table = np.asarray(stated, dtype=np.float64) if isinstance(stated, Sequence | np.ndarray) else None
-    if table is None:
+        table = np.array([stated.get(one.name, (one.low, one.high)) for one in own], dtype=np.float64)
+    elif isinstance(stated, Sequence | np.ndarray):
+        table = np.asarray(stated, dtype=np.float64)
+    else:
         raise TypeError(f"bounds: must be a controller, its parameters, a Model or pairs, got {described(stated)}")
     if table.shape != (count, 2):
         raise ValueError(f"bounds: must have the shape ({count}, 2), got {table.shape}")
     return [one._replace(low=float(low), high=float(high)) for one, (low, high) in zip(own, table, strict=True)]
 
 
-def _fields(stated: Any) -> Mapping[str, Any] | None:
+def _controller_fields(stated: Any) -> Mapping[str, Any] | None:
     """Return the parameters of a controller by name, from any object that holds them."""
     if isinstance(stated, Mapping):
         return stated if "type" in stated or "cogging_bounds" in stated or "theta_min" in stated else None
     for holder in (stated, getattr(stated, "parameters", None), getattr(stated, "controller", None)):
-        if holder is not None and hasattr(holder, "FIELDS"):
+        if holder is not None and "sample_rate" in getattr(holder, "FIELDS", ()):
             fields: Mapping[str, Any] = holder.to_dict()
-            if "sample_rate" in fields:
-                return fields
+            return fields
     return None
 
 
 def _of_controller(fields: Mapping[str, Any], count: int, units: Any) -> list[Estimate]:
-    if "cogging_bounds" in fields and count >= len(PLAIN):
-        plain = [Estimate(name, unit, *fields[f"{name}_bounds"]) for name, unit in PLAIN.items()]
+    """Return the estimates of a controller with these parameters; another number of them where it is unknown."""
+    if "cogging_bounds" in fields:
+        found = [Estimate(name, unit, *fields[f"{name}_bounds"]) for name, unit in PLAIN.items()]
         points = int(fields["cogging_control_points"])
-        harmonics = [str(harmonic) for harmonic in fields["cogging_harmonics"]]
-        low, high = fields["cogging_bounds"]
-        made = [
-            Estimate(f"{part} {harmonic}" + f", point {point}" * (points > 1), "V", low, high)
-            for point in range(points)
-            for harmonic in harmonics
-            for part in ("sine", "cosine")
-        ]
-        if len(made) == count - len(plain):
-            return plain + made
-    elif "theta_min" in fields and count == len(TRIPLE):
-        ends = zip(TRIPLE, fields["theta_min"], fields["theta_max"], strict=True)
-        return [Estimate(name, "1", low, high) for name, low, high in ends]
-    elif "observer_gain" in fields and count == len(OBSERVED) + 2 * len(fields["periods"]):
+        for point in range(points):
+            for harmonic in fields["cogging_harmonics"]:
+                place = f"{harmonic}" + f", point {point}" * (points > 1)
+                found += [Estimate(f"{part} {place}", "V", *fields["cogging_bounds"]) for part in ("sine", "cosine")]
+        return found
+    if "theta_min" in fields:
+        ends = zip(fields["theta_min"], fields["theta_max"], strict=True)
+        return [Estimate(f"theta[{i}]", "1", low, high) for i, (low, high) in enumerate(ends)]
+    if "observer_gain" in fields:
         lengths = [f"{1e3 * period:.4g} {labelled('mm', units)}" for period in fields["periods"]]
         waves = [f"{part}, {length}" for length in lengths for part in ("sine", "cosine")]
         return [Estimate(*one) for one in OBSERVED.items()] + [Estimate(wave, "m/s^2") for wave in waves]
-    return [Estimate(f"[{i}]", "1") for i in range(count)]
+    return []

@@ -19,7 +19,7 @@ MOTION = ("reference", "reference_velocity", "reference_acceleration")
 def whole_map_fit(fit: Any, *, units: Any = None, ax: Any = None) -> Panels:
     """Plot the map of a MapFit with its points, the residual over position, and the spectrum."""
     units = units or units_of(fit)
-    panels = grid_of(ax, 3, 1, size=WHOLE_MAP)
+    panels = grid_of(ax, 3, size=WHOLE_MAP)
     cogging_map(fit, units=units, ax=panels[0])
     left = fit.force - fit.fitted
     along, up = scale_of("m", fit.position, units=units), scale_of("V", left, units=units)
@@ -39,7 +39,7 @@ def whole_map_fit(fit: Any, *, units: Any = None, ax: Any = None) -> Panels:
 def whole_model(model: Any, *, units: Any = None, ax: Any = None) -> Panels:
     """Plot the cogging of a model, if it has one, and its friction."""
     count = 1 if model.cogging is None else 2
-    panels = grid_of(ax, count, 1, size=(7.2, 0.6 + 2.6 * count))
+    panels = grid_of(ax, count, size=(7.2, 0.6 + 2.6 * count))
     if model.cogging is not None:
         cogging_map(model, units=units, ax=panels[0])
     friction_curve(model, units=units, ax=panels[-1])
@@ -50,7 +50,7 @@ def whole_model(model: Any, *, units: Any = None, ax: Any = None) -> Panels:
 def whole_tuning(tuning: Any, *, units: Any = None, ax: Any = None) -> Panels:
     """Plot the trade-off of a tuning, and its points over the delay margin or the chatter."""
     units = units or units_of(tuning)
-    panels = grid_of(ax, 1, 2, size=WHOLE_TUNING)
+    panels = grid_of(ax, 2, 2, size=WHOLE_TUNING)
     beside = "delay_margin" if tuning.against != "delay_margin" else "command_chatter"
     for panel, index in zip(panels, (tuning.against, beside), strict=True):
         trade_off(tuning, index, units=units, ax=panel)

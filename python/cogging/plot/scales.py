@@ -47,12 +47,10 @@ def scale_of(unit: str, *values: npt.ArrayLike | None, units: Any = None) -> Sca
         return Scale(1.0, "")
     if label not in PREFIXED:
         return Scale(1.0, pretty(label))
-    largest = _largest(values)
-    for size, prefix in PREFIXES:
-        if largest >= size * PREFIXED[label] or (prefix == "n"):
-            break
-    if largest == 0.0:
-        size, prefix = PREFIXES[0]
+    sizes = [np.abs(np.asarray(one, dtype=np.float64)) for one in values if one is not None]
+    largest = max((float(np.max(size, initial=0.0, where=np.isfinite(size))) for size in sizes), default=0.0)
+    fitting = (one for one in PREFIXES if largest >= one[0] * PREFIXED[label])
+    size, prefix = next(fitting, PREFIXES[-1]) if largest > 0.0 else PREFIXES[0]
     # 0.3 V stays 0.3 V; values in mm are at least 1 mm.
     return Scale(round(1.0 / size), pretty(f"{prefix}{label}"))
 
@@ -80,8 +78,3 @@ def units_of(*things: Any) -> Any:
             if callable(getattr(units, "of", None)):
                 return units
     return None
-
-
-def _largest(values: tuple[npt.ArrayLike | None, ...]) -> float:
-    sizes = [np.abs(np.asarray(one, dtype=np.float64)) for one in values if one is not None]
-    return max((float(np.max(size, initial=0.0, where=np.isfinite(size))) for size in sizes), default=0.0)

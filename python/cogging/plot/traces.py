@@ -96,9 +96,8 @@ def numbers(name: str, values: npt.ArrayLike, length: int | None = None) -> Floa
 
 def is_table(value: Any) -> bool:
     """Return whether a value has columns with `time`: a log, a mapping of arrays, a DataFrame."""
-    if hasattr(value, "time") and hasattr(value, "position"):
-        return True
-    return hasattr(value, "keys") and "time" in value and not hasattr(value["time"], "position")
+    has_keys = hasattr(value, "keys") and "time" in value and not hasattr(value["time"], "position")
+    return has_keys or (hasattr(value, "time") and hasattr(value, "position"))
 
 
 def names_of(log: Any) -> list[str]:

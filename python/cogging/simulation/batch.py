@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 REPORTS = 50  # progress reports of a batch
+EACH = ("plants", "controllers", "seeds", "in_lanes")  # fields of a Batch with one entry a run
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,14 +80,7 @@ class Batch(RunsTable, Sequence[Log]):
         return tuple(self)
 
     def plot(self, *, units: Any = None, ax: Any = None) -> Figure:
-        """Plot the tracking errors of the completed runs over time (cogging.plot.error).
-
-        Args:
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
+        """Plot the tracking errors of the completed runs over time, and return the figure (cogging.plot.error).
 
         Raises:
             ValueError: the logs were not recorded, or no run completed.
@@ -124,17 +118,12 @@ class Batch(RunsTable, Sequence[Log]):
         if isinstance(which, slice):
             runs = range(len(self))[which]
             places = {run: place for place, run in enumerate(runs)}
-            return Batch(
-                {name: values[list(runs)] for name, values in self.indexes.items()},
-                tuple(failure._replace(run=places[failure.run]) for failure in self.failures if failure.run in places),
-                {name: tuple(each[run] for run in runs) for name, each in self.columns.items()},
-                tuple(self.plants[run] for run in runs),
-                tuple(self.controllers[run] for run in runs),
-                tuple(self.seeds[run] for run in runs),
-                tuple(self.in_lanes[run] for run in runs),
-                self.with_logs,
-                self.units,
-            )
+            new: dict[str, Any] = {name: tuple(getattr(self, name)[run] for run in runs) for name in EACH}
+            new["indexes"] = {name: values[list(runs)] for name, values in self.indexes.items()}
+            new["columns"] = {name: tuple(each[run] for run in runs) for name, each in self.columns.items()}
+            failed = [failure for failure in self.failures if failure.run in places]
+            new["failures"] = tuple(failure._replace(run=places[failure.run]) for failure in failed)
+            return replace(self, **new)
         if not self.with_logs:
             raise ValueError("logs: must be recorded to be read: closed_loop_batch(..., logs=True)")
         run = range(len(self))[which]
@@ -176,12 +165,10 @@ def closed_loop_batch(
     along the travel (m), both by least squares with an offset. Quantiles are exact up to 65,536 rows and within 0.07 %
     beyond, from a histogram.
 
-    Similar runs share the lanes of the processor's vector unit (`in_lanes` of the result). They have controllers of
-    one type and rate, fresh, whose settings without a lane of their own (lists, bounds, limits) are equal, and machines
-    with the same travel, knots of the cogging and kinds of effects, with smooth friction. Other runs are computed one
-    by one: machines that stick or have further states, custom effects and controllers. The environment variable
-    COGGING_INSTRUCTIONS selects the instructions: v2, v3, v4 (x86-64 with SSE4.2, AVX2, AVX-512), neon, or none. No
-    result depends on it.
+    Similar runs share the lanes of the processor's vector unit (`in_lanes` of the result): fresh controllers of one
+    type and rate with equal lists, bounds and limits, and machines with the same travel, knots of the cogging and kinds
+    of effects, with smooth friction. Other runs are computed one by one. The environment variable COGGING_INSTRUCTIONS
+    selects the instructions: v2, v3, v4 (x86-64 with SSE4.2, AVX2, AVX-512), neon, or none. No result depends on it.
 
     Args:
         plants: one for each run.
@@ -195,8 +182,7 @@ def closed_loop_batch(
         start, stop: s; indexes and reductions use the rows with start <= time < stop.
         final_window: s, of error_final_max.
         reductions: further reductions by name.
-        columns: columns of the log to record, by name.
-        every: record every so many rows, from the first on.
+        columns: columns of the log to record, by name, `every` so many rows from the first on.
         logs: record all columns and rows, so that the batch is a sequence of logs.
         units: unit labels of command and position in the result; V and m by default.
         progress: see cogging.progress.
@@ -224,47 +210,29 @@ def closed_loop_batch(
     columns, every = (COLUMNS, 1) if logs else (columns, every)
     options: dict[str, Any] = {"durations": [duration], "steps_per_sample": [steps_per_sample], "threads": threads}
     options |= {"window": (start, stop, final_window), "reductions": reductions, "columns": columns, "every": every}
-    if progress is False or len(controllers) != len(plants) or (seeds and len(seeds) != len(plants)) or not plants:
-        kept = kept_of_runs(plants, controllers, [reference], seeds=seeds, **options)  # the core refuses other lengths
-    else:
-        kept = _in_parts(plants, controllers, reference, seeds, options, progress)
+    count = size = len(plants)
+    parts: list[Kept] = []
+    failures: list[Failed] = []
+    if progress is not False and len(controllers) == count and len(seeds) in (0, count):  # the core refuses others
+        lanes = _core.instruction_sets().get(_core.instruction_set(), 1)
+        at_once = lanes * (threads or os.cpu_count() or 1)
+        size = at_once * -(-max(1, count // REPORTS) // at_once)
+        options["runs_in_all"] = count
+    with steps(progress, "closed_loop_batch", -(-count // size) if size else 1) as step:
+        for first in range(0, max(count, 1), size or 1):
+            own = slice(first, first + size) if size < count else slice(None)
+            kept = kept_of_runs(plants[own], controllers[own], [reference], seeds=seeds[own], **options)
+            parts.append(kept)
+            failures += [failure._replace(run=failure.run + first) for failure in kept.failures]
+            step(f"{min(first + size, count)} of {count} runs")
     return Batch(
-        dict(zip(names_of(reductions), kept.values.T, strict=True)),
-        kept.failures,
-        {name: tuple(runs) for name, runs in kept.columns.items()},
+        dict(zip(names_of(reductions), np.concatenate([part.values for part in parts]).T, strict=True)),
+        tuple(failures),
+        {name: tuple(run for part in parts for run in part.columns[name]) for name in columns},
         tuple(plants),
         tuple(controllers),
         tuple(seeds) or (0,) * len(plants),
-        kept.in_lanes,
+        tuple(flag for part in parts for flag in part.in_lanes),
         logs,
         units or Units(),
-    )
-
-
-def _in_parts(
-    plants: Sequence[Plant],
-    controllers: Sequence[AnyController],
-    reference: Reference,
-    seeds: Sequence[int],
-    options: dict[str, Any],
-    progress: Progress,
-) -> Kept:
-    """Return the results of all runs, computed in parts with a progress report after each."""
-    lanes = _core.instruction_sets().get(_core.instruction_set(), 1)
-    at_once = lanes * (options["threads"] or os.cpu_count() or 1)
-    size = at_once * -(-max(1, len(plants) // REPORTS) // at_once)
-    options = {**options, "runs_in_all": len(plants)}
-    parts: list[Kept] = []
-    failures: list[Failed] = []
-    with steps(progress, "closed_loop_batch", -(-len(plants) // size)) as step:
-        for first in range(0, len(plants), size):
-            own = slice(first, min(first + size, len(plants)))
-            parts.append(kept_of_runs(plants[own], controllers[own], [reference], seeds=seeds[own], **options))
-            failures += [failure._replace(run=failure.run + first) for failure in parts[-1].failures]
-            step(f"{own.stop} of {len(plants)} runs")
-    return Kept(
-        np.concatenate([part.values for part in parts]),
-        tuple(failures),
-        {name: [run for part in parts for run in part.columns[name]] for name in options["columns"]},
-        tuple(flag for part in parts for flag in part.in_lanes),
     )

@@ -122,12 +122,11 @@ class _Description:
     def _named(self, space: Mapping[str, Any], called: Any, named: frozenset[str]) -> list[Any]:
         """Describe globals by name; of a user's module, those of its attributes that the law names."""
         found = []
-        for name in sorted(called):
-            value = space.get(name)
+        for name in sorted(called & space.keys()):
+            value = space[name]
             if isinstance(value, ModuleType) and not _is_published(value.__name__):
-                inside = self._again((id(value), named), value) or self._named(vars(value), named, named)
-                found.append([name, inside])
-            elif name in space:
+                found.append([name, self._again((id(value), named), value) or self._named(vars(value), named, named)])
+            else:
                 found.append([name, self.of(value)])
         return found
 

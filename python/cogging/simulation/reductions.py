@@ -95,46 +95,34 @@ def kept_of_runs(
     controllers: Sequence[Any],
     references: Sequence[Any],
     *,
-    durations: Sequence[float],
-    seeds: Sequence[int],
-    steps_per_sample: Sequence[int],
-    threads: int = 0,
     window: tuple[float, float, float] = (-np.inf, np.inf, 2.0),
     reductions: Sequence[str] = (),
     columns: Sequence[str] = (),
-    every: int = 1,
-    keeps_refused: bool = False,
-    **starts: Any,
+    **options: Any,
 ) -> Kept:
     """Return the results of runs in the core; arguments as of closed_loop_batch.
 
     Args:
-        plants, controllers, seeds: one for each run.
-        references, durations, steps_per_sample: one for each run, or one for all.
-        threads, reductions, columns, every: see closed_loop_batch.
+        plants, controllers: one for each run.
+        references: one for each run, or one for all.
         window: start, stop and final window, s.
-        keeps_refused: report a run that cannot start as a failure; else it raises.
-        **starts: `initial_positions` (m, one for all, one for each or none); for all runs `initial_velocity` and
+        reductions, columns: see closed_loop_batch.
+        **options: `seeds`, one for each run; `durations` and `steps_per_sample`, one for each run or one for all;
+            `threads` and `every`; `keeps_refused`: report a run that cannot start as a failure, else it raises;
+            `initial_positions` (m, one for all, one for each or none); for all runs `initial_velocity` and
             `added_command` (a list); `runs_in_all`, for how many runs memory must suffice.
     """
-    further = names_of(reductions)[len(INDEXES) :]
     start, stop, final_window = window
     kept: dict[str, Any] = _core.closed_loop_records(
         plants,
         controllers,
         references,
-        durations=durations,
-        seeds=seeds,
-        steps_per_sample=steps_per_sample,
-        threads=threads,
         start=start,
         stop=stop,
         final_window=final_window,
-        reductions=[reduction(name) for name in further],
+        reductions=[reduction(name) for name in names_of(reductions)[len(INDEXES) :]],
         columns=list(columns),
-        every=every,
-        keeps_refused=keeps_refused,
-        **starts,
+        **{"threads": 0, "every": 1, "keeps_refused": False, **options},
     )
     failures = tuple(Failed(*failure) for failure in kept["failures"])
     by_column = dict(zip(columns, kept["columns"], strict=True))

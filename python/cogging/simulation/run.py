@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging import _core
 from cogging._core import Plant, Reference
-from cogging.arrays import real_array
+from cogging.arrays import FloatArray, real_array
 from cogging.calls import check_arguments
 from cogging.effects.custom import Custom
 from cogging.logs.log import Log
@@ -90,14 +90,12 @@ def simulate(
     own: Any = model.make_controller() if controller is None else controller
     options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
     options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
-    return _run(model.plant(), own, motion, metadata, added_command, options | {"record_estimates": record_estimates})
+    options |= {"record_estimates": record_estimates, "added_command": _added(added_command)}
+    return Log.of(_core.closed_loop(model.plant(), own, motion, **options), metadata)
 
 
-def _run(
-    plant: Plant, controller: Any, motion: Reference, metadata: dict[str, Any], added: Any, options: dict[str, Any]
-) -> Log:
-    added_command = None if added is None else real_array("added_command", added)
-    return Log.of(_core.closed_loop(plant, controller, motion, added_command=added_command, **options), metadata)
+def _added(command: npt.ArrayLike | None) -> FloatArray | None:
+    return None if command is None else real_array("added_command", command)
 
 
 @check_arguments(plant=PLANT, reference=MOTION)
@@ -116,8 +114,8 @@ def closed_loop(
 ) -> Log:
     """Simulate a plant under a controller along a reference, as `simulate` does for a model.
 
-    A pure function: the controller is copied, the noise comes from `seed`. The axis starts at rest on the reference
-    unless stated otherwise. The log has no metadata, so that `repeat` does not apply to it.
+    The axis starts at rest on the reference unless stated otherwise. The log has no metadata, so that `repeat` does not
+    apply to it.
 
     Args:
         plant: the machine.
@@ -125,22 +123,14 @@ def closed_loop(
             works on a copy.
         reference: the motion.
         duration: s; 0 = the end of the reference.
-        seed: of force and encoder noise.
-        steps_per_sample: least number of integration steps between two samples.
-        record_estimates: record the controller's estimates, one row a sample.
-        initial_position: m; None: the first position of the reference.
-        initial_velocity: m/s.
-        added_command: V, (n,), added to the controller's command before the limit: test pulses.
+        seed, steps_per_sample, record_estimates, initial_position, initial_velocity, added_command: see simulate.
 
     Returns:
         The log, with the plant's true position and velocity.
 
     Raises:
         ValueError: the reference leaves the travel, or has no end and no duration is given.
-        TypeError: the controller is not a Controller, or cannot be copied; says what it lacks.
-        DivergedError: the axis left the travel by half its length, the state is not finite, or a sample needs more than
-            1e5 steps; says when and where, or how fast.
-        ControllerError: a user's controller raised, or returned no finite number; says when and in which row.
+        TypeError, DivergedError, ControllerError: as of simulate.
 
     Example:
         >>> plant = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.2))
@@ -152,7 +142,8 @@ def closed_loop(
     """
     options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
     options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
-    return _run(plant, controller, reference, {}, added_command, options | {"record_estimates": record_estimates})
+    options |= {"record_estimates": record_estimates, "added_command": _added(added_command)}
+    return Log.of(_core.closed_loop(plant, controller, reference, **options))
 
 
 @check_arguments(log=LOG)

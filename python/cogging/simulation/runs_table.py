@@ -89,5 +89,4 @@ def write_runs(path: str | os.PathLike[str], table: Mapping[str, Any], units: Ma
 
 
 def _with_known_units(names: Iterable[str], units: Mapping[str, str]) -> dict[str, str]:
-    known = {name: units.get(name) or unit_of(name) for name in names}
-    return {name: unit for name, unit in known.items() if unit}
+    return {name: unit for name in names if (unit := units.get(name) or unit_of(name))}

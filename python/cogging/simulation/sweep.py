@@ -10,6 +10,7 @@ import contextlib
 import hashlib
 import importlib.metadata
 import io
+import itertools
 import math
 import os
 import pickle
@@ -28,8 +29,9 @@ from concurrent.futures import (
     wait,
 )
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -120,14 +122,9 @@ class SweepRuns(RunsTable):
     def influence(self, index: str = "error_rms") -> dict[str, float]:
         """Return by path how much of the spread of an index each varied number explains alone, the largest first.
 
-        The share is that of the variance between groups of runs with (nearly) the same number, of the variance of all
-        completed runs (the adjusted correlation ratio), of the ranks of the index, so that a few large values do not
-        decide. It is 0 for a number that explains no more than chance would.
-
-        Example:
-            >>> drawn = {"axis.mass": {"from": 0.08, "to": 0.16}, "axis.viscous": {"from": 0.16, "to": 0.17}}
-            >>> list(cogging.sweep(model, move, drawn, method="sobol", runs=64).influence())[0]
-            'axis.mass'
+        The share is the adjusted correlation ratio of the ranks of the index, so that a few large values do not decide:
+        the variance between groups of runs with (nearly) the same number over the variance of all completed runs. It is
+        0 for a number that explains no more than chance would.
         """
         values = np.asarray(self.table[index], dtype=np.float64)
         good = np.isfinite(values)
@@ -156,17 +153,7 @@ class SweepRuns(RunsTable):
     def plot(
         self, index: str = "error_rms", against: str | None = None, *, units: Any = None, ax: Any = None
     ) -> Figure:
-        """Plot an index over a varied number (cogging.plot.sweep).
-
-        Args:
-            index: column of the table.
-            against: path of a varied number; None: the most influential.
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
+        """Plot an index over a varied number and return the figure (arguments as of cogging.plot.sweep)."""
         return plot.sweep(self, index, against, units=units, ax=ax).figure.figure
 
 
@@ -283,25 +270,22 @@ def sweep(
         window=(start, stop, final_window),
         reductions=tuple(reductions),
     )
+    run = partial(_table, common, points, executor=executor, progress=progress)
     if out is None:
-        return _completed(common, _table(common, points, None, executor, progress))
+        return run(None)
     if is_parquet(out):
         library("pyarrow")
     target_of(out)
-    asked: dict[str, Any] = {
-        "reference": reference_to_dict(setup.reference),
-        "paths": list(common.paths),
-        "points": points,
-    }
+    asked: dict[str, Any] = {"reference": reference_to_dict(setup.reference), "paths": list(vary), "points": points}
     asked |= {"seed": common.seed, "duration": common.duration, "window": list(common.window)}
     digest = digest_of(setup.model, {**asked, "reductions": list(common.reductions)})
     if digest is None:
-        found = _completed(common, _table(common, points, None, executor, progress))
+        found = run(None)
         found.write(out)
         return found
     with Pieces(out, digest) as kept:
         try:
-            found = _completed(common, _table(common, points, kept, executor, progress))
+            found = run(kept)
         except BaseException as error:
             if not kept.finished() or isinstance(error, _NoRunBegan):
                 kept.remove()
@@ -318,13 +302,6 @@ class _NoRunBegan(ValueError):
     """No run of a sweep could begin: the fault is not that of a single run."""
 
 
-def _completed(common: Piece, table: Table) -> SweepRuns:
-    found = SweepRuns(table, common.paths, units_of(common.setup, common.paths, table))
-    if found.failed == len(found) and np.isnan(table["failed_at"]).all():
-        raise _NoRunBegan(f"no run could begin: {table['reason'][0]}")
-    return found
-
-
 def _setup(model: Any, reference: Any) -> tuple[Setup, float]:
     """Return model and motion, read from files where paths are given, and the duration of the reference file, s."""
     path, model = model, model if isinstance(model, Model) else Model.read(model)
@@ -337,15 +314,19 @@ def _setup(model: Any, reference: Any) -> tuple[Setup, float]:
 
 
 def _table(
-    common: Piece, points: FloatArray, kept: Pieces | None, executor: Executor | None, progress: Progress
-) -> Table:
-    """Return the rows of all points in order; pieces that are kept already are not computed again."""
+    common: Piece, points: FloatArray, kept: Pieces | None, *, executor: Executor | None, progress: Progress
+) -> SweepRuns:
+    """Return the runs of all points in order; pieces that are kept already are not computed again."""
     tables = [] if kept is None else kept.tables(len(points))
     done = np.zeros(len(points), dtype=bool)
     for table in tables:
         done[table["run"]] = True
-    size = piece_size(len(points), common.threads)
-    pieces = [common._replace(points=points[runs], first=runs.start) for runs in missing(done, size)]
+    least = LANES * (common.threads or os.cpu_count() or 1)  # runs that fill the lanes of all threads
+    size = least * math.ceil(min(max(1, PIECE_MOST // least), len(points) / PIECES / least))
+    places = np.flatnonzero(~done)
+    gaps = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else []
+    missing = [gap[first : first + size] for gap in gaps for first in range(0, len(gap), size)]
+    pieces = [common._replace(points=points[runs], first=int(runs[0])) for runs in missing]
     with steps(progress, "sweep", len(pieces)) as step:
         if executor is None:
             new: Iterator[Table] = map(run_piece, pieces)
@@ -359,21 +340,11 @@ def _table(
             count += len(table["run"])
             step(f"{count} of {len(points)} runs")
     tables.sort(key=lambda table: int(table["run"][0]))
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-
-
-def piece_size(runs: int, threads: int) -> int:
-    """Return how many runs a piece has: those that fill the lanes of all threads, more in a large sweep."""
-    least = LANES * (threads or os.cpu_count() or 1)
-    return least * math.ceil(min(max(1, PIECE_MOST // least), runs / PIECES / least))
-
-
-def missing(done: np.ndarray[Any, Any], size: int) -> list[slice]:
-    """Return the runs that are not done, in consecutive parts of at most a size."""
-    places = np.flatnonzero(~done)
-    gaps = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else []
-    ends = [(int(gap[0]), int(gap[-1]) + 1) for gap in gaps]
-    return [slice(first, min(first + size, end)) for begin, end in ends for first in range(begin, end, size)]
+    whole = {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+    runs = SweepRuns(whole, common.paths, units_of(common.setup, common.paths, whole))
+    if runs.failed == len(runs) and np.isnan(whole["failed_at"]).all():
+        raise _NoRunBegan(f"no run could begin: {whole['reason'][0]}")
+    return runs
 
 
 def run_piece(piece: Piece) -> Table:
@@ -435,17 +406,10 @@ class Pieces:
     to be written and the first to be removed: without it, other files are left over from a completed sweep. The name of
     a piece contains a checksum of the sweep and of the content, so that a changed piece is computed again. A folder
     that holds other files is refused, and none of them is ever removed.
-
-    Attributes:
-        folder: where the pieces are; removed with the last of them.
     """
 
-    def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
-        """Create the folder, or open the one that an earlier call of the same sweep left.
-
-        Args:
-            out: the output; the folder is beside it.
-            digest: of all that determines the table.
+    def __init__(self, out: AnyPath, digest: str) -> None:
+        """Create the folder beside an output, or open the one that an earlier call of the same sweep left.
 
         Raises:
             InputError: the folder holds something else or another sweep, is in use, or cannot be written.
@@ -456,58 +420,46 @@ class Pieces:
         self._header = self.folder / "sweep.json"
         self._digest = digest.encode()
         try:
-            self._lock = self._open()
-        except BlockingIOError:
-            raise InputError(
-                f"{self._called}: another process is making this sweep, or another to the same file"
-            ) from None
-        except OSError as error:
-            raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
-        try:
-            self._begin()
-        except BaseException:
-            self._lock.close()
-            raise
-
-    def _open(self) -> IO[bytes]:
-        while True:
             if self.folder.is_symlink():
                 raise InputError(f"{self._called}: must be a folder, got a link: {ADVICE}")
             self.folder.mkdir(exist_ok=True)
             if others := [path.name for path in self.folder.glob("*") if not self._is_own(path)]:
                 what = f"must hold nothing but the pieces of a sweep, got {quoted(min(others))}"
                 raise InputError(f"{self._called}: {what}: {ADVICE}")
-            with contextlib.suppress(FileNotFoundError):  # a completed sweep has just removed the folder
-                flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-                descriptor = os.open(self._header, flags, 0o666)
-                file = os.fdopen(descriptor, "r+b", buffering=0)
-                try:
-                    require_file(self._header)
-                    if sys.platform != "win32":
-                        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # not inherited by a forked worker
-                    if os.path.samestat(os.fstat(descriptor), os.lstat(self._header)):
-                        return file
-                except BaseException:
-                    file.close()
-                    raise
-                file.close()
+            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+            self._lock = os.fdopen(os.open(self._header, flags, 0o666), "r+b", buffering=0)
+            try:
+                self._begin(b'{"digest": "' + self._digest + b'"}\n')
+            except BaseException:
+                self._lock.close()
+                raise
+        except BlockingIOError:
+            raise InputError(
+                f"{self._called}: another process is making this sweep, or another to the same file"
+            ) from None
+        except OSError as error:
+            raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
 
-    def _begin(self) -> None:
-        """Compare the sweep with that of the folder; a new sweep removes left-over pieces."""
-        wanted = b'{"digest": "' + self._digest + b'"}\n'
+    def _begin(self, wanted: bytes) -> None:
+        """Lock the header and compare the sweep with it; a new sweep removes left-over pieces."""
+        require_file(self._header)
+        if sys.platform != "win32":
+            fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # not inherited by a forked worker
+        if not os.path.samestat(os.fstat(self._lock.fileno()), os.lstat(self._header)):
+            raise BlockingIOError  # a completed sweep has just removed it
+        if text := self._lock.read(len(wanted) + 1):
+            if text != wanted:
+                what = "holds pieces of another sweep, or of another version"
+                raise InputError(f"{self._called}: {what}: {ADVICE}")
+            return
+        for path in self.finished():
+            path.unlink()
         try:
-            if text := self._lock.read(len(wanted) + 1):
-                if text != wanted:
-                    what = "holds pieces of another sweep, or of another version"
-                    raise InputError(f"{self._called}: {what}: {ADVICE}")
-                return
-            for path in self.finished():
-                path.unlink()
             self._lock.write(wanted)
             os.fsync(self._lock.fileno())
-        except OSError as error:
+        except OSError:
             self.remove()
-            raise InputError(f"{self._called}: cannot be written: {error.strerror}") from None
+            raise
 
     def __enter__(self) -> Pieces:
         return self
@@ -609,16 +561,10 @@ CALL = "(exec(program, space), space['run'](version, task))[1]"
 def run_elsewhere(
     function: Callable[[Any], Result], pieces: Sequence[Any], executor: Executor, notice: Callable[[], str]
 ) -> Iterator[Result]:
-    """Yield the results of a function for each piece, as the workers of an executor finish them.
+    """Yield the results of a function of the package for each piece, as the workers of an executor finish them.
 
-    Args:
-        function: of the package, that can be pickled.
-        pieces: its arguments.
-        executor: whose workers run it.
-        notice: returns where finished work is, for an error, or nothing.
-
-    Raises:
-        InputError: the executor failed, no worker is left, or one lacks the package or has another version.
+    `notice` returns where finished work is, for the InputError of an executor that failed, has no worker left, or has
+    one that lacks the package or has another version.
     """
 
     def failed(what: str) -> InputError:
@@ -627,26 +573,13 @@ def run_elsewhere(
 
     client: Any = getattr(executor, "_client", None)  # of Dask, whose tasks wait for a worker for ever; no public name
     seen = math.inf  # when there was a worker; before the first, as in a queue, waiting has no limit
-
-    def has_lost_its_workers(worked: bool) -> bool:
-        nonlocal seen
-        if not hasattr(client, "nthreads"):
-            return False
-        with contextlib.suppress(Exception):  # its futures report what happened
-            if worked or client.nthreads():
-                seen = time.monotonic()
-            return time.monotonic() - seen > GONE_MOST
-        return False
-
     stop = StopFlag()
     waiting: set[Future[Any]] = set()
     left = iter(pieces)
     try:
         while True:
-            for piece in left:
+            for piece in itertools.islice(left, WAITING_MOST - len(waiting)):
                 waiting.add(_submitted(function, piece, executor, stop))
-                if len(waiting) >= WAITING_MOST:
-                    break
             if not waiting:
                 return
             done = wait(waiting, LOOK_EVERY, return_when=FIRST_COMPLETED).done
@@ -657,8 +590,12 @@ def run_elsewhere(
                 if refused:
                     raise failed(f"has a worker that {refused}: {found}")
                 yield found
-            if has_lost_its_workers(bool(done)):
-                raise failed(f"has had no worker left for {GONE_MOST:g} s")
+            if hasattr(client, "nthreads"):
+                with contextlib.suppress(Exception):  # its futures report what happened
+                    if done or client.nthreads():
+                        seen = time.monotonic()
+                if time.monotonic() - seen > GONE_MOST:
+                    raise failed(f"has had no worker left for {GONE_MOST:g} s")
     except (InputError, MemoryError):
         raise
     except Exception as error:
@@ -714,12 +651,25 @@ NEEDED = ("model", "reference", "vary")
 WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
 
 
-def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
+def read_sweep(path: AnyPath) -> dict[str, Any]:
     """Return the arguments of `sweep` from a sweep file; paths of other files are relative to it."""
     document = read_toml(path)
     folder = Path(path).parent
     try:
-        _check_sweep(document)
+        require_keys(document, KEYS, NEEDED)
+        if document.get("method", "grid") not in METHODS:
+            got = f"{quoted(document['method'])}{nearest(str(document['method']), METHODS)}"
+            raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {got}")
+        window = (document.get("start", -math.inf), document.get("stop", math.inf), document.get("final_window", 2.0))
+        require_numbers(document.get("seed", 0), document.get("runs", 1), document.get("duration", 0.0), window)
+        for name in document.get("reductions", ()):
+            if not isinstance(name, str):
+                raise FieldError("", "reductions", f"must be names, got {quoted(name)}")
+            try:
+                reduction(name)
+                names_of(document["reductions"])
+            except ValueError as error:
+                raise FieldError("", "reductions", str(error).removeprefix("reductions: ")) from None
         for key in ("model", "reference"):
             if not (folder / document[key]).exists() or not document[key]:
                 raise FieldError("", key, f"must be a file beside the sweep file, got {quoted(document[key])}")
@@ -736,23 +686,6 @@ def read_sweep(path: str | os.PathLike[str]) -> dict[str, Any]:
     return {**document, **{key: folder / document[key] for key in ("model", "reference")}, "vary": vary}
 
 
-def _check_sweep(document: Mapping[str, Any]) -> None:
-    require_keys(document, KEYS, NEEDED)
-    if document.get("method", "grid") not in METHODS:
-        got = f"{quoted(document['method'])}{nearest(str(document['method']), METHODS)}"
-        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {got}")
-    window = (document.get("start", -math.inf), document.get("stop", math.inf), document.get("final_window", 2.0))
-    require_numbers(document.get("seed", 0), document.get("runs", 1), document.get("duration", 0.0), window)
-    for name in document.get("reductions", ()):
-        if not isinstance(name, str):
-            raise FieldError("", "reductions", f"must be names, got {quoted(name)}")
-        try:
-            reduction(name)
-            names_of(document["reductions"])
-        except ValueError as error:
-            raise FieldError("", "reductions", str(error).removeprefix("reductions: ")) from None
-
-
 def _by_path(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
     """Yield variations by path, also of sections that TOML makes of unquoted paths (`axis.mass = [0.1, 0.2]`)."""
     for name, stated in vary.items():
@@ -762,19 +695,13 @@ def _by_path(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
             yield f"{before}{name}", stated
 
 
-def run_sweep(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
+def run_sweep(path: AnyPath, arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
     """Run the sweep that read_sweep has read."""
     return run_job(path, sweep, arguments, options)
 
 
 def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str]], needed: Iterable[str]) -> None:
-    """Raise FieldError for an unknown key, a missing one that is needed, or one of another type.
-
-    Args:
-        document: content of the file.
-        keys: type and meaning of each key.
-        needed: keys that must be given.
-    """
+    """Raise FieldError for an unknown key, a missing one that is needed, or one of another type (KEYS)."""
     refuse_unknown_keys(document, keys, "")
     for key in needed:
         if key not in document:
@@ -787,13 +714,13 @@ def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str
             raise FieldError("", key, f"must be {what}, got {quoted(value)}")
 
 
-def files_of_job(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
+def files_of_job(arguments: Mapping[str, Any], path: AnyPath) -> list[AnyPath]:
     """Return all files that a sweep or tune file reads: itself, its model, its reference and the samples of that."""
     return [path, arguments["model"], *files_of_reference(arguments["reference"])]
 
 
 def run_job(
-    path: str | os.PathLike[str], work: Callable[..., Result], arguments: Mapping[str, Any], options: Mapping[str, Any]
+    path: AnyPath, work: Callable[..., Result], arguments: Mapping[str, Any], options: Mapping[str, Any]
 ) -> Result:
     """Return work(**arguments, **options); an InputError names the file and, if possible, the line."""
     try:

@@ -93,18 +93,28 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
     """Return the setup with the numbers at these paths changed, except the seed."""
     model, reference = setup
-    inside = {path: value for path, value in values.items() if path.split(".")[0] not in (*SECTIONS, "reference", SEED)}
+    structs = _structs(setup)
+    changes: dict[str, dict[str, Any]] = {name: {} for name in structs}  # of fields, by section
+    inside: dict[str, float] = {}
+    for path, value in values.items():
+        name, _, rest = path.partition(".")
+        if name not in structs:
+            inside |= {path: value} if path != SEED else {}
+            continue
+        field, _, place = rest.partition("[")
+        old = structs[name].to_dict()[field]
+        if place:
+            entries, at = changes[name].setdefault(field, list(old)), int(place.rstrip("]"))
+            entries[at] = _like(entries[at], value, path)
+        else:
+            changes[name][field] = _like(old, value, path)
     if inside:
         model = with_values(model, inside)
-    for name in SECTIONS:
-        changes = _changes(getattr(model, name), name, values)
-        if changes:
-            model = model.replace(**{name: getattr(model, name).replace(**changes)})
-    changes = _changes(getattr(reference, "parameters", None), "reference", values)
-    if changes:
+    new = {name: getattr(model, name).replace(**changes[name]) for name in SECTIONS if changes[name]}
+    if changes["reference"]:
         motion = next(motion for _, motion in REFERENCES.values() if isinstance(reference, motion))
-        reference = motion(reference.parameters.replace(**changes))  # type: ignore[attr-defined]
-    return Setup(model, reference)
+        reference = motion(structs["reference"].replace(**changes["reference"]))
+    return Setup(model.replace(**new) if new else model, reference)
 
 
 def make_controller(model: Model) -> Any:
@@ -112,24 +122,6 @@ def make_controller(model: Model) -> Any:
     if model.controller is None or model.controller_type not in CONTROLLERS:
         raise ValueError("controller: must be given to run the model, got none")
     return model.make_controller()
-
-
-def _changes(struct: Any, name: str, values: Mapping[str, float]) -> dict[str, Any]:
-    """Return the fields of a struct that the values at paths `name.field` or `name.field[i]` change."""
-    changes: dict[str, Any] = {}
-    before = {} if struct is None else struct.to_dict()
-    for path, value in values.items():
-        section, _, rest = path.partition(".")
-        if section != name:
-            continue
-        field, _, place = rest.partition("[")
-        old = before[field]
-        if not place:
-            changes[field] = _like(old, value, path)
-            continue
-        entries = changes.setdefault(field, list(old))
-        entries[int(place.rstrip("]"))] = _like(entries[int(place.rstrip("]"))], value, path)
-    return changes
 
 
 def _like(old: Any, value: float, path: str) -> float | int:
@@ -141,17 +133,11 @@ def _like(old: Any, value: float, path: str) -> float | int:
 
 
 class Variation(NamedTuple):
-    """How one number varies.
-
-    Attributes:
-        path: of the number.
-        of_shares: quantiles of its distribution at shares from 0 to 1.
-        grid: returns the values of a grid; None if it has none.
-    """
+    """How one number varies."""
 
     path: str
-    of_shares: Callable[[FloatArray], FloatArray]
-    grid: Callable[[], FloatArray] | None = None
+    of_shares: Callable[[FloatArray], FloatArray]  # quantiles of its distribution at shares from 0 to 1
+    grid: Callable[[], FloatArray] | None = None  # returns the values of a grid; None if it has none
 
 
 def variation_of(path: str, stated: Any, model: Model) -> Variation:
@@ -174,14 +160,13 @@ def variation_of(path: str, stated: Any, model: Model) -> Variation:
         rule = "must be values, or from and to, or mean and deviation"
         raise FieldError("vary", path, f"{rule}, got {quoted(dict(table))}")
     if "values" in table:
-        if not table["values"]:
+        values = np.array(table["values"], dtype=float)
+        if not values.size:
             raise FieldError("vary", path, "values: must hold at least one number, got none")
-        values, last = np.array(table["values"], dtype=float), len(table["values"]) - 1
-
-        def chosen(shares: FloatArray) -> FloatArray:
-            return np.asarray(values[np.minimum(shares * len(values), last).astype(int)])
-
-        return Variation(path, chosen, lambda: values)
+        places = len(values)
+        return Variation(
+            path, lambda shares: values[np.minimum(shares * places, places - 1).astype(int)], lambda: values
+        )
     if "mean" in table:
         if table["deviation"] < 0:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
@@ -266,18 +251,16 @@ def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any,
 def points_of(variations: list[Variation], method: str, runs: int, seed: int) -> FloatArray:
     """Return the values of each run, (runs, variations); the same arguments give the same points."""
     count = len(variations)
-    if method == "grid":
-        drawn = ", ".join(METHODS[1:])
-        rule = f"must have values, or from, to and points, on a grid; the methods {drawn} draw it"
-        axes = []
-        for variation in variations:
-            if variation.grid is None:
-                raise FieldError("vary", variation.path, rule)
-            axes.append(variation.grid())
-        runs = math.prod(map(len, axes))
-    elif method not in METHODS:
+    if method not in METHODS:
         near = nearest(str(method), METHODS)
         raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}{near}")
+    axes = []
+    for variation in variations if method == "grid" else ():
+        if variation.grid is None:
+            rule = f"must have values, or from, to and points, on a grid; the methods {', '.join(METHODS[1:])} draw it"
+            raise FieldError("vary", variation.path, rule)
+        axes.append(variation.grid())
+    runs = math.prod(map(len, axes)) if axes else runs
     if not 1 <= runs <= RUNS_MAX:
         raise FieldError("", "runs", f"must be from 1 to {RUNS_MAX}, got {runs}")
     require_table("runs", runs, 3 * count + TABLE_COLUMNS)  # places and values of a grid, and the table of results

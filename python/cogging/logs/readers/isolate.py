@@ -19,7 +19,7 @@ import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -71,25 +71,15 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EMFILE, e
 # The parent process ------------------------------------------------------------------------------------------------
 
 
-def memory_most(size: int, left: float) -> int:
-    """Return the bytes of address space for reading a file of a size with `left` bytes of free memory."""
-    return int(min(LIBRARIES + COPIES * numbers_most(size), ADDRESSES + left))
-
-
-def seconds_most(size: int) -> float:
-    """Return the time limit for a file of a size, s."""
-    return SECONDS + size / BYTES_A_SECOND
-
-
 def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
     """Return columns of finite real numbers of equal length; `kind` is a key of FORMATS."""
     from cogging._core import memory_left  # not in the reading process
 
     what, size = FORMATS[kind][0], os.path.getsize(request.path)
-    seconds, late = seconds_most(size), threading.Event()
+    seconds, late = SECONDS + size / BYTES_A_SECOND, threading.Event()
     job = {
         "kind": kind,
-        "memory": memory_most(size, memory_left()),
+        "memory": int(min(LIBRARIES + COPIES * numbers_most(size), ADDRESSES + memory_left())),
         "seconds": seconds,
         "path": os.path.abspath(request.path),
         "shown": os.fspath(request.path),
@@ -225,25 +215,19 @@ def serve(job: Mapping[str, Any]) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards what a library prints
     confine(job)
     tempfile.tempdir = job["temporary"]
-    request = Request(
-        job["path"],
-        job["names"],
-        job["optional"],
-        job["columns"],
-        job["scaled"],
-        slice(*job["rows"]),
-        shown=job["shown"],
-        survey=[] if job["survey"] else None,
-    )
+    named = {name: job[name] for name in ("path", "names", "optional", "columns", "scaled", "shown")}
+    request = Request(**named, rows=slice(*job["rows"]), survey=[] if job["survey"] else None)
+    answer: dict[str, Any]
     try:
         columns = _read(job["kind"], request)
     except InputError as error:
-        _answer(output, {"error": str(error)})
+        columns, answer = {}, {"error": str(error)}
     else:
         rows = len(next(iter(columns.values()), ()))
-        _answer(output, {"names": list(columns), "rows": rows, "survey": request.survey})
-        for values in columns.values() if rows else ():
-            output.write(np.ascontiguousarray(values).data.cast("B"))
+        answer = {"names": list(columns), "rows": rows, "survey": request.survey}
+    output.write(ANSWER + json.dumps(answer).encode() + b"\n")
+    for values in columns.values():
+        output.write(np.ascontiguousarray(values).data)
     output.flush()
     os._exit(0)  # skips the libraries' exit handlers, which damaged files can crash
 
@@ -273,10 +257,6 @@ def confine(job: Mapping[str, Any]) -> None:
         hard = resource.getrlimit(limit)[1]
         if hard == resource.RLIM_INFINITY or most < hard:
             resource.setrlimit(limit, (most, hard))
-
-
-def _answer(output: IO[bytes], answer: Mapping[str, Any]) -> None:
-    output.write(ANSWER + json.dumps(answer).encode() + b"\n")
 
 
 def _read(kind: str, request: Request) -> dict[str, FloatArray]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -74,9 +73,23 @@ def read(request: Request) -> dict[str, Any]:
 
     plain: dict[str, Any] = {"process_bus_logging": False}  # it would open attachments
     with MDF(request.path, **plain) as file:
-        places = _places(file)
-        wants_master = _wants_master(request, places)
-        chosen = _chosen(request, file, places, wants_master)
+        places = {
+            name if len(entries) == 1 else f"{group}.{name}": (group, channel)
+            for name, entries in file.channels_db.items()
+            for group, channel in entries
+        }
+        asked = "time" in (*request.names, *request.optional) and "time" not in request.columns
+        wants_master = asked and request.in_file("time") not in places
+        others, names = request, list(places)
+        if wants_master:
+            masters = set(file.masters_db.items())
+            wanted, optional = (
+                [name for name in given if name != "time"] for given in (request.names, request.optional)
+            )
+            others = replace(request, names=wanted, optional=optional)
+            names = [name for name, place in places.items() if place not in masters]
+        units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
+        chosen = {name: places[names[i]] for name, i in others.choose(names, "file", units).items()}
         groups = {group for group, _ in chosen.values()}
         if len(groups) > 1:
             where = ", ".join(f"{name} in {group}" for name, (group, _) in chosen.items())
@@ -86,58 +99,22 @@ def read(request: Request) -> dict[str, Any]:
             _require_numbers(request, name, file.groups[group].channels[channel], version)
         for group in groups:
             _require_time(request, file, group, version)
-            _require_room(request, file.groups[group].channel_group, len(chosen) + wants_master)
-        columns = {name: _samples(request, file, name, *place) for name, place in chosen.items()}
+            stated = file.groups[group].channel_group
+            record = getattr(stated, "samples_byte_nr", 0) + getattr(stated, "invalidation_bytes_nr", 0)
+            cycles, columns = int(stated.cycles_nr), len(chosen) + wants_master
+            request.require_room("cycles", cycles, float(cycles) * max(float(columns), record / 8.0))
+        found = {}
+        for name, (group, channel) in chosen.items():
+            signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
+            if signal.invalidation_bits is not None and signal.invalidation_bits.any():
+                row = int(signal.invalidation_bits.argmax())
+                raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
+            found[name] = signal.samples
         if wants_master:
-            columns["time"] = file.get_master(next(iter(groups)))
+            found["time"] = file.get_master(next(iter(groups)))
         if formulas.refused:
             raise request.refuse(f"conversion: must not be a formula in the file, got {formulas.refused[0]!r}")
-        return columns
-
-
-def _places(file: Any) -> dict[str, tuple[int, int]]:
-    """Return group and channel by name, with the group's number before a name of several groups."""
-    return {
-        name if len(entries) == 1 else f"{group}.{name}": (group, channel)
-        for name, entries in file.channels_db.items()
-        for group, channel in entries
-    }
-
-
-def _wants_master(request: Request, places: Mapping[str, tuple[int, int]]) -> bool:
-    """Return whether the time is the master channel: it is requested, and no channel has its name."""
-    asked = "time" in (*request.names, *request.optional) and "time" not in request.columns
-    return asked and request.in_file("time") not in places
-
-
-def _chosen(
-    request: Request, file: Any, places: Mapping[str, tuple[int, int]], wants_master: bool
-) -> dict[str, tuple[int, int]]:
-    """Return group and channel of each column, without the master channel."""
-    others, optional, names = tuple(request.names), tuple(request.optional), list(places)
-    if wants_master:
-        masters = set(file.masters_db.items())
-        others, optional = (tuple(name for name in given if name != "time") for given in (others, optional))
-        names = [name for name, place in places.items() if place not in masters]
-    narrowed = replace(request, names=others, optional=optional)
-    units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
-    return {name: places[names[i]] for name, i in narrowed.choose(names, "file", units).items()}
-
-
-def _samples(request: Request, file: Any, name: str, group: int, channel: int) -> Any:
-    """Return the values of a channel; refuse invalid ones."""
-    signal = file.get(group=group, index=channel, ignore_invalidation_bits=True)
-    if signal.invalidation_bits is not None and signal.invalidation_bits.any():
-        row = int(signal.invalidation_bits.argmax())
-        raise request.refuse(f"row {row}: {name}: must be valid, got the invalidation bit")
-    return signal.samples
-
-
-def _require_room(request: Request, group: Any, columns: int) -> None:
-    """Refuse a group that states more data than a file of this size may hold."""
-    record = getattr(group, "samples_byte_nr", 0) + getattr(group, "invalidation_bytes_nr", 0)
-    cycles = int(group.cycles_nr)
-    request.require_room("cycles", cycles, float(cycles) * max(float(columns), record / 8.0))
+        return found
 
 
 def _require_time(request: Request, file: Any, group: int, version: int) -> None:

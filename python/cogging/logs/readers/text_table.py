@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import IO
 
 from tqdm import tqdm
@@ -32,37 +33,46 @@ QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
 
 def read(request: Request) -> dict[str, FloatArray]:
     """Return columns of a text table (see columns.read_columns)."""
-    try:
-        with open(request.path, "rb", buffering=0) as file:
-            size = os.fstat(file.fileno()).st_size
-            head = _head(file, size)
-            reader, index, order, first_data = _reader(head, size, request)
-            file.seek(_offset(head, first_data))
-            _feed(reader, file, size, request)
-    except OSError as error:
-        raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
-    except InputError:
-        raise
-    except ValueError as error:
-        raise _readable(error, request) from None
+    with _opened(request) as file:
+        size = os.fstat(file.fileno()).st_size
+        head = _head(file, size)
+        reader, index, order, first_data = _reader(head, size, request)
+        file.seek(_offset(head, first_data))
+        shown = request.progress and size >= LARGE and sys.stderr.isatty()
+        with tqdm(total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False) as bar:
+            while not reader.done and (block := file.read(BLOCK)):
+                reader.feed(block)
+                bar.update(len(block))
+        reader.finish()
     arrays = dict(zip((index[name] for name in order), reader.take(), strict=True))
     return {name: arrays[place] for name, place in index.items()}
 
 
 def survey(request: Request) -> None:
     """Fill the request's survey with the names and units of all columns."""
-    try:
-        with open(request.path, "rb", buffering=0) as file:
-            head = _head(file, os.fstat(file.fileno()).st_size)
+    with _opened(request) as file:
+        head = _head(file, os.fstat(file.fileno()).st_size)
         _, labels, units, first_data = _find_header(_lines(head, request), request)
-    except OSError as error:
-        raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise _readable(error, request) from None
     if labels and all(map(_is_number, labels)):
         rule = "must be a header row with the names of the columns"
         raise request.refuse(f"line {first_data}: {rule}, got numbers: write one above them, time,position,command")
     request.choose(labels, "header", units)
+
+
+@contextlib.contextmanager
+def _opened(request: Request) -> Iterator[IO[bytes]]:
+    """Open the file; an error of the system or of the core names it."""
+    try:
+        with open(request.path, "rb", buffering=0) as file:
+            yield file
+    except OSError as error:
+        raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
+    except InputError:
+        raise
+    except UnicodeDecodeError as error:  # the core's message quotes bytes of the file
+        raise request.refuse(f"must be UTF-8 text, got the byte {error.object[error.start]:#x}") from None
+    except ValueError as error:
+        raise request.refuse(str(error)) from None
 
 
 def _head(file: IO[bytes], size: int) -> bytes:
@@ -142,22 +152,6 @@ def _require_points(cells: list[str], fields: int, line: int, request: Request) 
         raise request.refuse(f"line {line}: {rule}: {advice}")
 
 
-def _feed(reader: NumberReader, file: IO[bytes], size: int, request: Request) -> None:
-    """Feed the file to the reader in blocks, with a progress bar for a large one."""
-    shown = request.progress and size >= LARGE and sys.stderr.isatty()
-    with tqdm(total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False) as bar:
-        while not reader.done and (block := file.read(BLOCK)):
-            reader.feed(block)
-            bar.update(len(block))
-    reader.finish()
-
-
-def _readable(error: ValueError, request: Request) -> InputError:
-    if isinstance(error, UnicodeDecodeError):  # the core's message quotes bytes of the file
-        return request.refuse(f"must be UTF-8 text, got the byte {error.object[error.start]:#x}")
-    return request.refuse(str(error))
-
-
 def _lines(head: bytes, request: Request) -> list[str]:
     """Return the lines of the file's beginning without a last one that may be incomplete."""
     whole = len(head) < HEADER
@@ -181,13 +175,7 @@ def _lines(head: bytes, request: Request) -> list[str]:
 
 def _offset(head: bytes, line: int) -> int:
     """Return the byte at which a line (from 0) begins."""
-    at = 0
-    for _ in range(line):
-        newline = head.find(b"\n", at)
-        if newline < 0:
-            return len(head)
-        at = newline + 1
-    return at
+    return sum(len(text) + 1 for text in head.split(b"\n", line)[:line]) if line <= head.count(b"\n") else len(head)
 
 
 def _split(line: str, separator: str) -> list[str]:
