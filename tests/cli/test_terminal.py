@@ -19,7 +19,7 @@ from tests.fixtures.commands import Terminal, examples_of
 CODES = re.compile(r"\x1b\[[0-9;]*m")
 FIT = "cogging.mapping.fit_map.fit_map"
 #: Commands that show a running time, and commands that show how many steps are done.
-TIMED, COUNTED = ("audit", "experiment", "map", "predict", "simulate"), ("identify", "reproduce", "sweep", "tune")
+TIMED, COUNTED = ("audit", "map", "predict", "simulate"), ("identify", "reproduce", "sweep", "tune")
 
 
 @pytest.fixture
