@@ -1,13 +1,10 @@
 """The digest by which a sweep is recognised: custom laws with all that they refer to."""
 
-import ctypes
 import functools
 import os
-import shutil
 import subprocess
 import sys
 import types
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -41,29 +38,6 @@ def by_default(gain):
     return law
 
 
-def by_keyword(gain):
-    def law(velocity, *, k, gain=gain):
-        return -k * gain * velocity
-
-    return law
-
-
-def by_inner_function(gain):
-    @functools.lru_cache
-    def cached():
-        return gain
-
-    return lambda velocity, k: -k * cached() * velocity
-
-
-def by_attribute(gain):
-    def law(velocity, k):
-        return -k * law.gain * velocity
-
-    law.gain = gain
-    return law
-
-
 def by_wrapper(gain):
     @functools.wraps(np.mean)  # whose name and module it then has
     def law(velocity, k):
@@ -71,11 +45,6 @@ def by_wrapper(gain):
 
     del law.__wrapped__
     return law
-
-
-def by_partial(gain):
-    plain = functools.partial(lambda velocity, k, gain: -k * gain * velocity, gain=gain)
-    return functools.update_wrapper(plain, lambda velocity, k: 0.0)
 
 
 def by_spline(gain):
@@ -104,10 +73,7 @@ def by_imported_module(gain):
     return law
 
 
-HOLDING = [by_default, by_keyword, by_inner_function, by_attribute, by_wrapper, by_partial, by_spline, by_numba]
-
-
-@pytest.mark.parametrize("make", [*HOLDING, by_imported_module])
+@pytest.mark.parametrize("make", [by_default, by_wrapper, by_spline, by_numba, by_imported_module])
 def test_a_held_value_changes_the_digest(make):
     one = digest(make(2.0))
     assert one is not None
@@ -146,26 +112,6 @@ def test_a_named_global_changes_the_digest(monkeypatch):
     assert not {None, *before} & set(after)
 
 
-def test_a_compiled_law_is_described_by_its_file(tmp_path):
-    compiler = shutil.which(os.environ.get("CC", "cc"))
-    assert compiler, "the package was built with one"
-
-    def law(gain):
-        (tmp_path / "law.c").write_text(f"double f(double x, double v, double t, double k) {{return -k * {gain} * v;}}")
-        library = tmp_path / f"law{gain}.so"
-        subprocess.run([compiler, "-shared", "-fPIC", "-o", library, tmp_path / "law.c"], check=True)
-        library.rename(tmp_path / "law.so")
-        shutil.copy(tmp_path / "law.so", library)  # else the loader gives what it has loaded from there before
-        function = ctypes.CDLL(str(library)).f
-        function.argtypes, function.restype = [ctypes.c_double] * 4, ctypes.c_double
-        return function
-
-    one = digest(law(2))
-    assert one is not None
-    assert digest(law(2)) == one
-    assert digest(law(3)) != one
-
-
 SCRIPT = """
 import numpy as np
 from cogging.simulation.digests import digest_of
@@ -194,31 +140,14 @@ def test_another_process_computes_the_same_digest():
     assert digests != {"None\n"}
 
 
-@dataclass
 class OwnObject:
-    gain: float
+    gain = 1.0
 
     def __call__(self, velocity, k):
         return -k * self.gain * velocity
 
 
-def of_an_address():
-    kind = ctypes.CFUNCTYPE(*[ctypes.c_double] * 5)
-    return kind(ctypes.cast(ctypes.CDLL(None).cos, ctypes.c_void_p).value)
-
-
-def holding(one):
-    return lambda velocity, k: -k * one.gain * velocity
-
-
-UNDESCRIBED = {
-    "object": lambda: OwnObject(1.0),
-    "method": lambda: OwnObject(1.0).__call__,
-    "holds an object": lambda: holding(OwnObject(1.0)),
-    "address": of_an_address,
-}
-
-
-@pytest.mark.parametrize("make", UNDESCRIBED.values(), ids=UNDESCRIBED)
-def test_a_law_that_cannot_be_described_has_no_digest(make):
-    assert digest(make()) is None
+def test_a_law_that_cannot_be_described_has_no_digest():
+    held = OwnObject()
+    for law in (held, held.__call__, lambda velocity, k: -k * held.gain * velocity):
+        assert digest(law) is None

@@ -77,19 +77,6 @@ def test_draws_have_the_stated_distributions(method):
     assert np.corrcoef(drawn.T)[np.triu_indices(5, 1)] == pytest.approx(0.0, abs=0.07)
 
 
-def test_bounds_vary_all_numbers_with_finite_ones():
-    runs = cogging.sweep(SMALL, MOVE, "bounds", method="sobol", runs=4)
-    assert runs.varied == ("axis.mass", "axis.viscous")
-
-
-def test_a_wrong_sweep_is_one_line():
-    """Each rule: tests/cli/test_sweep.py."""
-    with pytest.raises(ValueError, match=r"^vary.axis.mas: is not a number of this run; did you mean axis.mass\?$"):
-        cogging.sweep(SMALL, MOVE, {"axis.mas": [1]})
-    with pytest.raises(ValueError, match=r"^no run could begin: [^\n]*mass: must be finite and above 0, got -1$"):
-        cogging.sweep(SMALL, MOVE, {"axis.mass": [-1.0, -2.0]})
-
-
 @pytest.mark.parametrize(
     ("method", "drawn"),
     [
