@@ -69,12 +69,6 @@ def test_it_is_stable_however_stiff_and_tends_to_the_exact_form(stiffness):
     assert np.abs(log.true_position - exact).max() < 0.8 / math.sqrt(0.5 * stiffness)
 
 
-def test_too_stiff_for_its_step_is_said():
-    plant = cogging.Plant(exact_axis(), effects=[effect("presliding_friction", stiffness=1e19)])
-    with pytest.raises(ValueError, match=r"^stiffness, frequency: must need at most 1e5 substeps a step, got"):
-        driven(plant, np.ones(3), 1000.0)
-
-
 # Flexible mode ---------------------------------------------------------------------------------------------
 
 
