@@ -186,29 +186,3 @@ def test_an_applied_command_that_is_not_finite_is_replaced_by_the_computed_one(k
         one.update(applied)
         other.update(fault if k % 3 == 0 else applied)
     assert other.samples_refused == 0
-
-
-def test_a_held_speed_goes_through_its_delay():
-    """w = kp (v_r - v) of the samples 0, 1, 2; then w is held: the delay of 2.5 samples continues."""
-    controller = make("speed", mass=0.0, viscous=0.0, delay=2.5 / RATE, kp=1.0)
-    found = []
-    for k, velocity in enumerate([0.1, 0.2, 0.3, 9.0, 9.0, 9.0, 9.0, 9.0]):
-        found.append(controller.command(reference=0.0, reference_velocity=velocity, reading=math.nan if k > 2 else 0.0))
-        controller.update(found[-1])
-    np.testing.assert_allclose(found, [0.0, 0.0, 0.05, 0.15, 0.25, 0.3, 0.3, 0.3], rtol=1e-12, atol=1e-15)
-
-
-def test_a_refused_sample_changes_no_integral():
-    """Nothing is added in a gap, and the step of a sample that was cut is taken back once, not in each held sample."""
-    controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.0)
-    found = []
-    for reading in [1e-3, 1e-3, math.nan, math.inf, math.nan, 1e-3]:
-        found.append(controller.command(reference=0.0, reading=reading))
-        controller.update(found[-1])
-    step = -1e5 * 1e-3 / RATE
-    np.testing.assert_allclose(found, step * np.array([1, 2, 2, 2, 2, 3]), rtol=1e-12)
-    controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.03)
-    for reading in [1e-3, 1e-3, math.nan, math.nan, math.nan]:
-        command = controller.command(reference=0.0, reading=reading)
-        controller.update(min(max(command, -0.03), 0.03))
-    assert controller.command(reference=0.0, reading=0.0) == pytest.approx(-0.02, rel=1e-12)

@@ -137,25 +137,3 @@ def test_an_effect_is_linear_in_its_amplitudes_and_vanishes_with_them(name):
     for field, role in roles.items():
         if role["role"] == "shape" and role["neutral"] is not None:
             np.testing.assert_array_equal(answer(one.replace(**{field: role["neutral"]})), 0.0)
-
-
-# Groups of parameters -------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", sorted(cogging.EFFECTS))
-def test_groups_of_fields_are_what_they_say(name):
-    law, one = cogging.EFFECTS[name], cogging.EFFECTS[name]()
-    roles = law.ROLES
-    for kind in law.KINDS:
-        fields = {part: field for part, field in kind.to_dict().items() if part != "coordinate"}
-        assert set(fields.values()) <= set(roles)
-        if isinstance(kind, cogging.effects.Wave):
-            assert roles[kind.shape]["quantity"] in ("distance", "frequency")
-            assert roles[kind.sine] == roles[kind.cosine]
-        if isinstance(kind, cogging.effects.Knots):
-            assert roles[kind.levels]["role"] == "amplitude"
-            assert law.FIELDS[kind.nodes][0] == {"position": "m", "velocity": "m/s", "time": "s"}[kind.coordinate]
-        if isinstance(kind, cogging.effects.Turn):
-            assert one.force_at(position=2 * math.pi + 0.3) == pytest.approx(one.force_at(position=0.3))
-        if isinstance(kind, cogging.effects.Travel):
-            assert getattr(one.resolved(cogging.AxisParameters(travel=[0.1, 0.4])), kind.ends) == [0.1, 0.4]

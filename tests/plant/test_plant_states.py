@@ -76,8 +76,6 @@ def test_it_is_stable_however_stiff_and_tends_to_the_exact_form(stiffness):
     "effects",
     [
         [effect("flexible_mode", frequency=20.0)],
-        [effect("flexible_mode", mass_ratio=0.5)],
-        [effect("backlash", gap=1e-3)],
         [effect("backlash", mass_ratio=0.5)],
         [effect("backlash"), effect("flexible_mode"), effect("presliding_friction", damping=3.0)],
     ],
@@ -106,7 +104,7 @@ def load_from_momentum(log, push, mass, ratio):
     return (centre - log.true_position) / ratio, r
 
 
-@pytest.mark.parametrize(("frequency", "zeta"), [(50.0, 0.0), (3000.0, 0.0), (200.0, 0.05), (50.0, 0.3), (3000.0, 2.0)])
+@pytest.mark.parametrize(("frequency", "zeta"), [(3000.0, 0.0), (200.0, 0.05), (3000.0, 2.0)])
 def test_bounces_take_energy_and_never_give_any(frequency, zeta):
     mass, ratio, gap = 0.5, 0.4, 2e-3
     lost = effect("backlash", gap=gap, mass_ratio=ratio, contact_frequency=frequency, contact_damping_ratio=zeta)

@@ -103,9 +103,7 @@ def test_the_summary_of_a_sweep(runs):
     assert "\n  8 failed: mass: must be" in runs.text()
 
 
-def test_a_batch_in_every_form(batch, tmp_path):
-    from pyarrow import parquet
-
+def test_a_batch_as_a_dataset(batch):
     dataset = batch.to_xarray()
     assert dict(dataset.sizes) == {"run": 3, "row": 101}
     for name, unit in (("command", "V"), ("true_velocity", "m/s")):
@@ -117,11 +115,6 @@ def test_a_batch_in_every_form(batch, tmp_path):
     assert np.isnan(dataset["error_rms"]).values.tolist() == [False, True, False]
     assert dataset["reason"].values.tolist() == ["", batch.failures[0].reason, ""]
     assert dataset["failed_at"][1] == batch.failures[0].time
-    batch.write(tmp_path / "runs.parquet")
-    table = parquet.read_table(tmp_path / "runs.parquet")
-    np.testing.assert_array_equal(table["error_rms"].to_numpy(), batch.indexes["error_rms"])
-    assert table["reason"].to_pylist() == ["", batch.failures[0].reason, ""]
-    assert table.schema.field("command_rms").metadata[b"units"] == b"V"
 
 
 def test_a_missing_library_names_its_extra(batch, runs, tmp_path, monkeypatch):

@@ -27,7 +27,6 @@ from tests.fixtures.own_controllers import (
     MOVE,
     PLANT,
     RATE,
-    Delegating,
     Failing,
     Giving,
     Leaky,
@@ -347,20 +346,6 @@ def test_what_no_compiled_controller_can_be_of(arguments, error, message):
 
 
 # Objects of odd kinds, signals -------------------------------------------------------------------------------
-
-
-def test_an_object_that_delegates_and_one_that_changes_its_mind():
-    same(loop(Delegating(Proportional())), loop(Proportional()))
-
-    class Switches(Proportional):
-        def command(self, reference, reading):
-            self.command = lambda reference, reading: 0.0
-            return super().command(reference, reading)
-
-    log = loop(Switches())
-    assert log.command[0] != 0.0
-    assert not log.command[1:].any()
-    same(loop(SimpleNamespace(sample_rate=RATE, command=Proportional().command)), loop(Proportional()))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")

@@ -11,7 +11,6 @@ from concurrent.futures.process import BrokenProcessPool
 import pytest
 
 import cogging
-from cogging.simulation import sweep as sweeps
 from tests.fixtures.lacking_workers import has_another_version, lacks_the_package
 from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 
@@ -140,22 +139,3 @@ def test_killed_workers_of_dask_change_nothing(started):
     assert workers == []
     assert steps == [f"{8 * done} of 320 runs" for done in range(1, 41)]
     same(found, cogging.sweep(SMALL, move, MANY, **FEW))
-
-
-@dask
-@pytest.mark.parametrize("lost", ["workers", "cluster"])
-def test_a_lost_dask_cluster_is_one_line(started, monkeypatch, tmp_path, lost):
-    monkeypatch.setattr(sweeps, "GONE_MOST", 1.5)
-    monkeypatch.setattr(sweeps, "LOOK_EVERY", 0.2)
-    cluster, client = started(1)
-
-    def lose(step):
-        if step.startswith("40 of"):
-            {"workers": lambda: cluster.scale(0), "cluster": cluster.close}[lost]()
-
-    gone = r"has had no worker left for 1\.5 s" if lost == "workers" else r"[^\n]*"
-    message = rf"^executor: ClientExecutor {gone}; finished runs are kept in [^\n]*$"
-    move, out = {**MOVE, "duration": 5.0}, tmp_path / "runs.csv"
-    with pytest.raises(cogging.InputError, match=message):
-        cogging.sweep(SMALL, move, MANY, out=out, executor=client.get_executor(), progress=lose, **FEW)
-    assert 5 <= kept(tmp_path) < 40
