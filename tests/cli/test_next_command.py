@@ -193,22 +193,6 @@ def test_a_misread_column_is_read_right_by_the_next_command(seed, folder, capsys
         np.testing.assert_array_equal(other.command, cogging.read_log("other.csv").command)
 
 
-def test_columns_that_have_changed_places_are_read_right(folder, capsys, diagnosed):
-    truth = cogging.read_log("log.csv")
-    named = {"time": truth.time, "qm": truth.command, "vir": truth.position}
-    command_files.table(folder / "swapped.csv", named)
-    believed = command_files.model()
-    believed.replace(axis=believed.axis.replace(travel=[-9.0, 9.0]), controller=None, controller_type=None).write(
-        "model.toml"
-    )
-    words = ["diagnose", "swapped.csv", "--model", "model.toml", "--columns", "position=qm,command=vir"]
-    following = run(words, capsys)
-    seen = diagnosed()
-    assert main(following) == 0
-    np.testing.assert_array_equal(seen[0][0][0].command, truth.command)
-    np.testing.assert_array_equal(seen[0][0][0].position, truth.position)
-
-
 @pytest.mark.parametrize("shell", list(filter(shutil.which, ["bash", "zsh"])))
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
 def test_words_come_back_from_the_shell(shell, encoding, monkeypatch):

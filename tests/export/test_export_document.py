@@ -10,8 +10,8 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.datasets import odrive
-from cogging.export.drives import SHEETS, markdown, sheet_text
-from cogging.export.forms import FORMS, option_of
+from cogging.export.drives import SHEETS, markdown
+from cogging.export.forms import FORMS
 from tests.fixtures.drives import READERS, Turning
 from tests.fixtures.measured import FOLDER
 
@@ -43,11 +43,6 @@ def row(form, text):
 def test_the_sheets_stand_in_the_document():
     assert list(SHEETS) == [name for name, form in FORMS.items() if form.of_map]
     assert markdown() in DOCUMENT
-    for sheet in SHEETS:
-        for option in re.findall(r"--([a-z-]+)", sheet_text(sheet)):
-            assert f"--{option}" == "--write-config" or any(
-                option_of(one.name) == f"--{option}" for form in FORMS.values() for one in form.options
-            )
 
 
 def test_the_loop_of_the_document(capsys, monkeypatch):
