@@ -338,12 +338,3 @@ def test_an_ignored_signal_stays_ignored(folder):
     process = start(folder, ["-c", ignore + "os.execv(sys.executable, [sys.executable, '-c', sys.argv[1]])", program])
     assert process.stdout.readline() == "begun\n"
     assert end(process, signal.SIGINT)[:2] == (0, "")
-
-
-def test_the_installed_command_handles_signals_before_heavy_imports():
-    project = (Path(__file__).parents[2] / "pyproject.toml").read_text()
-    entry = cogging.files.parse_toml(project)["project"]["scripts"]
-    assert entry == {"cogging": "cogging_command:main"}
-    program = "import sys; sys.modules['numpy'] = None; import cogging_command; print(sorted(sys.modules))"
-    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-    assert "'cogging'" not in loaded, "nothing heavy is imported with it"

@@ -1,7 +1,4 @@
-"""What leaves for a drive, read back by a small model of that drive: it removes what the drive's resolution allows.
-
-And at work: on a simulated axis, whose controller then has less to do.
-"""
+"""What leaves for a drive, read back by a small model of that drive: it removes what the drive's resolution allows."""
 
 import re
 from dataclasses import dataclass, field
@@ -282,27 +279,3 @@ def test_the_command_takes_what_map_wrote(tmp_path, monkeypatch, capsys):
     machine = Machine(None, 360.0, 7, 360.0, {"zero": 0.0, "reverse": False, "sign": 1, "scale": 2.5})
     left = force - machine.feedforward(READERS["moteus"](exported, machine), x)
     assert 0.003 < rms(left) < 0.005
-
-
-@pytest.mark.parametrize("form", ["csv", "odrive"])
-def test_an_axis_whose_drive_adds_the_table_follows_as_one_without_cogging(form):
-    machine = drawn(form, FORMS[form][0][0], 1, waves=2)
-    span = 0.1 * machine.turn or machine.pitch
-    start = 0.0 if machine.turn else machine.model.axis.travel[0] + 0.3 * span
-    mass = 0.01 * machine.model.axis.mass / 1e-3 / span
-    kp, ki, kd = cogging.pid_gains([-400.0] * 3, mass)
-    pid = cogging.PidParameters(sample_rate=2000.0, kp=kp, ki=ki, kd=kd, mass=mass)
-    model = machine.model.replace(axis=machine.model.axis.replace(mass=mass), controller=pid, controller_type="pid")
-    drive = READERS[form](made(form, machine), machine)
-    tables = [
-        effects.Custom("drive", force=lambda position, way=way: way * machine.feedforward(drive, position))
-        for way in (1.0, -1.0)
-    ]
-    motion = {"type": "point_to_point", "start": start, "distance": span, "velocity": 3.0 * span, "repeats": 1}
-    motion |= {"acceleration": 60.0 * span, "jerk": 5000.0 * span}
-    smooth, alone, helped, wrong = (
-        cogging.simulate(one, motion, duration=0.3).error
-        for one in (model.replace(cogging=None), model, *(model.replace(effects=[table]) for table in tables))
-    )
-    assert rms(helped - smooth) < 0.3 * rms(alone - smooth)
-    assert rms(wrong - smooth) > 1.5 * rms(alone - smooth)

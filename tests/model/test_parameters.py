@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
-from cogging.model.parameters import Parameter, central, effect_at, one_sided, with_values
+from cogging.model.parameters import Parameter, with_values
 
 
 @pytest.fixture
@@ -58,22 +58,3 @@ def test_every_number_has_a_path_that_with_values_follows(model):
 def test_a_wrong_path_or_value_is_named(model, path, value, message):
     with pytest.raises(ValueError, match=message):
         with_values(model, {path: value})
-
-
-def test_difference_steps_stay_within_the_rules_of_the_fields(model):
-    coulomb = parameters_of(model)["axis.coulomb"]
-    both = central(model, coulomb, 0.1)
-    assert (both.above.axis.coulomb, both.below.axis.coulomb) == pytest.approx((0.8, 0.6))
-    assert both.span == pytest.approx(0.2)
-    up = central(model, coulomb, 0.9)  # down would be below zero
-    assert (up.above.axis.coulomb, up.below, up.span) == (pytest.approx(1.6), model, pytest.approx(0.9))
-    assert one_sided(model, coulomb, 0.1).span == 0.1
-    travel = parameters_of(model)["effects.end_effect.travel[0]"]  # below travel[1]
-    up = with_values(model, {"effects.end_effect.travel[1]": travel.value + 0.01})
-    down = one_sided(up, travel, 0.02)
-    assert down.span == -0.02
-    assert effect_at(down.above, travel.path).travel[0] == pytest.approx(travel.value - 0.02)
-    assert central(up, travel, 0.02).span == pytest.approx(0.02)
-    for step in (central, one_sided):
-        with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
-            step(model, parameters_of(model)["axis.mass"], np.nan)

@@ -131,24 +131,3 @@ def test_more_steps_give_no_other_result():
         driven = draw(seed, 20.0)
         one, more = driven.simulated()[:, 0], driven.simulated(steps_per_sample=7)[:, 0]
         assert np.abs(one - more).max() < SHARE * np.ptp(one)
-
-
-@pytest.mark.parametrize(
-    "neutral",
-    [
-        cogging.effects.ForceConstantDrift(change=0.0, time_constant=1e-300),
-        cogging.effects.CoggingHarmonic(period=1e-9),
-        cogging.effects.DisturbanceTone(frequency=1e30),
-        cogging.effects.EndEffect(decay_length=1e-200, travel=[-1.0, 1.0]),
-    ],
-    ids=lambda effect: effect.NAME,
-)
-def test_an_effect_of_no_size_is_never_too_fast(neutral):
-    """However quickly what is not there would change."""
-    axis = cogging.AxisParameters(mass=0.2, viscous=1.0)
-    controller, reference = cogging.Pid(cogging.PidParameters(kp=50.0)), cogging.Sine(cogging.SineParameters())
-    runs = [
-        cogging.closed_loop(cogging.Plant(axis, effects=effects), controller, reference, duration=0.05)
-        for effects in ([neutral], [])
-    ]
-    np.testing.assert_array_equal(runs[0].true_position, runs[1].true_position)
