@@ -78,7 +78,7 @@ def threads_alive():
 
 
 def soon(holds):
-    """Whether something comes to hold within two seconds: a thread that has been joined takes a moment to be gone."""
+    """Return whether a condition becomes true within two seconds: a joined thread ends a moment later."""
     for _ in range(200):
         if holds():
             return True

@@ -69,7 +69,7 @@ def words_of(line, shell="bash"):
     return done.stdout.split(b"\0")[:-1]
 
 
-def said_next(text):
+def next_words(text):
     """The words of the next command, without `cogging`: the last line, and the only one of its kind."""
     *before, last = text.splitlines()
     assert last.startswith("next: cogging "), text
@@ -81,9 +81,9 @@ def run(words, capsys):
     """Run a call; the words of the next one."""
     capsys.readouterr()
     assert main(words) == 0, words
-    said = capsys.readouterr()
-    assert said.err == ""
-    return said_next(said.out)
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    return next_words(printed.out)
 
 
 def filled(words):
@@ -146,7 +146,7 @@ def test_what_is_next_after_each_verdict(verdict, options, model, expected, fold
     diagnosed(verdict=verdict, model=model)
     following = run([*CALL.split(), *options.split()], capsys)
     assert following == expected.split()
-    if following[0] != "experiment":  # which takes long; the chain below runs it
+    if following[0] != "experiment":  # which is slow; the chain below runs it
         assert main(filled(following)) == 0
 
 
@@ -163,9 +163,9 @@ def test_one_of_several_logs_confirms(folder, capsys, diagnosed):
     following = run(["diagnose", "log.csv", "other.csv", "--model", "model.toml", "--rows", "other.csv:0:900"], capsys)
     assert following[:5] == ["diagnose", "log.csv", "--model", "model.toml", "--confirm"]
     assert main(following) == 0
-    (logs, _), (given, told) = seen
+    (logs, _), (given, options) = seen
     assert [len(logs[0]), len(logs[1])] == [len(given[0]), 900]
-    assert len(told["confirm"][0]) == 900
+    assert len(options["confirm"][0]) == 900
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -53,7 +53,7 @@ def call(settings):
 
 @pytest.fixture
 def impatient(settings):
-    """Show the progress of what takes a millisecond."""
+    """Show progress after a millisecond."""
     settings.setattr(terminal, "PATIENCE", 1e-3)
     settings.setattr(terminal, "BETWEEN", 0.01)
 

@@ -133,8 +133,8 @@ def test_the_drive_removes_what_its_resolution_allows(form, kind, seed):
         bound = allowed(form, machine, drive, x)
         assert 0.9 * bound < left < 1.1 * bound + 2e-7 * rms(force)
         assert left < 0.15 * rms(force)
-    told = float(re.search(r"removes (\S+) % of the cogging's rms", exported.text)[1])
-    assert told == pytest.approx(100 * (1 - left / rms(force)), abs=0.05 * 100 * left / rms(force) + 1e-3)
+    removed = float(re.search(r"removes (\S+) % of the cogging's rms", exported.text)[1])
+    assert removed == pytest.approx(100 * (1 - left / rms(force)), abs=0.05 * 100 * left / rms(force) + 1e-3)
 
 
 def modulated(seed):
@@ -159,8 +159,8 @@ def test_a_table_over_the_travel_holds_what_changes_along_it_and_one_of_a_period
     force = machine.model.cogging.force(x)
     left = rms(force - machine.feedforward(READERS[form](exported, machine), x))
     if form == "novanta":
-        (said,) = re.findall(r"cannot hold (\S+) V rms: amplitudes that change along the travel", exported.text)
-        assert float(said) == pytest.approx(left, rel=0.03)
+        (printed,) = re.findall(r"cannot hold (\S+) V rms: amplitudes that change along the travel", exported.text)
+        assert float(printed) == pytest.approx(left, rel=0.03)
     else:
         assert left < 0.02 * rms(force)
         assert "cannot hold" not in exported.text
@@ -270,9 +270,9 @@ def test_the_command_takes_what_map_wrote(tmp_path, monkeypatch, capsys):
     np.savetxt("scan.csv", np.column_stack([x, force]), delimiter=",", header="position,force", comments="")
     assert main(["map", "scan.csv", "--pitch", "360", "--out", "map.toml"]) == 0
     assert main(["export", "map.toml", "--to", "moteus", "--out", "table.cfg", "--turn", "360", "--scale", "2.5"]) == 0
-    said = capsys.readouterr().out
-    assert "table.cfg, table.cfg.txt written" in said
-    assert re.search(r"removes 9\d\.\d+ % of the cogging's rms", said)
+    printed = capsys.readouterr().out
+    assert "table.cfg, table.cfg.txt written" in printed
+    assert re.search(r"removes 9\d\.\d+ % of the cogging's rms", printed)
     exported = cogging.export.to("map.toml", "moteus", turn=360.0, scale=2.5)
     assert (tmp_path / "table.cfg").read_bytes() == exported.content
     assert (tmp_path / "table.cfg.txt").read_bytes() == exported.beside[".txt"]

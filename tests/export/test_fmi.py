@@ -59,7 +59,7 @@ class Unit:
             instanceName="x",
         )
         self.instances.append(made)
-        made.instantiate(logMessage=lambda *told: self.lines.append(told[3].decode()), **options)
+        made.instantiate(logMessage=lambda *line: self.lines.append(line[3].decode()), **options)
         return made
 
     def begin(self, instance, start_time=0.0, **start):
@@ -197,8 +197,8 @@ def test_parameters_that_are_set_are_those_of_a_changed_model():
     with Unit(model, **start_of(log, 2)) as unit:
         plain = unit.run(log.command)
         got = unit.run(log.command, unit.instance(**start_of(log, 2), **changed))
-        told = unit.first.getFloat64([unit.references["axis.mass"], unit.references["stribeck_friction.velocity"]])
-        assert told == [model.axis.mass, model.effects[0].velocity]
+        found = unit.first.getFloat64([unit.references["axis.mass"], unit.references["stribeck_friction.velocity"]])
+        assert found == [model.axis.mass, model.effects[0].velocity]
     with Unit(model.replace(axis=axis, noise=noise, effects=effects), **start_of(log, 2)) as unit:
         np.testing.assert_array_equal(unit.run(log.command), got)
     assert abs(got - plain)[:, 1].max() > 1e-4
@@ -209,7 +209,7 @@ def test_leaving_the_travel_is_an_error_that_says_when_and_where():
     with Unit(model, initial_velocity=0.1) as unit:
         with pytest.raises(FMICallException):
             unit.run(np.full(10**5, 50.0))
-        unit.first.getFloat64(OUTPUTS)  # where it was is still told
+        unit.first.getFloat64(OUTPUTS)  # the last state can still be read
         with pytest.raises(FMICallException):
             unit.run([0.0])
         line = r"x: the run diverged at (\S+) s: position (\S+), velocity \S+; the travel is \[0, 0.5\]"
@@ -338,9 +338,9 @@ def test_the_command_and_what_it_refuses(tmp_path, capsys):
         (["--sample-rate", "1000", "--name", "a b"], "name: must be a name in C++"),
     ]:
         assert main([*export, *words]) == 2
-        said = capsys.readouterr().err
-        assert said.count("\n") == 1
-        assert line in said
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1
+        assert line in error
         assert not out.exists()
     assert main([*export, "--sample-rate", "1000"]) == 0
     own = cogging.effects.Custom("breeze", force=lambda velocity: 0.1)

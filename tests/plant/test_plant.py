@@ -22,15 +22,6 @@ def atan_sign(v, width):
 # Force balance ---------------------------------------------------------------------------------------------
 
 
-def test_every_effect_has_an_example_here():
-    assert set(EXAMPLES) == set(cogging.EFFECTS)
-    for name, kind in cogging.EFFECTS.items():
-        assert name == kind.NAME
-        assert set(EXAMPLES[name][0]) == set(kind.FIELDS)
-        for field, value in EXAMPLES[name][0].items():
-            assert getattr(kind(), field) != value, "an example has to differ from the default"
-
-
 def test_acceleration_is_eq_10():
     rng = np.random.default_rng(1)
     basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2, 3], order=3, control_points=13)

@@ -120,20 +120,14 @@ def test_a_batch_as_a_dataset(batch):
 def test_a_missing_library_names_its_extra(batch, runs, tmp_path, monkeypatch):
     for name in ("pandas", "xarray", "pyarrow", "pyarrow.parquet"):
         monkeypatch.setitem(sys.modules, name, None)
-    calls = {
-        "pandas": [batch.to_pandas, runs.to_pandas],
-        "xarray": [batch.to_xarray, runs.to_xarray],
-        "pyarrow": [
-            lambda: batch.write(tmp_path / "runs.parquet"),
-            lambda: runs.write(tmp_path / "runs.parquet"),
-            lambda: cogging.sweep(SMALL, MOVE, {"axis.mass": [0.12]}, out=tmp_path / "runs.parquet"),
-        ],
-    }
-    for name, each in calls.items():
-        extra = "parquet" if name == "pyarrow" else "frames"
-        for call in each:
-            with pytest.raises(ImportError, match=rf"^{name} is needed .*: pip install 'cogging\[{extra}\]'$"):
-                call()
+    for name, extra, call in (
+        ("pandas", "frames", batch.to_pandas),
+        ("xarray", "frames", runs.to_xarray),
+        ("pyarrow", "parquet", lambda: batch.write(tmp_path / "runs.parquet")),
+        ("pyarrow", "parquet", lambda: cogging.sweep(SMALL, MOVE, {"axis.mass": [0.12]}, out=tmp_path / "a.parquet")),
+    ):
+        with pytest.raises(ImportError, match=rf"^{name} is needed .*: pip install 'cogging\[{extra}\]'$"):
+            call()
     assert list(tmp_path.iterdir()) == []
 
 
