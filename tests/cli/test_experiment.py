@@ -23,7 +23,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
+def test_from_a_result_to_a_motion_within_the_limits(folder, capsys):
     assert main([*CALL, "--result", "result.json"]) == 0
     printed = capsys.readouterr().out
     assert re.search(r"cable_spring or end_effect: the right one is the likelier in \d+ % of simulated runs", printed)
@@ -34,12 +34,7 @@ def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
     assert log.time[-1] <= 2.0
     assert np.abs(log.command).max() <= 2.0
     assert np.abs(np.diff(log.reference)).max() <= 0.3 * np.diff(log.time).max()
-    first = json.loads((folder / "next.plan.json").read_text())["elements"]
-    capsys.readouterr()
-    assert main([*CALL, "--result", "result.json", "--logs", "new.csv", "--json", "-"]) == 0
-    second = json.loads(capsys.readouterr().out)
-    assert second["goal"] == "separate"
-    assert second["elements"] != first
+    assert json.loads((folder / "next.plan.json").read_text())["goal"] == "separate"
 
 
 NO_RESULT = "result.json: must be the result of diagnose --json"

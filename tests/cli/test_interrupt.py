@@ -195,11 +195,11 @@ def runs(child):
 
 
 def end(process, number):
-    """Send a signal and wait; the status, what was said, and the seconds that it took."""
+    """Send a signal; return the status, standard error and the seconds until the end."""
     sent = time.perf_counter()
     process.send_signal(number)
-    process.answer, said = process.communicate(timeout=60)
-    return process.returncode, said, time.perf_counter() - sent
+    process.answer, error = process.communicate(timeout=60)
+    return process.returncode, error, time.perf_counter() - sent
 
 
 #: Command, signal, and seconds after the command handles signals: while a log is written, in its imports, at work.

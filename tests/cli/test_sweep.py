@@ -14,7 +14,7 @@ FILES = 'model = "model.toml"\nreference = "move.toml"\n'
 MASS = '[vary]\n"axis.mass" = [0.1, 0.12]\n'
 
 
-#: Beginnings of a sweep file, and what is said of them, after the name of the file.
+#: Beginnings of a sweep file, and the error after the name of the file.
 FIELDS = [
     ("", "model: must be given, got nothing"),
     ("model = ", "must be TOML: "),
@@ -46,7 +46,7 @@ VALUES = {
     'reductions = ["error_quantile(2)"]': "reductions: error_.*: must be from 0 to 1, got 2",
     'reductions = ["command_max", "command_max"]': "reductions: .* twice",
 }
-#: How a number varies, in line 4: path, value, and what is said after the path.
+#: How a number varies, in line 4: path, value, and the error after the path.
 VARIED = [
     ("axis.mas", "[1]", "is not a number of this run; did you mean axis.mass?"),
     ("axis.mass", "[]", "values: must hold at least one number, got none"),
@@ -81,7 +81,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def said(capsys, *words):
+def error_of(capsys, *words):
     """The one line on standard error of a sweep that is refused, without the name of the command."""
     assert main(["sweep", *words]) == 2
     out, error = capsys.readouterr()
@@ -95,7 +95,7 @@ def test_each_rule_is_one_line_and_nothing_is_written(text, answer, folder, caps
     (folder / "sweep.toml").write_text(text)
     before = sorted(folder.iterdir())
     pattern = re.escape(f"sweep.toml: {answer}").replace(r"\.\*", ".*").replace(r"\\\+", r"\+")
-    assert re.match(pattern, said(capsys, "sweep.toml", "--threads", "1"))
+    assert re.match(pattern, error_of(capsys, "sweep.toml", "--threads", "1"))
     assert sorted(folder.iterdir()) == before
 
 
@@ -139,9 +139,9 @@ def test_paths_without_quotes_and_as_sections_are_paths(folder, capsys):
 def test_a_model_that_cannot_be_run_is_named(folder, capsys):
     (folder / "sweep.toml").write_text(FILES + MASS)
     (folder / "model.toml").write_text(to_toml({**DOCUMENT, "controller": {"type": "pid", "kp": -1.0}}))
-    assert said(capsys, "sweep.toml").startswith("model.toml: ")
+    assert error_of(capsys, "sweep.toml").startswith("model.toml: ")
     (folder / "model.toml").write_text(to_toml({"axis": DOCUMENT["axis"]}))
-    assert said(capsys, "sweep.toml") == "model.toml: controller: must be given to run the model, got none"
+    assert error_of(capsys, "sweep.toml") == "model.toml: controller: must be given to run the model, got none"
 
 
 @pytest.mark.parametrize(
@@ -151,5 +151,5 @@ def test_a_model_that_cannot_be_run_is_named(folder, capsys):
 def test_a_call_that_cannot_run_is_refused_before_anything_runs(words, answer, folder, capsys):
     (folder / "sweep.toml").write_text(FILES + MASS)
     before = {path: path.read_bytes() for path in folder.iterdir()}
-    assert said(capsys, "sweep.toml", *words.split()).startswith(answer)
+    assert error_of(capsys, "sweep.toml", *words.split()).startswith(answer)
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
