@@ -6,7 +6,7 @@ from scipy.interpolate import BSpline as ScipySpline
 
 import cogging
 
-KNOTS = [(0.0, 0.05), (-0.123, 0.0324), (17.5, 2 * np.pi / 72), (0.31, 4.0)]  # origin (m), pitch (m)
+KNOTS = [(-0.123, 0.0324), (17.5, 2 * np.pi / 72)]  # origin (m), pitch (m)
 
 
 def knots(order, origin, pitch, control_points):
@@ -31,7 +31,7 @@ def model_of(seed, *, order, control_points, pitch=0.05, origin=0.0, **terms):
 
 
 def plain_model(model, x, derivative=False):
-    """Eq. 3 to 5 with scipy's splines: sum of f_S sin + f_C cos, or its derivative; x within the knots."""
+    """Eq. 3 to 5 with scipy's splines: sum of f_S sin + f_C cos, or its derivative."""
     spline = model.basis.spline
     k, m = spline.order, spline.control_points
     t = knots(k, spline.origin, spline.pitch, m)
@@ -40,8 +40,9 @@ def plain_model(model, x, derivative=False):
         if m == 1:
             f_s, f_c, df_s, df_c = s[0], c[0], 0.0, 0.0
         else:
+            inside = np.clip(x, t[k - 1], np.nextafter(t[m], t[0]))
             splines = ScipySpline(t, s, k - 1), ScipySpline(t, c, k - 1)
-            (f_s, f_c), (df_s, df_c) = [[f(x, d) for f in splines] for d in (0, 1)]
+            (f_s, f_c), (df_s, df_c) = [[f(inside, d) * (inside == x) ** d for f in splines] for d in (0, 1)]
         if derivative:
             force += (df_s - w * f_c) * np.sin(w * x) + (df_c + w * f_s) * np.cos(w * x)
         else:
@@ -87,58 +88,22 @@ def test_beyond_the_knots_the_end_value_is_held(order):
 
 # Harmonics -------------------------------------------------------------------------------------------------
 
-TERMS = [
-    {"harmonics": [1]},
-    {"harmonics": [2, 3, 7]},
-    {"harmonics": [12, 1, 6, 3, 2]},  # any order
-    {"harmonics": [1, 2, 4, 8, 16, 31]},
-    {"harmonics": [5, 11, 23, 47]},
-    {"periods": [0.024, 0.016]},
-    {"periods": [0.0731, 0.05, 0.0125]},
-]
+TERMS = [{"harmonics": [1]}, {"harmonics": [12, 1, 6, 3, 2]}, {"harmonics": [5, 47]}, {"periods": [0.0731, 0.05]}]
 
 
 @pytest.mark.parametrize("terms", TERMS, ids=str)
 @pytest.mark.parametrize(("order", "control_points"), [(1, 8), (2, 11), (3, 13), (5, 9), (3, 1)])
 def test_force_and_slope_are_the_plain_sums(terms, order, control_points):
+    """Beyond the knots the amplitudes are held and the harmonics go on."""
     model = model_of(3, order=order, control_points=control_points, origin=-0.03, **terms)
-    spline = model.basis.spline
-    end = spline.end if control_points > 1 else 0.5
-    x = np.random.default_rng(4).uniform(-0.03, end, 400)
+    x = np.random.default_rng(4).uniform(-0.2, 1.0, 400).reshape(20, 20)
     terms_count = model.basis.terms
+    assert model.force(x)[1, 2] == model.force(float(x[1, 2]))
     np.testing.assert_allclose(model.force(x), plain_model(model, x), rtol=0, atol=1e-12 * terms_count)
     steepest = max(model.basis.wavenumbers) + 1 / 0.05
     np.testing.assert_allclose(
         model.slope(x), plain_model(model, x, derivative=True), rtol=0, atol=1e-12 * terms_count * steepest
     )
-
-
-def test_beyond_the_knots_amplitudes_are_held_and_harmonics_go_on():
-    model = model_of(7, order=3, control_points=6, harmonics=[1, 2])
-    end = model.basis.spline.end
-    weights = model.basis.spline.design_matrix(np.array([0.0, end]))
-    for x, row in ((np.linspace(-0.3, -1e-9, 50), weights[0]), (np.linspace(end, end + 0.3, 50), weights[1])):
-        f_s, f_c = model.sine @ row, model.cosine @ row
-        angle = np.outer(x, model.basis.wavenumbers)
-        np.testing.assert_allclose(model.force(x), np.sin(angle) @ f_s + np.cos(angle) @ f_c, atol=1e-12)
-        w = model.basis.wavenumbers
-        np.testing.assert_allclose(model.slope(x), np.cos(angle) @ (w * f_s) - np.sin(angle) @ (w * f_c), atol=1e-10)
-
-
-def test_periodic_periods_need_no_pitch():
-    basis = cogging.SplineHarmonics(periods=[0.024])
-    model = cogging.CoggingModel(basis, [[0.3]], [[-0.2]])
-    x = np.linspace(-0.1, 0.1, 50)
-    expected = 0.3 * np.sin(2 * np.pi * x / 0.024) - 0.2 * np.cos(2 * np.pi * x / 0.024)
-    np.testing.assert_allclose(model.force(x), expected, rtol=0, atol=1e-12)
-
-
-def test_force_takes_scalars_and_arrays():
-    model = model_of(11, order=3, control_points=5, harmonics=[1, 2])
-    x = np.linspace(0, 0.15, 6).reshape(2, 3)
-    assert model.force(x).shape == (2, 3)
-    assert isinstance(model.force(0.02), float)
-    assert model.force(x)[1, 2] == model.force(float(x[1, 2]))
 
 
 # Regressor -------------------------------------------------------------------------------------------------

@@ -11,7 +11,6 @@ import pytest
 
 import cogging
 from cogging.cli.main import COMMANDS, main
-from cogging.papers.lu2008 import gantry as lu2008
 from cogging.papers.result import Reproduction, Row, Table
 from tests.fixtures import command_files
 from tests.fixtures.commands import diagnose_once, examples_of, of
@@ -31,7 +30,6 @@ KEYS = {
     "export": "form files said",
     "reproduce": "[].paper [].tables",
 }
-RESULTS = [name for name in COMMANDS if name in KEYS]
 ROUND = ("experiment", "export", "reproduce", "sweep")  # whose results are names, or made of round numbers
 
 
@@ -40,25 +38,23 @@ def reproduction(paper, progress):
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory):
-    """What each command printed and wrote, once with --json to a file, and once with --quiet and --json -."""
-    answers = {}
-    before = os.getcwd()
+def printed(tmp_path_factory):
+    """By command, what it printed with --quiet --json -; the files that it wrote are whole but for the JSON."""
+    answers, before = {}, os.getcwd()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("cogging.cli.reproduce.reproduce", reproduction)
         diagnose_once(patch)
-        for command in RESULTS:
-            for way, words in {"file": ["--json", "result_of.json"], "-": ["--quiet", "--json", "-"]}.items():
-                folder = tmp_path_factory.mktemp(command)
-                command_files.write(folder)
-                os.chdir(folder)
-                out, err = io.StringIO(), io.StringIO()
-                try:
-                    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                        status = main([*examples_of(command)[0], *words])
-                finally:
-                    os.chdir(before)
-                answers[command, way] = folder, status, out.getvalue(), err.getvalue()
+        for command in KEYS:
+            folder = tmp_path_factory.mktemp(command)
+            command_files.write(folder)
+            os.chdir(folder)
+            out, err = io.StringIO(), io.StringIO()
+            try:
+                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                    status = main([*examples_of(command)[0], "--quiet", "--json", "-"])
+            finally:
+                os.chdir(before)
+            answers[command] = status, out.getvalue(), err.getvalue()
     return answers
 
 
@@ -74,19 +70,12 @@ def numbers(value):
         yield value
 
 
-@pytest.mark.parametrize("command", RESULTS)
-def test_a_result_as_json(command, done):
-    """Standard output is that of the file alone; it has the keys, and numbers to their last digit."""
-    folder, status, out, err = done[command, "file"]
+@pytest.mark.parametrize("command", KEYS)
+def test_a_result_as_json_alone_on_standard_output(command, printed):
+    """With its keys, and with numbers to their last digit."""
+    status, out, err = printed[command]
     assert (status, err) == (0, "")
-    named, following = out.splitlines()[-2:]
-    assert "result_of.json" in named.removesuffix(" written").split(", ")
-    assert following.startswith("next: cogging ")
-    other, status, printed, err = done[command, "-"]
-    assert (status, err) == (0, "")
-    assert printed == (folder / "result_of.json").read_text().replace(str(folder), "")
-    assert {path.name for path in other.iterdir()} == {path.name for path in folder.iterdir()} - {"result_of.json"}
-    document = json.loads(printed, parse_constant=pytest.fail)
+    document = json.loads(out, parse_constant=pytest.fail)
     for path in KEYS[command].split():
         value = document
         for key in path.split("."):
@@ -98,14 +87,13 @@ def test_a_result_as_json(command, done):
     assert command != "reproduce" or document[0]["tables"][0]["rows"][0]["simulated"] is None, "no NaN in JSON"
 
 
-@pytest.mark.parametrize("command", RESULTS)
-def test_an_error_is_printed_also_when_quiet(command, tmp_path, monkeypatch, capsys):
+def test_an_error_is_printed_also_when_quiet(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    words = [*examples_of(command)[0], "--quiet", "--json", "-"]
-    words = ["reproduce", "lu2009", *words[2:]] if command == "reproduce" else words
-    assert main(words) == 2
-    out, error = capsys.readouterr()
-    assert (out, error[:9], error.count("\n")) == ("", "cogging: ", 1)
+    for command in KEYS:
+        words = ["reproduce", "lu2009"] if command == "reproduce" else examples_of(command)[0]
+        assert main([*words, "--quiet", "--json", "-"]) == 2
+        out, error = capsys.readouterr()
+        assert (out, error[:9], error.count("\n")) == ("", "cogging: ", 1)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -116,16 +104,19 @@ def files(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_quiet_prints_nothing_and_a_file_called_minus_is_written_by_its_path(files, capsys):
-    assert main(["audit", "log.csv", "--json", "./-", "--quiet"]) == 0
+def test_json_in_a_file_is_that_of_standard_output(files, capsys):
+    assert main(["audit", "log.csv", "--json", "-"]) == 0
+    out = capsys.readouterr().out
+    assert main(["audit", "log.csv", "--json", "found.json"]) == 0
+    named, following = capsys.readouterr().out.splitlines()[-2:]
+    assert (named, following[:14]) == ("found.json written", "next: cogging ")
+    assert main(["audit", "log.csv", "--json", "./-", "--quiet"]) == 0, "a file of that name"
     assert capsys.readouterr() == ("", "")
-    assert json.loads((files / "-").read_text())[0]["log"] == "log.csv"
+    assert (files / "found.json").read_text() == (files / "-").read_text() == out
 
 
 def test_python_prints_nothing(files, capsys):
-    """What the commands call says what it found to its caller alone."""
-    model = cogging.Model.read("model.toml")
-    log = cogging.read_log("log.csv")
+    model, log = cogging.Model.read("model.toml"), cogging.read_log("log.csv")
     cogging.audit(log, model)
     cogging.identify(log, model, free=["axis.mass"])
     cogging.predict_error("model.toml", "ref.toml", ["own"], samples=2)
@@ -159,19 +150,13 @@ def test_a_model_without_a_controller_runs_under_an_assumed_one(files, capsys):
 
 
 def test_map_writes_a_model_part_and_a_figure(files):
-    axis = lu2008.AXES["X"]
-    truth = lu2008.cogging_map(axis, lu2008.shipped_amplitudes(axis))
-    x = np.arange(510) * 1e-3
-    force = truth.force(x) + np.random.default_rng(1).normal(0, 0.002, x.size)
-    command_files.table(files / "motor.csv", {"pos": x, "f": force})
-    call = ["map", "motor.csv", "--pitch", "0.05", "--columns", "position=pos,force=f", "--out", "part.toml"]
-    assert main([*call, "--json", "fit.json"]) == 0
+    call = ["map", "scan.csv", "--pitch", "0.05", "--out", "part.toml", "--json", "fit.json"]
+    assert main(call) == 0
     assert (files / "part.png").read_bytes().startswith(b"\x89PNG")
-    part = cogging.files.read_toml("part.toml")
-    fitted = cogging.Model.from_dict({"axis": {"mass": 1.0}, **part}).cogging
-    inside = x[20:-20]
-    assert np.std(fitted.force(inside) - truth.force(inside)) < 0.1 * np.std(truth.force(inside))
+    x, force = np.loadtxt("scan.csv", delimiter=",", skiprows=1).T
     fit = cogging.fit_map(x, force, pitch=0.05)
+    fitted = cogging.Model.from_dict({"axis": {"mass": 1.0}, **cogging.files.read_toml("part.toml")}).cogging
+    np.testing.assert_allclose(fitted.force(x), fit.cogging.force(x), atol=1e-9)
     document = json.loads((files / "fit.json").read_text())
     assert document["noise"] == fit.noise
     assert document["amplitudes"][0]["amplitude"] == fit.amplitudes[0].amplitude

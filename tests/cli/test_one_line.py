@@ -2,26 +2,19 @@
 
 import json
 import logging
-import math
 import os
 import re
 import subprocess
 import sys
-from dataclasses import replace
 
-import numpy as np
 import pytest
-from scipy.io import savemat
 
 import cogging
 from cogging.cli.main import main
-from cogging.diagnosis.report.pictures import picture
-from cogging.outputs import to_json
 from cogging.papers.result import Reproduction
 from tests.fixtures import hostile_calls
 from tests.fixtures.files import MODEL, REFERENCE
-from tests.fixtures.hostile_answers import Answer, answered, everything, faults, place
-from tests.fixtures.strokes import as_believed, drawn
+from tests.fixtures.hostile_answers import answered, faults, place
 
 SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
 
@@ -36,16 +29,7 @@ def folder(tmp_path, monkeypatch):
 # Hostile calls: status 0, or status 2 and one line; nothing else reaches the terminal ---------------------------------
 
 #: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands.
-CALLS = {
-    "model": 20,
-    "option": 20,
-    "signal": 6,
-    "name": 15,
-    "reference": 10,
-    "header": 6,
-    "document": 12,
-    "sidecar": 6,
-}
+CALLS = {"model": 10, "option": 15, "signal": 4, "name": 10, "reference": 6, "header": 4, "document": 8, "sidecar": 4}
 
 
 @pytest.mark.parametrize("kind", hostile_calls.KINDS)
@@ -77,21 +61,12 @@ def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch):
 
 
 def process(arguments, folder, **options):
-    """The command in a process of its own, without help from this one's settings."""
+    """Run the command in a new process without this one's settings."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LC_", "LANG"))}
     kept = {"PYTHONPATH": os.environ["PYTHONPATH"]} if "PYTHONPATH" in os.environ else {}
     words = [sys.executable, "-m", "cogging.cli.main", *arguments]
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
     return subprocess.run(words, cwd=folder, env=environment | kept, check=False, timeout=120, **streams)
-
-
-def test_a_process_answers_as_this_one_does(tmp_path):
-    call = hostile_calls.draw("document", 5000)
-    before = place(call, tmp_path)
-    done = process(call.arguments, tmp_path)
-    left = sorted(name for name, content in everything(tmp_path).items() if content != before.get(name))
-    answer = Answer(done.returncode, done.stdout.decode(), done.stderr.decode(), 0.0, left)
-    assert not list(faults(answer, tmp_path)), str(call)
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
@@ -152,12 +127,11 @@ def test_an_output_that_is_full(folder):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a current folder cannot be deleted there")
-@pytest.mark.parametrize("words", ["init run.csv", "simulate m.toml --reference r.toml --out s.csv"])
-def test_a_current_folder_that_was_deleted_is_named(words, tmp_path, monkeypatch, capsys):
+def test_a_current_folder_that_was_deleted_is_named(tmp_path, monkeypatch, capsys):
     (tmp_path / "gone").mkdir()
     monkeypatch.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
-    assert main(words.split()) == 2
+    assert main(["init", "run.csv"]) == 2
     error = capsys.readouterr().err
     assert error.startswith("cogging: the current folder: must be there, got one that was deleted")
     assert error.count("\n") == 1
@@ -165,35 +139,7 @@ def test_a_current_folder_that_was_deleted_is_named(words, tmp_path, monkeypatch
 
 # Files ----------------------------------------------------------------------------------------------------------------
 
-DOCUMENTS = {
-    "beyond 64 bits": (
-        "mass = 9223372036854775808",
-        r"line 2: axis.mass: must be a number that 64 bits hold, got 9223",
-    ),
-    "beyond all bits": ("mass = 1" + "0" * 400, r"line 2: axis.mass: must be a number that 64 bits hold, got 1000"),
-    "thousands of digits": ("mass = " + "9" * 5000, "must be TOML: a whole number must have 64 bits"),
-    "beyond 1e308": ("mass = 1.0\ntravel = [0.0, 1e309]", r"line 3: axis.travel: must be .* 64 bits hold, got 1e309"),
-    "huge": ("mass = 1e300", r"line 2: axis.mass: must be at most 1e\+30 in size, got 1e\+300"),
-    "nested lists": ("mass = " + "[" * 5000 + "]" * 5000, "must be TOML: tables and lists must be nested at most 32"),
-    "nested a little": ("mass = " + "[" * 40 + "]" * 40, "must be TOML: tables and lists must be nested at most 32"),
-    "nested tables": ("mass = " + "{a=" * 5000 + "1" + "}" * 5000, "tables and lists must be nested at most 32 deep"),
-    "dotted": ("a" + ".a" * 20000 + " = 1", "must be TOML: a key must have at most 32 dots"),
-    "effect's name": ('mass = 1.0\n[[effects]]\nname = ["cable_spring"]', r"effects.name: must be one of .*, got \['"),
-    "controller's type": ("mass = 1.0\n[controller]\ntype = { a = 1 }", r"controller.type: .*, got \{'a': 1\}"),
-    "texts as numbers": (
-        'mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [1]\nsine = [["1"]]\ncosine = [["1"]]',
-        "line 6: cogging.sine: must be rows of numbers",
-    ),
-    "counts": (
-        "mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [4294967296]",
-        r"line 5: cogging.harmonics: must be at most 2147483647 in size, got 4294967296",
-    ),
-    "escape codes": ('mass = 1.0\n"\\u001b[2J" = 1', r"axis\.\\x1b\[2J: is unknown"),
-    "endless": ('mass = "' + "x" * 100000 + '"', r"axis.mass: must be a number, got 'xxx.* \.\.\. xxx"),
-}
-
-
-#: Whole files in place of good ones: model, reference, message.
+#: Model, reference and what the line says; other rules of the fields: tests/model.
 FILES = {
     "unknown key": (f"{MODEL}speed = 3\n", REFERENCE, "model.toml: line 21: controller.speed: is unknown"),
     "outside": (MODEL, REFERENCE.replace("0.1\n", "0.9\n"), r"reference: must stay within travel \[0, 0.51\]"),
@@ -201,7 +147,21 @@ FILES = {
     "no controller": (MODEL[: MODEL.index("[controller]")], REFERENCE, "controller: must be given to simulate"),
     "no reference": (MODEL, 'type = "zigzag"\n', "ref.toml: line 1: type: must be one of"),
 }
-FILES |= {case: (f"[axis]\n{text}\n", REFERENCE, f"model.toml: .*{rule}") for case, (text, rule) in DOCUMENTS.items()}
+DOCUMENTS = {
+    "mass = 9223372036854775808": "line 2: axis.mass: must be a number that 64 bits hold, got 9223",
+    "mass = " + "9" * 5000: "must be TOML: a whole number must have 64 bits",
+    "mass = 1.0\ntravel = [0.0, 1e309]": "line 3: axis.travel: must be .* 64 bits hold, got 1e309",
+    "mass = 1e300": r"line 2: axis.mass: must be at most 1e\+30 in size, got 1e\+300",
+    "mass = " + "[" * 5000 + "]" * 5000: "must be TOML: tables and lists must be nested at most 32",
+    "mass = " + "{a=" * 5000 + "1" + "}" * 5000: "must be TOML: tables and lists must be nested at most 32",
+    "a" + ".a" * 20000 + " = 1": "must be TOML: a key must have at most 32 dots",
+    'mass = 1.0\n[[effects]]\nname = ["cable_spring"]': r"effects.name: must be one of .*, got \['",
+    "mass = 1.0\n[controller]\ntype = { a = 1 }": r"controller.type: .*, got \{'a': 1\}",
+    "mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [4294967296]": "cogging.harmonics: must be at most 2147483647 in",
+    'mass = 1.0\n"\\u001b[2J" = 1': r"axis\.\\x1b\[2J: is unknown",
+    'mass = "' + "x" * 100000 + '"': r"axis.mass: must be a number, got 'xxx.* \.\.\. xxx",
+}
+FILES |= {text[:20]: (f"[axis]\n{text}\n", REFERENCE, f"model.toml: .*{rule}") for text, rule in DOCUMENTS.items()}
 
 
 @pytest.mark.parametrize("case", FILES)
@@ -215,77 +175,4 @@ def test_a_file_that_cannot_be_used_is_named_with_its_rule(case, tmp_path, monke
     assert re.match(f"cogging: .*{message}", error), error
     assert error.count("\n") == 1
     assert len(error) < 2000
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["model.toml", "ref.toml"], "nothing is left behind"
-
-
-def test_json_holds_no_infinity():
-    document = {"a": [math.inf, -math.inf, math.nan, 1.5], "b": np.array([math.nan, 1.0]), "c": (True, None, "é\udce9")}
-    read = json.loads(to_json(document), parse_constant=pytest.fail)
-    assert read == {"a": [None, None, None, 1.5], "b": [None, 1.0], "c": [True, None, "é\\xe9"]}
-
-
-# Logs beyond what a machine makes -------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def strokes():
-    machine, log = drawn(1, "nothing")
-    return as_believed(machine, log), log
-
-
-WILD = {
-    "no command": (lambda log: replace(log, command=0.0 * log.command), "command: must act on an axis that moves"),
-    "tiny steps": (lambda log: replace(log, time=1e-300 * log.time), "time: must have rows at least 1e-12 s apart"),
-    "huge command": (lambda log: replace(log, command=1e300 * log.command), r"command: must be at most 1e\+30 in size"),
-    "huge travel": (lambda log: replace(log, position=1e300 * log.position), "position: must be at most 1e"),
-}
-
-
-@pytest.mark.parametrize("kind", WILD)
-def test_identify_says_what_is_wrong_with_a_wild_log(kind, tmp_path, monkeypatch, strokes, capsys):
-    monkeypatch.chdir(tmp_path)
-    strokes[0].write("m.toml")
-    change, rule = WILD[kind]
-    wild = change(strokes[1])
-    rows = zip(wild.time.tolist(), wild.position.tolist(), wild.command.tolist(), strict=True)
-    (tmp_path / "w.csv").write_text("\n".join(["time,position,command", *(",".join(map(repr, row)) for row in rows)]))
-    assert main(["identify", "w.csv", "--model", "m.toml"]) == 2
-    assert re.match(f"cogging: w.csv: {rule}", capsys.readouterr().err)
-
-
-def test_a_stated_column_that_holds_no_numbers(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    numbers = np.arange(100.0)
-    savemat("A.mat", {"A": np.ones((100, 3)), "name": "x", "time": numbers, "position": numbers, "f": numbers[:50]})
-    answers = {"A": "A: must be one column, got an array of 100 x 3", "name": "name: must be real numbers, got text"}
-    answers["f"] = "column f: must be named once, and as long as the columns of numbers are"
-    for column, answer in answers.items():
-        assert main(["init", "A.mat", "--columns", f"command={column}"]) == 2
-        assert capsys.readouterr().err == f"cogging: A.mat: {answer}\n"
-
-
-def test_half_a_surrogate_pair_is_not_written(tmp_path, strokes):
-    model, log = strokes
-    wrong = {"m2.toml": model.replace(uncertainty={"m\ud800": 0.1}), "l.csv": replace(log, metadata={"note": "\ud800"})}
-    for name, one in wrong.items():
-        with pytest.raises(ValueError, match=r"\\ud800.*: must be text that UTF-8 holds"):
-            one.write(tmp_path / name)
-        assert not (tmp_path / name).exists()
-
-
-def test_letters_that_the_font_of_the_page_lacks_are_no_warning():
-    assert "牛顿" in picture(lambda axes: axes.set_ylabel("牛顿"), "A word.").svg
-
-
-def test_wild_sizes_lead_to_no_warning(strokes):
-    model, log = strokes
-    bare = model.replace(controller=None, controller_type=None, axis=model.axis.replace(coulomb=1e29))
-    cogging.diagnose(replace(log, command=1e-29 * log.command), bare)
-
-
-def test_a_position_that_is_no_number_has_no_sign(strokes):
-    heavy = strokes[0].replace(axis=strokes[0].axis.replace(viscous=1e30))
-    motion = {"type": "point_to_point", "start": 0.03, "distance": 0.2, "velocity": 0.4, "acceleration": 4.0}
-    with pytest.raises(cogging.DivergedError) as caught:
-        cogging.simulate(heavy, motion)
-    assert "-nan" not in str(caught.value)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["model.toml", "ref.toml"]

@@ -1,4 +1,4 @@
-"""Controllers against literal transcriptions of their equations, and the bound of Theorem 1 where it is attained.
+"""Controllers against literal transcriptions of their equations.
 
 Theorem 1 and matrix (29) on drawn machines: tests/papers/test_lu2008_claims.py.
 """
@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline as ScipySpline
-from scipy.optimize import brentq
 
 import cogging
 from cogging.model.model import CONTROLLERS
@@ -81,7 +80,7 @@ LAWS = [
     ("pid", {"sample_rate": 5000.0, "kp": 9600.0, "ki": 1e5, "kd": 48.0}),
     ("pid", {"sample_rate": 5000.0, "kp": 9600.0, "ki": 1e5, "kd": 48.0, "command_limit": 30.0}),
     ("cascade", {"sample_rate": 2000.0, "kp": 80.0, "kv": 12.0}),
-    *(("speed", {"sample_rate": 1000.0, "kp": 0.09, "delay": d}) for d in (0.0, 2e-3, 0.7e-3, 3.25e-3, 0.05)),
+    *(("speed", {"sample_rate": 1000.0, "kp": 0.09, "delay": d}) for d in (0.0, 0.7e-3, 3.25e-3)),
 ]
 
 
@@ -287,99 +286,21 @@ def test_the_robust_term_satisfies_20_and_30(law, desired):
 
 
 def test_estimates_are_recorded_before_each_command():
-    q = cogging.AdaptiveRobustParameters(
-        mass_adaptation=1.0,
-        viscous=0.2,
-        disturbance_adaptation=1000.0,
-        cogging_harmonics=[1, 2],
-        cogging_control_points=7,
-        cogging_adaptation=100.0,
-    )
+    adapted = {"mass_adaptation": 1.0, "disturbance_adaptation": 1000.0, "cogging_adaptation": 100.0}
+    q = cogging.AdaptiveRobustParameters(cogging_harmonics=[1, 2], cogging_control_points=7, viscous=0.2, **adapted)
     plant = cogging.Plant(cogging.AxisParameters(mass=0.15, viscous=0.3))
     reference = cogging.Sine(cogging.SineParameters(center=0.1, amplitude=0.05, frequency=2.0))
-    log = cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.5, record_estimates=True)
+    log = cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.2, record_estimates=True)
     controller = cogging.Dcarc(q)
     assert log.estimates.shape == (len(log.time), 4 + 2 * 2 * 7)
     columns = ("reference", "reference_velocity", "reference_acceleration", "position")
-    for k, row in enumerate(zip(*(getattr(log, c) for c in columns), strict=True)):
+    for k, (x, v, a, y) in enumerate(zip(*(getattr(log, c) for c in columns), strict=True)):
         np.testing.assert_array_equal(log.estimates[k], controller.estimates)
-        x, v, a, y = row
         u = controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=y)
         assert u == log.command[k]
         controller.update(u)
-    assert cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.1).estimates is None
     pid = cogging.Pid(cogging.PidParameters())
     assert cogging.closed_loop(plant, pid, reference, duration=0.1, record_estimates=True).estimates is None
-
-
-# Theorem 1 -------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("kind", ["disturbance", "offset", "viscous", "coulomb", "mass", "cogging"])
-def test_the_bound_23_is_attained(kind, sign):
-    """Machines for which (23) is an equality: all of h is one constant force of the worst sign.
-
-    At rest p (h - h tanh(y)) = k_s1 p^2 with y = 0.2785 h p / epsilon. The left side is largest, and equal to
-    epsilon, where tanh(y) + y / cosh^2(y) = 1; the gain for which it rests there is k_s1 = epsilon / p^2. So
-    V_s = epsilon / lambda: a robust term with any part of h missing would exceed the bound.
-    """
-    y = brentq(lambda s: 1 - np.tanh(s) - s / np.cosh(s) ** 2, 0.1, 2)
-    epsilon, rate, width = 0.01, 20000.0, 0.05
-    t = np.arange(0, 0.4, 1 / rate)
-    x, v, a = np.full_like(t, 0.213), np.zeros_like(t), np.zeros_like(t)
-    truth = {"mass": 0.2, "viscous": 0.2, "coulomb": 0.2}
-    q = dict(truth) | {n + "_bounds": [truth[n]] * 2 for n in truth} | {"disturbance_bounds": [0.0, 0.0]}
-    force, model = 0.0, None
-    if kind == "disturbance":
-        h = force = 0.5
-        q["disturbance_bound"], force = h, sign * force
-    elif kind == "offset":
-        h, force = 0.5, sign * 0.25
-        q |= {"disturbance_bounds": [-0.25, 0.25], "disturbance": -sign * 0.25}
-    elif kind in ("viscous", "coulomb"):
-        x, v = t, np.ones_like(t)
-        q |= {kind + "_bounds": [0.1, 0.6], kind: 0.6 if sign > 0 else 0.1}
-        truth[kind] = 0.1 if sign > 0 else 0.6
-        h = 0.5 * (1.0 if kind == "viscous" else friction_sign(1.0, width))
-    elif kind == "mass":
-        a = np.full_like(t, sign * 5.0)
-        x, v = 0.5 * a * t**2, a * t
-        q |= {"mass_bounds": [0.1, 0.2], "mass": 0.1}
-        h = 0.1 * 5.0
-    else:
-        basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 3], order=3, control_points=12)
-        shape = basis.regressor(x[:1])[0]
-        worst = (-sign * 0.1 * np.sign(shape)).reshape(12, 2, 2)
-        model = cogging.CoggingModel(basis, worst[:, :, 0].T, worst[:, :, 1].T)
-        q |= {
-            "cogging_harmonics": [1, 3],
-            "cogging_control_points": 12,
-            "cogging_bounds": [-0.1, 0.1],
-            "cogging_estimates": [float(c) for c in -worst.ravel()],
-        }
-        h = 0.2 * np.abs(shape).sum()
-    p = y * epsilon / (0.2785 * h)
-    parameters = cogging.AdaptiveRobustParameters(
-        **q, sample_rate=rate, error_gain=100.0, feedback_gain=epsilon / p**2, coulomb_width=width, epsilon=epsilon
-    )
-    plant = cogging.Plant(
-        cogging.AxisParameters(**truth, coulomb_width=width),
-        cogging=model,
-        effects=[cogging.EFFECTS["constant_force"](force=force)],
-    )
-    log = cogging.closed_loop(
-        plant, cogging.Arc(parameters), cogging.Sampled(t, x, v, a), initial_position=x[0], initial_velocity=v[0]
-    )
-    p = log.true_velocity - log.reference_velocity + 100.0 * (log.true_position - log.reference)
-    V, decay_rate = 0.5 * plant.axis.mass * p**2, 2 * parameters.feedback_gain / 0.2
-    # Eq. 23, from the second sample on: the velocity of the first is 0 by definition.
-    decay = np.exp(-decay_rate * (log.time[1:] - log.time[1]))
-    bound = decay * V[1] + epsilon / decay_rate * (1 - decay)
-    assert (V[1:] <= bound).all()
-    # What the mass lacks is the lag of the backward difference under acceleration; the cogging, that the axis stands
-    # p / k_1 beside the place for which its force was chosen.
-    assert V[-1] / bound[-1] > 0.98
 
 
 # The condition (29) ----------------------------------------------------------------------------------------
@@ -403,8 +324,8 @@ def test_friction_slope_max_is_the_slope_at_rest():
         assert cogging.friction_slope_max(width) == pytest.approx(friction_sign(step, width) / step, rel=1e-9)
 
 
-@pytest.mark.parametrize("harmonics", [[1], [1, 2, 3], [1, 6, 12]])
-@pytest.mark.parametrize(("order", "points"), [(1, 11), (2, 11), (3, 13), (3, 1)])
+@pytest.mark.parametrize("harmonics", [[1], [1, 6, 12]])
+@pytest.mark.parametrize(("order", "points"), [(1, 11), (3, 13), (3, 1)])
 def test_cogging_slope_max_bounds_the_slope(harmonics, order, points):
     basis = cogging.SplineHarmonics(pitch=0.05, harmonics=harmonics, order=order, control_points=points)
     bound = cogging.cogging_slope_max(basis, 0.1)

@@ -10,39 +10,23 @@ from tests.fixtures.covering import covering
 
 RATE, LIMIT, MASS, VISCOUS = 5000.0, 4.0, 0.12, 0.3
 FEEDFORWARD = {"mass": MASS, "viscous": VISCOUS, "command_limit": LIMIT, "sample_rate": RATE}
-LEARNS = {
-    "mass_adaptation": 1.0,
-    "viscous_adaptation": 10.0,
-    "coulomb_adaptation": 10.0,
-    "disturbance_adaptation": 1000.0,
-    "cogging_harmonics": [1, 2],
-    "cogging_control_points": 9,
-    "cogging_adaptation": 100.0,
-    "epsilon": 0.1,
-}
+ADAPTATIONS = {"mass_adaptation": 1.0, "viscous_adaptation": 10.0, "coulomb_adaptation": 10.0}
+ADAPTATIONS |= {"disturbance_adaptation": 1000.0, "cogging_adaptation": 100.0}
+ADAPTIVE = {"cogging_harmonics": [1, 2], "cogging_control_points": 9, "epsilon": 0.1} | ADAPTATIONS | FEEDFORWARD
+OBSERVER = {"periods": [0.05, 0.025], "observer_gain": [600.0, 1.2e5, 8e6, 0.0, 0.0, 0.0, 0.0], "delay": 0.0003}
 PARAMETERS = {
     "pid": {"kp": 4800.0, "ki": 1e5, "kd": 48.0, "feedforward_velocity": "measured"} | FEEDFORWARD,
     "cascade": {"kp": 100.0, "kv": 40.0, "feedforward_velocity": "measured"} | FEEDFORWARD,
     "speed": {"kp": 20.0} | FEEDFORWARD,
-    "arc": LEARNS | FEEDFORWARD,
-    "dcarc": LEARNS | FEEDFORWARD,
+    "arc": ADAPTIVE,
+    "dcarc": ADAPTIVE,
     "output_feedback_arc": {"theta": [8.4, 2.5, 0.0], "sample_rate": RATE, "command_limit": LIMIT, "coulomb": 0.01},
-    "observer_based": {
-        "sample_rate": RATE,
-        "periods": [0.05, 0.025],
-        "observer_gain": [600.0, 1.2e5, 8e6, 0.0, 0.0, 0.0, 0.0],
-        "delay": 0.0003,
-        "mass": MASS,
-        "command_limit": LIMIT,
-    },
+    "observer_based": OBSERVER | {"sample_rate": RATE, "mass": MASS, "command_limit": LIMIT},
 }
-STILL = {  # what must be off for a controller to be a linear law that a gap cannot change
-    "arc": {name: 0.0 for name in LEARNS if name.endswith("_adaptation")},
-    "dcarc": {name: 0.0 for name in LEARNS if name.endswith("_adaptation")},
-    "output_feedback_arc": {"adaptation": [0.0, 0.0, 0.0]},
-}
+#: What must be off for a controller to be a linear law that a gap cannot change.
+STILL = {kind: dict.fromkeys(ADAPTATIONS, 0.0) for kind in ("arc", "dcarc")}
+STILL["output_feedback_arc"] = {"adaptation": [0.0, 0.0, 0.0]}
 FAULTS = [math.nan, math.inf, -math.inf, 1e308, -1e308, 1e12, -math.nan]
-EVERY = pytest.mark.parametrize("kind", CONTROLLERS)
 
 
 BY_UNIT = {"V/m": 4800.0, "V/(m/s)": 48.0, "V/(m s)": 1e5, "V/(m/s^2)": MASS, "1/s": 100.0}
@@ -119,7 +103,7 @@ def draw_faults(seed, samples=4000, first=False):
     return faults
 
 
-@pytest.mark.parametrize(("kind", "seed"), covering(CONTROLLERS, range(4)))
+@pytest.mark.parametrize(("kind", "seed"), covering(CONTROLLERS, range(2)))
 def test_a_controller_recovers_from_gaps(kind, seed):
     faults = draw_faults(seed, first=seed % 2 == 1)
     sound, undisturbed = run(make(kind), {})
@@ -155,7 +139,7 @@ def test_the_step_behind_a_gap_does_not_kick(kind, length):
     np.testing.assert_array_equal(found[start : start + length], np.full(length, cut(expected[start - 1])))
 
 
-@EVERY
+@pytest.mark.parametrize("kind", CONTROLLERS)
 def test_a_gap_at_the_start_changes_nothing(kind):
     late, fresh = make(kind), make(kind)
     points = motion(300)
@@ -202,42 +186,3 @@ def test_an_applied_command_that_is_not_finite_is_replaced_by_the_computed_one(k
         one.update(applied)
         other.update(fault if k % 3 == 0 else applied)
     assert other.samples_refused == 0
-
-
-@EVERY
-def test_what_is_held_is_cut_at_the_limit(kind):
-    controller = make(kind)
-    points = motion(50)
-    for point in points:
-        command = ask(controller, point, point[0])
-        controller.update(cut(command))
-    command = ask(controller, points[-1], points[-1][0] - 0.1)
-    assert command > LIMIT
-    controller.update(LIMIT)
-    assert ask(controller, points[-1], math.nan) == LIMIT
-
-
-def test_a_held_speed_goes_through_its_delay():
-    """w = kp (v_r - v) of the samples 0, 1, 2; then w is held: the delay of 2.5 samples continues."""
-    controller = make("speed", mass=0.0, viscous=0.0, delay=2.5 / RATE, kp=1.0)
-    found = []
-    for k, velocity in enumerate([0.1, 0.2, 0.3, 9.0, 9.0, 9.0, 9.0, 9.0]):
-        found.append(controller.command(reference=0.0, reference_velocity=velocity, reading=math.nan if k > 2 else 0.0))
-        controller.update(found[-1])
-    np.testing.assert_allclose(found, [0.0, 0.0, 0.05, 0.15, 0.25, 0.3, 0.3, 0.3], rtol=1e-12, atol=1e-15)
-
-
-def test_a_refused_sample_changes_no_integral():
-    """Nothing is added in a gap, and the step of a sample that was cut is taken back once, not in each held sample."""
-    controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.0)
-    found = []
-    for reading in [1e-3, 1e-3, math.nan, math.inf, math.nan, 1e-3]:
-        found.append(controller.command(reference=0.0, reading=reading))
-        controller.update(found[-1])
-    step = -1e5 * 1e-3 / RATE
-    np.testing.assert_allclose(found, step * np.array([1, 2, 2, 2, 2, 3]), rtol=1e-12)
-    controller = make("pid", kp=0.0, kd=0.0, mass=0.0, viscous=0.0, command_limit=0.03)
-    for reading in [1e-3, 1e-3, math.nan, math.nan, math.nan]:
-        command = controller.command(reference=0.0, reading=reading)
-        controller.update(min(max(command, -0.03), 0.03))
-    assert controller.command(reference=0.0, reading=0.0) == pytest.approx(-0.02, rel=1e-12)

@@ -107,8 +107,7 @@ def literal(p, now, ahead, readings, applied):
     return np.array(commands), state, reset
 
 
-@pytest.mark.parametrize("velocity_min", [0.0, 0.02])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("seed", "velocity_min"), [(1, 0.0), (2, 0.02)])
 def test_commands_and_estimates_against_matrices(seed, velocity_min):
     # Strokes of drawn length, direction and speed (below velocity_min too), some without a rest between, some that
     # continue in the same direction; a velocity of rounding size at rest is rest. Readings and applied commands are
@@ -137,13 +136,6 @@ def test_commands_and_estimates_against_matrices(seed, velocity_min):
     assert min(ways.count(1.0), ways.count(-1.0)) >= 2
     assert any(one == other for one, other in pairwise(ways))
     assert {max(speed for speed, *_ in learnt) < 0.02 for _, learnt in reset.strokes} == {False, True}
-
-
-def test_rotation_by_the_measured_position_works_too():
-    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
-    machine = malaize2009_setup.plant(motor, gains.amplitude)
-    controller = cogging.ObserverBased(parameters(rotation="measured"))
-    assert malaize2009_setup.accuracy(malaize2009_setup.run(machine, controller, motor), motor) < 0.5e-6
 
 
 @pytest.fixture(scope="module")
@@ -192,80 +184,30 @@ def test_the_frozen_observer_has_the_certified_gain(design):
         assert np.abs(np.linalg.eigvals(a)).max() < task.pole_radius * (1 + 1e-9)
 
 
-def test_a_gain_that_grows_with_velocity_certifies_more(design):
-    affine = cogging.design_observer(problem(affine=True))
-    assert affine.lambda_equal > 1.2 * design.lambda_equal
-    assert affine.observer_gain_slope.size == 9
-
-
 def test_random_machines_decay_as_certified(design):
     assert min(malaize2009_study.decay(MOTORS["ironcore"], design, seed) for seed in range(2)) > 3.0
 
 
-RULES = [
-    ({"periods": []}, "periods: must list at least one, got none"),
-    ({"periods": [0.02, 0.0]}, "periods: each must be above 0, got 0.0"),
-    ({"velocity_min": 0.0}, "velocity_min: must be above 0: at rest zeta is not observable"),
-    ({"velocity_min": 0.5}, "velocity_max: must be above velocity_min = 0.5, got 0.4"),
-    ({"decay_rate": -1.0}, "decay_rate: must be at least 0, got -1.0"),
-    ({"decay_rate": 130.0}, "decay_rate: must be below 120 1/s, the position loop's slowest pole, got 130.0"),
-    ({"pole_radius": 0.0}, "pole_radius: must be above 0, got 0.0"),
-    ({"omega": float("nan")}, "omega: must be above 0, got nan"),
-]
-
-
-@pytest.mark.parametrize(("change", "message"), RULES)
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"periods": [0.02, 0.0]}, "periods: each must be above 0, got 0.0"),
+        ({"velocity_min": 0.0}, "velocity_min: must be above 0: at rest zeta is not observable"),
+        ({"velocity_min": 0.5}, "velocity_max: must be above velocity_min = 0.5, got 0.4"),
+        ({"decay_rate": 130.0}, "decay_rate: must be below 120 1/s, the position loop's slowest pole, got 130.0"),
+        ({"omega": float("nan")}, "omega: must be above 0, got nan"),
+        ({"decay_rate": 60.0, "periods": [0.02]}, r"decay_rate: must be at most [0-9.]+ 1/s .* got 60"),
+    ],
+)
 def test_design_rules(change, message):
     with pytest.raises(ValueError, match=message):
-        problem(**change)
-
-
-def test_too_much_decay_is_refused_with_an_offer():
-    with pytest.raises(ValueError, match=r"decay_rate: must be at most [0-9.]+ 1/s .* got 60"):
-        cogging.design_observer(problem(decay_rate=60.0))
+        cogging.design_observer(problem(**change))
 
 
 def test_without_cvxpy_the_error_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "cvxpy", None)
     with pytest.raises(ImportError, match=r"pip install 'cogging\[design\]'"):
         cogging.design_observer(problem())
-
-
-def test_the_spectrum_finds_what_was_put_in():
-    # An error made by hand: three lines of known period over noise; two of them in one direction only.
-    t = np.arange(20_000) * 1e-4
-    x = np.where(t < 1.0, 0.4 * t, 0.8 - 0.4 * t)
-    velocity = np.where(t < 1.0, 0.4, -0.4)
-    noise = 1e-8 * np.random.default_rng(6).normal(size=t.size)
-    error = 1e-6 * np.sin(2 * np.pi * x / 0.0317 + 0.3) + 4e-7 * np.cos(2 * np.pi * x / 0.0123) + noise
-    log = cogging.Log(time=t, position=x + error, command=0 * t, reference=x, reference_velocity=velocity)
-    found = cogging.tracking_spectrum(log)
-    np.testing.assert_allclose(found.periods, [0.0317, 0.0123], rtol=2e-3)
-    np.testing.assert_allclose(found.period_amplitudes, [1e-6, 4e-7], rtol=0.05)
-    assert found.resolution == pytest.approx(1 / 0.38, rel=0.02)
-    quiet = cogging.Log(time=t, position=x + noise, command=0 * t, reference=x, reference_velocity=velocity)
-    assert cogging.tracking_spectrum(quiet).periods == ()
-
-
-def test_the_spectrum_needs_constant_speed():
-    t = np.arange(1000) * 1e-3
-    x = 1e-3 * np.sin(2 * np.pi * t)
-    log = cogging.Log(time=t, position=x, command=0 * t, reference=x, reference_velocity=np.gradient(x, t))
-    with pytest.raises(ValueError, match=r"log: must hold a stretch of constant speed"):
-        cogging.tracking_spectrum(log)
-    with pytest.raises(ValueError, match="reference: must be in the log"):
-        cogging.tracking_spectrum(cogging.Log(time=t, position=x, command=0 * t))
-
-
-def test_observer_error_of_the_true_model_is_that_of_the_sampling():
-    # No friction, no quantiser, no delay: what is left after the first metre is far below a nanometre.
-    motor, gains = MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])
-    controller = cogging.ObserverBased(parameters(delay=0.0))
-    log = malaize2009_study.long_stroke(motor, np.array([0.2, 0.1, 0.05]), np.array([0.0, 1.0, 2.0]), controller)
-    error = np.abs(log.true_position - log.reference)
-    at_speed = (log.time > 5.0) & (log.time < 9.0)
-    assert error[at_speed].max() < 1e-9 * 5
-    assert gains.lambda_star == pytest.approx(5.0, rel=0.01)
 
 
 def test_the_simulated_plant_is_equation_1():

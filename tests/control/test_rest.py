@@ -11,9 +11,9 @@ RATE, RESOLUTION = 5000.0, 0.5e-6
 SMALLEST = np.finfo(float).tiny
 
 
-def states_at_rest(kind, start, seed):
-    """The states of a controller, ten times a second over 10 s after a drawn motion from `start`."""
-    rng = np.random.default_rng([seed, *kind.encode()])
+def states_at_rest(kind, start):
+    """The states of a controller, ten times a second over 5 s after a drawn motion from `start`."""
+    rng = np.random.default_rng([*kind.encode()])
     struct, made = CONTROLLERS[kind]
     controller = made(struct(**FIELDS[kind]))
     count, (size, turns) = 2000, rng.uniform([1e-3, 1.0], [2e-2, 3.0])
@@ -24,7 +24,7 @@ def states_at_rest(kind, start, seed):
         x = size * (1 - np.cos(w * time))
         step(controller, (start + x, size * w * np.sin(w * time), size * w**2 * np.cos(w * time)), start + x + lag)
     states = []
-    for k in range(int(10 * RATE)):
+    for k in range(int(5 * RATE)):
         step(controller, (start, 0.0, 0.0), start)
         if k % 500 == 0:
             states.append(controller.__getstate__()[1])
@@ -40,12 +40,12 @@ def step(controller, point, reading):
     controller.update(command)
 
 
-@pytest.mark.parametrize(("kind", "start", "seed"), covering(FIELDS, [0.0, 0.2], range(3)))
-def test_no_state_is_denormal(kind, start, seed):
-    states = states_at_rest(kind, start, seed)
+@pytest.mark.parametrize(("kind", "start"), covering(FIELDS, [0.0, 0.2]))
+def test_no_state_is_denormal(kind, start):
+    states = states_at_rest(kind, start)
     size = np.abs(states)
     assert np.isfinite(size).all()
     assert not ((size > 0.0) & (size < SMALLEST)).any()
-    if kind == "output_feedback_arc":  # eta falls by 1/e in 5 ms: after 10 s it would be exp(-2000) of what it was
+    if kind == "output_feedback_arc":  # eta falls by 1/e in 5 ms: after 5 s it would be exp(-1000) of what it was
         assert np.count_nonzero((states[0] != 0.0) & (states[-1] == 0.0)) >= (2 if start else 0)
         assert size[-1].max() > 0.1

@@ -83,21 +83,18 @@ def linear_at(loop, multiple, window=800):
     return loop.plant(z), loop.controller(z)
 
 
-@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_simulator_answers_a_small_sine_as_the_linear_loop_does(kind, seed):
-    model, loop = stable(np.random.default_rng([seed, len(kind)]), kind, speed=0.0)
+def test_the_simulator_answers_a_small_sine_as_the_linear_loop_does(kind):
+    model, loop = stable(np.random.default_rng([1, len(kind)]), kind, speed=0.0)
     assert loop.left_out == ()
     for multiple in (12, 300):
         np.testing.assert_allclose(response_at(model, multiple), linear_at(loop, multiple), rtol=1e-5)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_friction_is_taken_at_the_speed(seed):
+def test_friction_is_linearised_at_the_speed():
     """Falling friction and drag change the damping by more than the bounds: a wrong speed would show."""
-    rng = np.random.default_rng(seed)
-    model, _ = stable(rng, "pid", rigid=True)
-    mass, speed = model.axis.mass, float(rng.uniform(0.02, 0.06))
+    model, _ = stable(np.random.default_rng(0), "pid", rigid=True)
+    mass, speed = model.axis.mass, 0.04
     pid = model.controller.replace(feedforward_velocity="measured", viscous=0.2 * mass, coulomb=0.3 * mass)
     model = model.replace(
         axis=model.axis.replace(coulomb=0.5 * mass, coulomb_width=0.01),
@@ -108,8 +105,7 @@ def test_friction_is_taken_at_the_speed(seed):
             effects.ViscousAsymmetry(difference=3.0 * mass),
         ],
     )
-    loop, resting = (model.to_control(speed=one) for one in (speed, 0.0))
-    linear, other = linear_at(loop, 4), linear_at(resting, 4)
+    linear, other = (linear_at(model.to_control(speed=one), 4) for one in (speed, 0.0))
     np.testing.assert_allclose(response_at(model, 4, speed=speed), linear, rtol=2e-4)
     assert max(abs(one / right - 1) for one, right in zip(other, linear, strict=True)) > 0.03
 
@@ -134,33 +130,27 @@ def test_cogging_is_a_spring_at_the_place():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_loop_is_lost_just_beyond_its_margins(kind):
-    rng = np.random.default_rng([9, len(kind)])
-    for _ in range(2):
-        model, loop = stable(rng, kind, speed=0.0)
-        margins = loop.margins()
-        for factor, holds in ((0.98, True), (1.02, False)):
-            later = effects.CommandDelay(delay=factor * margins.delay)
-            assert model.replace(effects=[*model.effects, later]).to_control(speed=0.0).margins().stable is holds
-            if np.isfinite(margins.gain):
-                poles = control.feedback(factor * margins.gain * loop.loop, 1).poles()
-                assert (np.abs(poles).max() < 1 + 1e-9) == holds
-
-
-def test_the_sensitivities_are_those_of_the_loop():
-    model, loop = stable(np.random.default_rng(2), "pid", speed=0.0)
-    z = np.exp(2j * np.pi * np.array([0.001, 0.01, 0.1, 0.4]))
-    total = loop.plant(z) * loop.controller(z)
-    np.testing.assert_allclose(loop.loop(z), total, rtol=1e-6)
-    np.testing.assert_allclose(loop.response(np.angle(z) / (2 * np.pi * loop.plant.dt)), total, rtol=1e-6)
-    np.testing.assert_allclose(loop.sensitivity(z), 1 / (1 + total), rtol=1e-6)
-    np.testing.assert_allclose(loop.complementary(z), total / (1 + total), rtol=1e-6)
-    assert loop.plant.dt == loop.loop.dt == 1 / model.controller.sample_rate
+    model, loop = stable(np.random.default_rng([9, len(kind)]), kind, speed=0.0)
+    margins = loop.margins()
+    for factor, holds in ((0.98, True), (1.02, False)):
+        later = effects.CommandDelay(delay=factor * margins.delay)
+        assert model.replace(effects=[*model.effects, later]).to_control(speed=0.0).margins().stable is holds
+        if np.isfinite(margins.gain):
+            poles = control.feedback(factor * margins.gain * loop.loop, 1).poles()
+            assert (np.abs(poles).max() < 1 + 1e-9) == holds
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_margins_are_read_off_the_frequency_response(kind):
+def test_sensitivities_and_margins_are_those_of_the_frequency_response(kind):
     model, loop = stable(np.random.default_rng([7, len(kind)]), kind, rigid=True)
     margins, period = loop.margins(), loop.plant.dt
+    assert period == loop.loop.dt == 1 / model.controller.sample_rate
+    z = np.exp(2j * np.pi * np.array([0.001, 0.01, 0.1, 0.4]))
+    total = loop.plant(z) * loop.controller(z)
+    np.testing.assert_allclose(loop.loop(z), total, rtol=1e-6)
+    np.testing.assert_allclose(loop.response(np.angle(z) / (2 * np.pi * period)), total, rtol=1e-6)
+    np.testing.assert_allclose(loop.sensitivity(z), 1 / (1 + total), rtol=1e-6)
+    np.testing.assert_allclose(loop.complementary(z), total / (1 + total), rtol=1e-6)
     total = loop.loop(np.exp(2j * np.pi * np.geomspace(1e-4, 0.5, 20_000)))
     assert margins.modulus == pytest.approx(np.abs(1 + total).min(), rel=2e-3)
     assert margins.modulus == pytest.approx(modulus_margin(model), rel=2e-3)
@@ -169,9 +159,8 @@ def test_margins_are_read_off_the_frequency_response(kind):
     assert margins.phase == pytest.approx(180.0 + np.degrees(np.angle(crossing)), rel=5e-3)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_in_continuous_time_the_delay_is_approximated(seed):
-    model, loop = stable(np.random.default_rng([3, seed]), "pid", speed=0.0)
+def test_in_continuous_time_the_delay_is_approximated():
+    model, loop = stable(np.random.default_rng([3, 0]), "pid", speed=0.0)
     delay = sum(one.delay for one in model.effects if isinstance(one, effects.CommandDelay))
     time = loop.plant.dt
     for turns in (0.002, 0.02):  # of the sample rate
@@ -198,21 +187,13 @@ def test_a_model_without_a_controller_is_a_plant_alone():
     [
         ({"controller": None, "controller_type": None}, {}, "sample_rate: must be given for a model without"),
         ({}, {"sample_rate": 2000.0}, "sample_rate: must be that of the controller, 1000"),
-        ({}, {"sample_rate": -1.0}, "sample_rate: must be finite and above 0, got -1"),
         ({}, {"speed": 0.0}, "speed: must be other than 0 where coulomb_width is 0"),
-        ({}, {"speed": float("nan")}, "speed: must be finite"),
-        ({}, {"position": float("inf")}, "position: must be finite"),
         ({}, {"pade": -1}, "pade: must be from 0 to 20, got -1"),
         ({"effects": [effects.CommandDelay(delay=2.0)]}, {}, "command_delay: must be at most 1000 samples, got 2000"),
         (
             {"controller": cogging.ObserverBasedParameters(), "controller_type": "observer_based"},
             {},
             "controller: must be linear in the error, got observer_based: its observer turns with the motion",
-        ),
-        (
-            {"controller": cogging.OutputFeedbackArcParameters(), "controller_type": "output_feedback_arc"},
-            {},
-            "controller: must be linear in the error, got output_feedback_arc: its filters and gains",
         ),
     ],
 )

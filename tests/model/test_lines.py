@@ -5,12 +5,6 @@ import pytest
 from cogging.files import line_of
 
 
-@pytest.mark.parametrize("blank", [" " * 200_000, "[" + " " * 200_000, "[[" + " \t" * 100_000 + "x", "'" * 200_000])
-def test_the_line_of_a_fault_is_found_behind_lines_without_end(blank):
-    text = f"a = '''\n{blank}\n'''\n[axis]\nmass = -1.0\n"
-    assert line_of(text, "axis", "mass") == 5
-
-
 @pytest.mark.parametrize(
     ("text", "section", "key", "line"),
     [

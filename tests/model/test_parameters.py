@@ -4,15 +4,7 @@ import numpy as np
 import pytest
 
 from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
-from cogging.model.parameters import (
-    Parameter,
-    central,
-    effect_at,
-    effect_paths,
-    one_sided,
-    role_of,
-    with_values,
-)
+from cogging.model.parameters import Parameter, with_values
 
 
 @pytest.fixture
@@ -40,23 +32,15 @@ def test_every_number_has_a_path_that_with_values_follows(model):
     assert known["cogging.cosine[1][2]"].value == -5.0
     assert known["effects.cogging_harmonic[1].period"].value == 0.016
     assert known["effects.position_dependent_friction.levels[1]"].unit == "V"
+    assert [path for path in known if path.endswith(("force", "limit"))] == [
+        "effects.constant_force.force",
+        "effects.command_saturation.limit",
+        "effects.end_effect.force",
+    ]
     for path in known:
         moved = parameters_of(with_values(model, {path: 0.123}))
         assert moved[path].value == 0.123
         assert {p: v for p, v in moved.items() if p != path} == {p: v for p, v in known.items() if p != path}
-
-
-def test_several_values_change_together_and_the_model_itself_does_not(model):
-    values = {
-        "axis.mass": 2.0,
-        "cogging.sine[0][0]": 9.0,
-        "cogging.sine[1][1]": 8.0,
-        "effects.constant_force.force": 7.0,
-    }
-    moved = parameters_of(with_values(model, values))
-    assert {path: moved[path].value for path in values} == values
-    assert parameters_of(model)["axis.mass"].value == 1.5
-    assert with_values(model, {}) is model
 
 
 @pytest.mark.parametrize(
@@ -74,58 +58,3 @@ def test_several_values_change_together_and_the_model_itself_does_not(model):
 def test_a_wrong_path_or_value_is_named(model, path, value, message):
     with pytest.raises(ValueError, match=message):
         with_values(model, {path: value})
-
-
-def test_effects_that_stand_once_need_no_number(model):
-    assert [path for path, _ in effect_paths(model.effects)] == [
-        "effects.constant_force",
-        "effects.cogging_harmonic[0]",
-        "effects.position_dependent_friction",
-        "effects.cogging_harmonic[1]",
-        "effects.command_saturation",
-        "effects.end_effect",
-    ]
-
-
-def test_roles(model):
-    roles = {path: role_of(model, path) for path in parameters_of(model)}
-    assert roles["axis.mass"] == roles["cogging.sine[0][0]"] == roles["effects.constant_force.force"] == "amplitude"
-    assert roles["axis.coulomb_width"] == roles["effects.cogging_harmonic[1].period"] == "shape"
-    assert roles["effects.position_dependent_friction.levels[0]"] == "amplitude"
-    assert roles["effects.end_effect.travel[0]"] == "setting"
-
-
-def test_the_effect_at_a_path(model):
-    assert effect_at(model, "effects.constant_force.force") is model.effects[0]
-    assert effect_at(model, "effects.cogging_harmonic[1].period") is model.effects[3]
-    assert effect_at(model, "effects.position_dependent_friction.levels[1]") is model.effects[2]
-    for path in ("effects.cable_spring.stiffness", "effects.constant_force.stiffness", "axis.mass"):
-        with pytest.raises(ValueError, match=f"{path}: must be a parameter of an effect"):
-            effect_at(model, path)
-
-
-def test_a_step_of_a_fit_stays_where_the_parameter_may_be():
-    assert Parameter("axis.mass", 2.0, "V/(m/s^2)").clipped(-1.0) == pytest.approx(0.2)
-    assert Parameter("axis.coulomb_width", 1e-3, "m/s").clipped(0.0) == pytest.approx(1e-4)
-    assert Parameter("axis.coulomb", 2.0, "V").clipped(-1.0) == 0.0
-    assert Parameter("axis.coulomb", 2.0, "V").clipped(0.1) == 0.1
-    assert Parameter("effects.constant_force.force", 2.0, "V").clipped(-1.0) == -1.0
-
-
-def test_difference_steps_stay_within_the_rules_of_the_fields(model):
-    coulomb = parameters_of(model)["axis.coulomb"]
-    both = central(model, coulomb, 0.1)
-    assert (both.above.axis.coulomb, both.below.axis.coulomb) == pytest.approx((0.8, 0.6))
-    assert both.span == pytest.approx(0.2)
-    up = central(model, coulomb, 0.9)  # down would be below zero
-    assert (up.above.axis.coulomb, up.below, up.span) == (pytest.approx(1.6), model, pytest.approx(0.9))
-    assert one_sided(model, coulomb, 0.1).span == 0.1
-    travel = parameters_of(model)["effects.end_effect.travel[0]"]  # below travel[1]
-    up = with_values(model, {"effects.end_effect.travel[1]": travel.value + 0.01})
-    down = one_sided(up, travel, 0.02)
-    assert down.span == -0.02
-    assert effect_at(down.above, travel.path).travel[0] == pytest.approx(travel.value - 0.02)
-    assert central(up, travel, 0.02).span == pytest.approx(0.02)
-    for step in (central, one_sided):
-        with pytest.raises(ValueError, match=r"axis.mass: must be able to move by nan up or down"):
-            step(model, parameters_of(model)["axis.mass"], np.nan)

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
-from scipy.integrate import solve_ivp
 
 import cogging
 from tests.fixtures.log_columns import columns_of
@@ -21,15 +20,6 @@ def atan_sign(v, width):
 
 
 # Force balance ---------------------------------------------------------------------------------------------
-
-
-def test_every_effect_has_an_example_here():
-    assert set(EXAMPLES) == set(cogging.EFFECTS)
-    for name, kind in cogging.EFFECTS.items():
-        assert name == kind.NAME
-        assert set(EXAMPLES[name][0]) == set(kind.FIELDS)
-        for field, value in EXAMPLES[name][0].items():
-            assert getattr(kind(), field) != value, "an example has to differ from the default"
 
 
 def test_acceleration_is_eq_10():
@@ -51,12 +41,6 @@ def test_acceleration_is_eq_10():
         assert got == pytest.approx(expected, rel=1e-12, abs=1e-12)
         bare = cogging.Plant(axis).acceleration(position=x, velocity=v, command=u)
         assert bare == pytest.approx((u - friction) / axis.mass, rel=1e-13, abs=1e-13)
-
-
-def test_width_zero_is_the_sign():
-    plant = cogging.Plant(cogging.AxisParameters(mass=2.0, coulomb=0.5))
-    for v, expected in ((0.3, -0.25), (-1e-300, 0.25), (0.0, 0.0)):
-        assert plant.acceleration(position=0.0, velocity=v, command=0.0) == expected
 
 
 # What an effect answers, by what it is called in EXAMPLES: hook and method.
@@ -120,11 +104,6 @@ SMOOTH = cogging.AxisParameters(mass=0.3, viscous=0.8, coulomb=0.2, coulomb_widt
 PERIODIC = cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2]), [[0.3], [-0.1]], [[0.1], [0.2]])
 
 
-def periodic_by_hand(x):
-    w = TWO_PI / 0.05
-    return 0.3 * np.sin(w * x) + 0.1 * np.cos(w * x) - 0.1 * np.sin(2 * w * x) + 0.2 * np.cos(2 * w * x)
-
-
 def tracking_run(effects, sample_rate=200.0, duration=0.4, steps=32, axis=SMOOTH):
     plant = cogging.Plant(axis, cogging=PERIODIC, effects=effects)
     controller = pid(sample_rate, kp=120.0, ki=300.0, kd=4.0, mass=0.3)
@@ -172,36 +151,6 @@ def test_runge_kutta_is_of_fourth_order():
     slopes = np.log2(errors[:-1] / errors[1:])
     assert errors[-1] > 1e-14  # above rounding
     np.testing.assert_allclose(slopes, 4.0, rtol=0, atol=0.15)
-    # Where so few would not be accurate, it makes more.
-    few = np.array([np.std(positions(n) - finest) for n in (1, 2, 4, 8)])
-    assert (few < 1e-8 * np.ptp(finest)).all()
-    assert few.max() < 1.1 * few.min()
-
-
-def test_the_closed_loop_is_the_independent_one_step_by_step():
-    """Controller called from Python each sample, the axis integrated by scipy under the held command."""
-    controller = pid(200.0, kp=120.0, ki=300.0, kd=4.0, mass=0.3)
-    reference = sine(center=0.05, amplitude=0.03, frequency=4.0)
-    log = tracking_run([], duration=0.3, steps=64)
-    t = np.arange(61) / 200.0
-    np.testing.assert_array_equal(log.time, t)
-    wanted = reference.sample(t)
-    for column, values in zip(("reference", "reference_velocity", "reference_acceleration"), wanted, strict=True):
-        np.testing.assert_array_equal(getattr(log, column), values)
-
-    def rhs(_, s, u):
-        friction = SMOOTH.viscous * s[1] + SMOOTH.coulomb * atan_sign(s[1], SMOOTH.coulomb_width)
-        return [s[1], (u - friction - periodic_by_hand(s[0])) / SMOOTH.mass]
-
-    state = np.array([wanted[0][0], 0.0])
-    for k in range(61):
-        x_r, v_r, a_r = (column[k] for column in wanted)
-        u = controller.command(reference=x_r, reference_velocity=v_r, reference_acceleration=a_r, reading=state[0])
-        controller.update(u)
-        assert log.true_position[k] == pytest.approx(state[0], abs=1e-10)
-        assert log.true_velocity[k] == pytest.approx(state[1], abs=1e-8)
-        assert log.command[k] == pytest.approx(u, abs=1e-6)
-        state = solve_ivp(rhs, (0, 1 / 200.0), state, "DOP853", args=(u,), rtol=1e-12, atol=1e-14).y[:, -1]
 
 
 # Amplifier -------------------------------------------------------------------------------------------------
@@ -268,15 +217,13 @@ def test_it_sticks_as_long_as_the_force_stays_below_the_level(coulomb, x0, comma
     ("effects", "levels"),
     [
         ([], {1: 0.8, -1: 0.8}),
-        ([effect("coulomb_asymmetry", difference=0.3)], {1: 0.95, -1: 0.65}),
-        ([effect("stribeck_friction", static_excess=0.4, velocity=0.02)], {1: 1.2, -1: 1.2}),
         (
             [effect("coulomb_asymmetry", difference=-0.2), effect("stribeck_friction", static_excess=0.1)],
             {1: 0.8, -1: 1.0},
         ),
         ([effect("constant_force", force=0.25)], {1: 0.55, -1: 1.05}),
     ],
-    ids=["plain", "asymmetry", "stribeck", "both", "offset"],
+    ids=["plain", "asymmetry and stribeck", "offset"],
 )
 def test_it_breaks_away_at_the_level(effects, levels, direction):
     level = levels[direction]
@@ -292,7 +239,7 @@ def test_it_breaks_away_at_the_level(effects, levels, direction):
     assert abs(ramp[first - 1]) >= level * (1 - 1e-12)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_spring_and_friction_ring_down_as_in_the_textbook(seed):
     """Half cycles about +-Fc/k: each turning point is 2 Fc / k closer, the last within Fc / k."""
     rng = np.random.default_rng(seed)
@@ -312,16 +259,7 @@ def test_spring_and_friction_ring_down_as_in_the_textbook(seed):
     assert (v[rests] == 0.0).all()  # and never moves again
     assert (x[rests] == x[-1]).all()
     sliding = v[(log.time > 0) & ~rests]
-    reversals = np.count_nonzero(np.diff(np.sign(sliding[sliding != 0.0])))
-    assert reversals == max(len(turns) - 2, 0)
-    # And in between: x(t) = centre + (turn - centre) cos(w (t - turn time)).
-    t = log.time[~rests]
-    index = np.minimum((t / half_cycle).astype(int), len(turns) - 2) if len(turns) > 1 else []
-    if len(turns) > 1:
-        turn = np.array(turns)[index]
-        centre = np.sign(turn) * fc / k
-        expected = centre + (turn - centre) * np.cos(np.pi * (t / half_cycle - index))
-        np.testing.assert_allclose(x[~rests], expected, rtol=0, atol=1e-9)
+    assert np.count_nonzero(np.diff(np.sign(sliding[sliding != 0.0]))) == max(len(turns) - 2, 0)
 
 
 @pytest.mark.parametrize("ki", [0.0, 20000.0])
@@ -380,40 +318,40 @@ def test_errors_of_the_encoder_come_before_noise_and_rounding():
     assert np.abs(wrong.position - plain.position - error).max() <= 1e-6 * (1 + 1e-6)
 
 
-def white(resolution, noise, seed, samples=100_000):
-    encoder = cogging.EncoderParameters(resolution=resolution, noise=noise)
+def encoder_noise(resolution, seed, samples=50_000):
+    encoder = cogging.EncoderParameters(resolution=resolution, noise=3e-6)
     log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), samples / 1000.0, seed=seed)
     return log.position - log.true_position
 
 
-def test_encoder_noise_is_white_and_normal():
-    noise = white(0.0, 3e-6, seed=11)
+def assert_white_and_normal(noise):
+    n = len(noise)
+    correlation = [np.mean(noise[k:] * noise[:-k]) / np.mean(noise**2) for k in range(1, 20)]
+    assert np.abs(correlation).max() < 4 / np.sqrt(n)
+    assert stats.kstest(noise / noise.std(), "norm").pvalue > 1e-3
+
+
+def test_encoder_noise_is_white_and_normal_and_comes_before_the_rounding():
+    noise = encoder_noise(0.0, seed=11)
     n = len(noise)
     assert noise.mean() == pytest.approx(0.0, abs=4 * 3e-6 / np.sqrt(n))
     assert noise.std() == pytest.approx(3e-6, rel=4 / np.sqrt(2 * n))
-    correlation = [np.dot(noise[k:], noise[:-k]) / np.dot(noise, noise) for k in range(1, 20)]
-    assert np.abs(correlation).max() < 4 / np.sqrt(n)
-    assert stats.kstest(noise / 3e-6, "norm").pvalue > 1e-3
-
-
-def test_noise_comes_before_the_rounding():
-    noise = white(1e-6, 3e-6, seed=12)
-    counts = noise / 1e-6  # the true position is 0
+    assert_white_and_normal(noise)
+    counts = encoder_noise(1e-6, seed=12) / 1e-6  # the true position is 0
     assert np.abs(counts - np.round(counts)).max() < 1e-9
     # Sheppard: rounding adds a twelfth of a count squared.
-    assert counts.std() == pytest.approx(np.sqrt(9 + 1 / 12), rel=4 / np.sqrt(2 * len(counts)))
+    assert counts.std() == pytest.approx(np.sqrt(9 + 1 / 12), rel=4 / np.sqrt(2 * n))
 
 
-def noise_forces(rms, bandwidth, rate, seed, samples=100_000):
-    """What pushes a free mass, from the steps of its velocity: the force is held over each sample."""
-    axis = cogging.AxisParameters(mass=0.5)
-    plant = cogging.Plant(axis, noise=cogging.NoiseParameters(force=rms, bandwidth=bandwidth))
-    log = free(plant, samples / rate, rate, seed=seed)
+def noise_forces(rms, bandwidth, rate, seed, samples=50_000):
+    """Return what pushes a free mass, from the steps of its velocity: the force is held over each sample."""
+    noise = cogging.NoiseParameters(force=rms, bandwidth=bandwidth)
+    log = free(cogging.Plant(cogging.AxisParameters(mass=0.5), noise=noise), samples / rate, rate, seed=seed)
     return np.diff(log.true_velocity) * rate * 0.5
 
 
-@pytest.mark.parametrize(("bandwidth", "rate"), [(50.0, 5000.0), (400.0, 2000.0), (5.0, 1000.0)])
-def test_force_noise_has_its_rms_and_its_correlation(bandwidth, rate):
+@pytest.mark.parametrize(("bandwidth", "rate"), [(50.0, 5000.0), (400.0, 2000.0)])
+def test_force_noise_is_a_first_order_process_of_its_rms(bandwidth, rate):
     rms = 0.03
     force = noise_forces(rms, bandwidth, rate, seed=13)
     n, decay = len(force), np.exp(-TWO_PI * bandwidth / rate)
@@ -425,22 +363,14 @@ def test_force_noise_has_its_rms_and_its_correlation(bandwidth, rate):
     # Its innovations are white, normal, and of rms sqrt(1 - decay^2): this fixes the whole process.
     innovation = (force[1:] - decay * force[:-1]) / (rms * np.sqrt(1 - decay**2))
     assert innovation.std() == pytest.approx(1.0, rel=4 / np.sqrt(2 * n))
-    lags = range(1, 20)
-    correlation = [np.mean(innovation[k:] * innovation[:-k]) for k in lags]
-    assert np.abs(correlation).max() < 4 / np.sqrt(n)
     assert np.abs(np.mean(innovation * force[:-1])) / rms < 4 / np.sqrt(n)
-    assert stats.kstest(innovation, "norm").pvalue > 1e-3
-    # The correlation itself, at lags up to one time constant (Bartlett's bound is loose enough at 5 sigma).
-    for k in {1, max(1, round(-1 / np.log(decay)))}:
-        measured = np.mean(force[k:] * force[:-k]) / rms**2
-        assert measured == pytest.approx(decay**k, abs=5 * np.sqrt(2 / squares))
+    assert_white_and_normal(innovation)
 
 
 def test_the_noise_starts_stationary():
     """The first force of a run is as large as any: rms over seeds, not a start from zero."""
     first = np.array([noise_forces(0.03, 5.0, 1000.0, seed, samples=3)[0] for seed in range(400)])
     assert first.std() == pytest.approx(0.03, rel=4 / np.sqrt(2 * 400))
-    assert first.mean() == pytest.approx(0.0, abs=4 * 0.03 / np.sqrt(400))
 
 
 def test_a_seed_gives_its_bits_and_another_seed_others():
@@ -458,9 +388,3 @@ def test_a_seed_gives_its_bits_and_another_seed_others():
     # The two streams of one seed are not the same numbers.
     assert abs(np.corrcoef(forces[0], errors[0][1:])[0, 1]) < 5 / np.sqrt(1000)
     assert abs(np.corrcoef(forces[0], errors[0][:-1])[0, 1]) < 5 / np.sqrt(1000)
-
-
-def test_without_noise_the_seed_has_no_influence():
-    runs = [free(cogging.Plant(SMOOTH), 0.2, v0=1.0, seed=seed) for seed in (0, 12345678901234567890)]
-    for column in columns_of(runs[0]):
-        np.testing.assert_array_equal(getattr(runs[0], column), getattr(runs[1], column))

@@ -3,21 +3,14 @@
 import itertools
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cogging
 from cogging.diagnosis.entries import Gap, Step
-from cogging.plot.canvas import Panels
-from cogging.plot.gaps import shares
-from cogging.plot.scales import pretty, scale_of
-from cogging.plot.series import COLOURS, look, marker, named
-from cogging.plot.traces import UNITS, gaps, trace
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE
 
 PREFIXES = {"": 1.0, "m": 1e3, "µ": 1e6, "n": 1e9}
@@ -43,29 +36,20 @@ def in_si(label, values):
     return np.asarray(values, dtype=float) / FACTORS[unit[1:-1]]
 
 
-def drawn_log(seed, rows):
-    """A log of drawn sizes: seconds to milliseconds, metres to micrometres; some have lost rows."""
+@pytest.mark.parametrize("seed", range(4))
+def test_a_log_is_drawn_row_by_row_with_gaps(seed):
+    """Seconds to milliseconds, metres to micrometres, with jitter; lost rows are not bridged."""
     rng = np.random.default_rng(seed)
-    step = 10.0 ** rng.uniform(-5, -2)
-    time = rng.uniform(0, 5) + step * np.arange(rows)
+    rows, step = 500, 10.0 ** rng.uniform(-5, -2)
     size, volts = 10.0 ** rng.uniform(-7, 0.5), 10.0 ** rng.uniform(-4, 3)
-    position = size * np.cumsum(rng.normal(size=rows))
-    kept = np.ones(rows, dtype=bool)
-    lost = int(rng.integers(0, 3))
-    if lost and rows > 50:
-        kept[rows // 3 : rows // 3 + lost] = False
-    reference = None if seed % 3 == 0 else (position + 1e-3 * size * rng.normal(size=rows))[kept]
-    command = volts * rng.normal(size=rows)
-    return cogging.Log(time[kept], position[kept], command[kept], reference), lost if rows > 50 else 0
-
-
-@pytest.mark.parametrize("rows", [2, 3, 2000])
-@pytest.mark.parametrize("seed", range(3))
-def test_a_log_is_drawn_row_by_row_with_gaps(seed, rows):
-    log, lost = drawn_log(seed, rows)
+    time = step * (np.arange(rows) + 0.3 * rng.uniform(-0.5, 0.5, rows))
+    position, command = size * np.cumsum(rng.normal(size=rows)), volts * rng.normal(size=rows)
+    reference = position + 1e-3 * size * rng.normal(size=rows)
+    kept, lost = np.ones(rows, dtype=bool), seed % 3
+    kept[rows // 3 : rows // 3 + lost] = False
+    log = cogging.Log(time[kept], position[kept], command[kept], reference[kept] if seed % 2 else None)
     panels = cogging.plot.log(log)
-    names = ["position", *(["error"] if log.reference is not None else []), "command"]
-    assert len(panels) == len(names)
+    names = ["position", *(["error"] if seed % 2 else []), "command"]
     assert panels[-1].get_xlabel().startswith("time (")
     for panel, name in zip(panels, names, strict=True):
         assert panel.get_ylabel().startswith(f"{name} (")
@@ -74,44 +58,16 @@ def test_a_log_is_drawn_row_by_row_with_gaps(seed, rows):
         assert missing.sum() == (lost > 0)  # one gap, however many rows it is long
         assert in_si(panel.get_ylabel(), y[~missing]) == pytest.approx(getattr(log, name), rel=1e-12)
         assert in_si(panels[-1].get_xlabel(), x[~missing]) == pytest.approx(log.time, rel=1e-12)
-        largest = np.nanmax(np.abs(y))
-        assert largest >= 0.99 or "nm" in panel.get_ylabel() or "V" in panel.get_ylabel()
-    assert (len(panels[0].lines) == 2) == (log.reference is not None)
 
 
-@pytest.mark.parametrize("rows", [50_000, 400_000])
-def test_a_long_log_is_an_envelope_that_loses_no_peak(rows):
-    rng = np.random.default_rng(rows)
-    time = 1e-4 * np.arange(rows)
-    values = rng.normal(size=rows)
-    values[rng.integers(0, rows, 3)] = (40.0, -50.0, 60.0)
-    log = cogging.Log(time, values, values)
-    (panel,) = cogging.plot.log(log, ["command"])
+def test_a_long_log_is_an_envelope_that_loses_no_peak():
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=400_000)
+    values[rng.integers(0, values.size, 3)] = (40.0, -50.0, 60.0)
+    (panel,) = cogging.plot.log(cogging.Log(1e-4 * np.arange(values.size), values, values), ["command"])
     y = np.asarray(panel.lines[0].get_ydata())
     assert len(y) < 10_000
     assert in_si(panel.get_ylabel(), [y.min(), y.max()]) == pytest.approx([values.min(), values.max()])
-    x, y = trace(time, values, 700)
-    for first in rng.integers(0, 699, 50):  # each pixel has its own least and largest
-        inside = np.minimum((time / time[-1] * 700).astype(int), 699) == first
-        left = np.searchsorted(x, time[inside][0], "left")
-        right = np.searchsorted(x, time[inside][-1], "right")
-        assert y[left:right].min() == values[inside].min()
-        assert y[left:right].max() == values[inside].max()
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_lost_row_is_told_from_jitter_and_not_bridged(seed):
-    rng = np.random.default_rng(seed)
-    step = 10.0 ** rng.uniform(-5, -1)
-    jitter = rng.uniform(0.0, 0.3)
-    time = step * (np.arange(500) + jitter * rng.uniform(-0.5, 0.5, size=500))
-    lost = np.sort(rng.choice(np.arange(5, 495, 3), 4, replace=False))
-    assert not gaps(time).any()
-    assert list(np.flatnonzero(gaps(np.delete(time, lost)))) == [row - 1 - k for k, row in enumerate(lost)]
-    long = np.delete(step * np.arange(100_000), slice(50_000, 60_000))
-    x, y = trace(long, np.ones(long.size), 800)
-    (missing,) = np.flatnonzero(np.isnan(y))
-    assert [x[missing - 1], x[missing + 1]] == pytest.approx(step * np.array([49_999, 60_000]), abs=20 * step)
 
 
 def test_columns_of_a_table_and_units_of_the_model():
@@ -121,7 +77,12 @@ def test_columns_of_a_table_and_units_of_the_model():
     assert (position.get_ylabel(), warm.get_ylabel()) == ("position (mm)", "temperature")
     rotary = cogging.simulate(MODEL.replace(units=AMPERES), MOVE, seed=1)
     assert rotary.units == AMPERES
-    labels = [panel.get_ylabel() for panel in cogging.plot.log(rotary, list(UNITS)[:6])]
+    labels = [
+        panel.get_ylabel()
+        for panel in cogging.plot.log(
+            rotary, ["position", "reference", "error", "command", "reference_velocity", "reference_acceleration"]
+        )
+    ]
     assert labels == [
         "position (mrad)", "reference (mrad)", "error (µrad)", "command (A)",
         "reference velocity (rad/s)", "reference acceleration (rad/s²)",
@@ -145,19 +106,15 @@ def test_errors_of_several_logs():
 # Maps and spectra -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("order", [0, 3])
-def test_the_band_of_a_map_holds_the_truth_as_often_as_it_says(order):
+def test_the_band_of_a_map_holds_the_truth_as_often_as_it_says():
     """95 % of places, over noises drawn anew."""
-    held = []
-    for seed in range(25):
-        rng = np.random.default_rng(seed)
-        x = np.linspace(0.0, 0.4, 1601)
-        truth = 0.1 * np.sin(2 * np.pi * x / 0.05) + 0.04 * np.cos(6 * np.pi * x / 0.05)
-        noisy = truth + 0.02 * rng.normal(size=x.size)
-        fit = cogging.fit_map(x, noisy, pitch=0.05, harmonics=[1, 3], order=order)
+    held, x = [], np.linspace(0.0, 0.4, 1601)
+    truth = 0.1 * np.sin(2 * np.pi * x / 0.05) + 0.04 * np.cos(6 * np.pi * x / 0.05)
+    for seed in range(20):
+        noisy = truth + 0.02 * np.random.default_rng(seed).normal(size=x.size)
+        fit = cogging.fit_map(x, noisy, pitch=0.05, harmonics=[1, 3], order=3)
         ax = cogging.plot.cogging_map(fit, position=x)
-        (band,) = ax.collections
-        edge = band.get_paths()[0].vertices
+        edge = ax.collections[0].get_paths()[0].vertices
         lower, upper = edge[1 : x.size + 1, 1], edge[x.size + 2 : 2 * x.size + 2, 1][::-1]
         held.append(np.mean((lower <= truth) & (truth <= upper)))
         assert ax.lines[-1].get_ydata() == pytest.approx(fit.cogging.force(x))
@@ -198,49 +155,33 @@ def test_spectra():
 # What was learned, what is left --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("harmonics", "points"), [([], 1), ([1, 3], 4)])
-def test_adaptation_stands_against_its_bounds(harmonics, points):
+def test_adaptation_is_drawn_with_its_bounds():
     bounds = {"mass_bounds": (0.05, 0.3), "cogging_bounds": (-0.2, 0.3), "viscous_bounds": (0.0, 0.7)}
-    spline = {"cogging_control_points": points, "cogging_order": 1} if points > 1 else {}
-    parameters = cogging.AdaptiveRobustParameters(
-        cogging_harmonics=harmonics, cogging_adaptation=5.0, mass_adaptation=1.0, epsilon=0.1, **bounds, **spline
-    )
+    spline = {"cogging_harmonics": [1, 3], "cogging_control_points": 4, "cogging_order": 1}
+    parameters = cogging.AdaptiveRobustParameters(cogging_adaptation=5.0, mass_adaptation=1.0, **bounds, **spline)
     log = cogging.simulate(MODEL, MOVE, controller=cogging.Dcarc(parameters), record_estimates=True)
     panels = cogging.plot.adaptation(log)
-    count = log.estimates.shape[1]
-    assert len(panels) == min(count, 12)
-    ends = [(0.05, 0.3), (0.0, 0.7), parameters.coulomb_bounds, parameters.disturbance_bounds]
-    ends += [(-0.2, 0.3)] * (count - 4)
+    assert len(panels) == 12
+    ends = [(0.05, 0.3), (0.0, 0.7), parameters.coulomb_bounds, parameters.disturbance_bounds, *[(-0.2, 0.3)] * 8]
     for place, panel in enumerate(panels):
         learned, low, high = (np.asarray(line.get_ydata()) for line in panel.lines)
-        factor = 1e3 if "mV" in panel.get_ylabel() else 1.0
+        factor, values = 1e3 if "mV" in panel.get_ylabel() else 1.0, log.estimates[:, place]
         assert [low[0], high[0]] == pytest.approx(factor * np.array(ends[place]))
-        values = log.estimates[:, place]
-        assert [learned[0], learned.min(), learned.max()] == pytest.approx(
-            factor * np.array([values[0], values.min(), values.max()])
-        )
+        expected = factor * np.array([values[0], values.min(), values.max()])
+        assert [learned[0], learned.min(), learned.max()] == pytest.approx(expected)
     assert panels[0].get_ylabel() == "mass (V/(m/s²))"
-    if harmonics:
-        point = ", point 0" if points > 1 else ""
-        assert panels[4].get_ylabel().startswith(f"sine {harmonics[0]}{point} (")
-    (one,) = cogging.plot.adaptation(log, [(0.0, 1.0)] * count, names=[f"n{k}" for k in range(count)], which=["n2"])
-    assert [list(line.get_ydata()) for line in one.lines[1:]] == [[0.0, 0.0], [1.0, 1.0]]
+    assert panels[4].get_ylabel().startswith("sine 1, point 0 (")
     (one,) = cogging.plot.adaptation(log, {}, which=[1])
     assert len(one.lines) == 1
 
 
 def test_a_residual_in_bins_is_the_mean_of_its_rows():
     rng = np.random.default_rng(1)
-    x = rng.uniform(-1.0, 1.0, 20_000) * 10.0 ** rng.uniform(-2, 1)
-    truth = 0.3 * x / np.abs(x).max()
-    (panel,) = cogging.plot.residual(x, truth + 0.05 * rng.normal(size=x.size), "velocity")
+    x = rng.uniform(-1.0, 1.0, 20_000)
+    (panel,) = cogging.plot.residual(x, 0.3 * x + 0.05 * rng.normal(size=x.size), "velocity")
     place = in_si(panel.get_xlabel(), panel.lines[1].get_xdata())
-    mean = in_si(panel.get_ylabel(), panel.lines[1].get_ydata())
     assert len(place) == 40
-    assert mean == pytest.approx(0.3 * place / np.abs(x).max(), abs=0.01)
-    edge = in_si(panel.get_ylabel(), panel.collections[0].get_paths()[0].vertices[:, 1])
-    half = 0.5 * np.mean(edge[42:82][::-1] - edge[1:41])
-    assert half == pytest.approx(1.96 * 0.05 / np.sqrt(500.0), rel=0.15)
+    assert in_si(panel.get_ylabel(), panel.lines[1].get_ydata()) == pytest.approx(0.3 * place, abs=0.01)
 
 
 def test_rows_of_one_block_are_no_independent_observations():
@@ -261,31 +202,23 @@ def step(name, before, after, accepted=True):
     return Step(name, accepted, "", 10.0, before, after, None, None)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 5])
-def test_shares_of_a_ledger_add_up_and_are_drawn_end_to_end(seed):
-    rng = np.random.default_rng(seed)
-    sizes = np.sort(rng.uniform(0.1, 1.0, 5))[::-1]
-    if seed == 5:  # an effect with which the gap rose
-        sizes[[2, 3]] = sizes[[3, 2]]
-    given = None if seed % 2 else 1.3
+@pytest.mark.parametrize("given", [None, 1.3])
+def test_shares_of_a_ledger_add_up_and_are_drawn_end_to_end(given):
+    sizes = np.array([0.9, 0.7, 0.72, 0.4])  # with the second effect the gap rose
     steps = [step(f"effect_{k}", *pair) for k, pair in enumerate(itertools.pairwise(sizes))]
     steps.insert(2, step("refused", None, None, accepted=False))
-    found = EXAMPLES["Diagnosis"]
-    found = cogging.Diagnosis(
-        "named", (), None, gap_of(given, sizes[0], 0.9 * sizes[-1], 0.05), None, found.model, found.nominal,
-        ledger=tuple(steps),
-    )  # fmt: skip
-    parts = shares(found)
-    assert sum(share for *_, share in parts) == pytest.approx(1.0)
-    whole = (given or sizes[0]) ** 2
-    assert [name for name, kind, _ in parts if kind == "effect"] == [f"effect {k}" for k in range(4)]
-    assert [share for _, kind, share in parts if kind == "effect"] == pytest.approx(-np.diff(sizes**2) / whole)
-    assert {name: share for name, _, share in parts}["noise and quantiser"] == pytest.approx(0.05**2 / whole)
+    gap = gap_of(given, sizes[0], 0.9 * sizes[-1], 0.05)
+    found = cogging.Diagnosis("named", (), None, gap, None, MODEL, MODEL, ledger=tuple(steps))
     ax = cogging.plot.ledger(found)
-    bars = [(bar.get_x(), bar.get_width()) for bar in ax.patches]
-    assert [width for _, width in bars] == pytest.approx([100.0 * share for *_, share in parts])
-    assert [x for x, _ in bars[1:]] == pytest.approx([x + width for x, width in bars[:-1]], abs=1e-9)
-    assert [text.get_text() for text in ax.get_yticklabels()] == [name for name, *_ in parts]
+    names = [text.get_text() for text in ax.get_yticklabels()]
+    widths = {name: bar.get_width() for name, bar in zip(names, ax.patches, strict=True)}
+    whole = (given or sizes[0]) ** 2
+    assert sum(widths.values()) == pytest.approx(100.0)
+    effects = [widths[name] for name in names if name.startswith("effect ")]
+    assert effects == pytest.approx(-100.0 * np.diff(sizes**2) / whole)
+    assert widths["noise and quantiser"] == pytest.approx(100.0 * 0.05**2 / whole)
+    places = [bar.get_x() for bar in ax.patches]
+    assert places[1:] == pytest.approx(np.cumsum(list(widths.values()))[:-1], abs=1e-9)
 
 
 # Friction, fits, many runs --------------------------------------------------------------------------------------------
@@ -296,18 +229,13 @@ def test_friction():
     ax = cogging.plot.friction_curve(curve)
     assert in_si(ax.get_ylabel(), ax.lines[0].get_ydata()) == pytest.approx(curve.force[curve.velocity > 0])
     best = next(line for line in ax.lines if line.get_label() == curve.best.name.replace("_", " "))
-    assert best.get_linestyle() == "-"
     assert in_si(ax.get_ylabel(), best.get_ydata()) == pytest.approx(curve.best.force(best.get_xdata()))
     ax = cogging.plot.friction_curve(curve, by_speed=True)
     assert min(np.min(line.get_xdata()) for line in ax.lines) > 0.0
-    assert ax.get_xlabel() == "speed (m/s)"
     machine = MODEL.replace(effects=[cogging.effects.QuadraticDrag(coefficient=0.3), *MODEL.effects])
-    ax = cogging.plot.friction_curve(machine, fastest=0.8)
-    v = np.asarray(ax.lines[1].get_xdata())
-    law = 0.15 * 2 / np.pi * np.arctan(v / 0.01) + 0.166 * v + 0.3 * v**2
-    assert ax.lines[1].get_ydata() == pytest.approx(law)
-    ax = cogging.plot.friction_curve([0.1, 0.2], [1.0, 2.0])
-    assert list(ax.lines[0].get_ydata()) == [1.0, 2.0]
+    (_, line, *_) = cogging.plot.friction_curve(machine, fastest=0.8).lines
+    v = np.asarray(line.get_xdata())
+    assert line.get_ydata() == pytest.approx(0.3 / np.pi * np.arctan(v / 0.01) + 0.166 * v + 0.3 * v**2)
 
 
 def test_intervals_of_a_fit():
@@ -321,18 +249,15 @@ def test_intervals_of_a_fit():
     assert "mass: 0.12 V/(m/s²)" in ax.get_yticklabels()[0].get_text()
 
 
-@pytest.mark.parametrize("second", [None, [0.1, 0.2], list(np.linspace(0.1, 0.2, 9))])
+@pytest.mark.parametrize("second", [[0.1, 0.2], list(np.linspace(0.1, 0.2, 9))])
 def test_a_sweep_is_lines_of_a_grid_or_points(second):
-    vary = {"axis.mass": [0.11, 0.13, 0.12]} | ({"axis.coulomb": second} if second else {})
+    vary = {"axis.mass": [0.11, 0.13, 0.12], "axis.coulomb": second}
     runs = cogging.sweep(MODEL, MOVE, vary, duration=0.05)
     ax = cogging.plot.sweep(runs, "error_max", "axis.mass")
-    lines = [line for line in ax.lines if line.get_linestyle() != "None"]
-    if second is None or len(second) == 2:
-        assert len(lines) == len(second or [0])
-        assert list(lines[0].get_xdata()) == [0.11, 0.12, 0.13]
-        drawn = np.sort(np.concatenate([line.get_ydata() for line in lines]))
-    else:
-        drawn = np.sort(ax.lines[0].get_ydata())
+    lines = [line for line in ax.lines if line.get_linestyle() != "None"] if len(second) == 2 else ax.lines[:1]
+    if len(second) == 2:
+        assert [list(line.get_xdata()) for line in lines] == [[0.11, 0.12, 0.13]] * 2
+    drawn = np.sort(np.concatenate([line.get_ydata() for line in lines]))
     assert in_si(ax.get_ylabel(), drawn) == pytest.approx(np.sort(runs.table["error_max"]))
     assert ax.get_xlabel() == "axis.mass (V/(m/s²))"
     table = {**runs.table, "error_rms": np.where(np.arange(len(runs)) == 0, np.nan, 1e-6)}
@@ -374,16 +299,12 @@ PICTURES = {
                           ledger=(step("cable_spring", 1.0, 0.5),)),
     ),
 }  # fmt: skip
-EVERY = pytest.mark.parametrize("name", sorted(PICTURES))
+EVERY = pytest.mark.parametrize("name", cogging.plot.__all__)
 
 
 def given(name):
     """The arguments of one picture; some are computed when they are first asked for."""
     return PICTURES[name]() if callable(PICTURES[name]) else PICTURES[name]
-
-
-def test_every_function_is_here():
-    assert sorted(PICTURES) == sorted(cogging.plot.__all__)
 
 
 @EVERY
@@ -392,11 +313,10 @@ def test_axes_are_taken_and_returned(name):
     axes = Figure().subplots(2)[1]
     axes.plot([0.0], [0.0], label="my own")
     found = function(*given(name), ax=axes)
-    assert (found[0] if isinstance(found, Panels) else found) is axes
+    assert axes in np.atleast_1d(np.asarray(list(found) if hasattr(found, "__len__") else found, dtype=object))
     assert axes.lines[0].get_label() == "my own"
     assert axes.get_xlabel()
     found = function(*given(name))
-    assert isinstance(found, Panels | Axes)
     assert found._repr_png_().startswith(b"\x89PNG")
 
 
@@ -443,87 +363,25 @@ RESULTS = ["Log", "MapFit", "FrictionCurve", "Identification", "Location", "Erro
 RESULTS += ["Tuning", "SweepRuns", "ExperimentPlan", "Model"]
 
 
-def batch():
-    sine = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01, frequency=2.0))
-    given = {"duration": 0.1, "seeds": [1, 2, 3], "logs": True}
-    return cogging.closed_loop_batch([MODEL.plant()] * 3, [MODEL.make_controller()] * 3, sine, **given)
-
-
-@pytest.mark.parametrize("name", [*RESULTS, "Batch"])
+@pytest.mark.parametrize("name", RESULTS)
 def test_every_result_draws_itself(name):
-    value = batch() if name == "Batch" else EXAMPLES[name]
-    figure = value.plot()
+    figure = EXAMPLES[name].plot()
     assert isinstance(figure, Figure)
-    assert figure._repr_png_().startswith(b"\x89PNG")
     axes = np.array(Figure().subplots(len(figure.axes), squeeze=False)).ravel()
-    assert value.plot(ax=axes) is axes[0].figure
+    assert EXAMPLES[name].plot(ax=axes) is axes[0].figure
     for mine, theirs in zip(axes, figure.axes, strict=True):
         assert len(mine.lines) == len(theirs.lines)
         assert mine.get_ylabel() == theirs.get_ylabel()
 
 
-# Looks ----------------------------------------------------------------------------------------------------------------
-
-
-def lightness(colour, blind=False):
-    """CIE lightness of a colour, 0 to 100; and where red and green cones are one, its place on yellow to blue."""
-    rgb = np.array(mpl.colors.to_rgb(colour))
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    if not blind:
-        y = linear @ (0.2126, 0.7152, 0.0722)
-        return 116.0 * np.cbrt(y) - 16.0 if y > 0.008856 else 903.3 * y
-    # Vienot, Brettel and Mollon 1999: red and green as a deuteranope sees them, both the same mixture.
-    seen = np.array([[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]]) @ linear
-    shown = np.clip(seen, 0.0, 1.0) ** (1.0 / 2.4)
-    return 100.0 * shown
-
-
-def test_neighbouring_series_differ_without_colours():
-    for place in range(20):
-        assert look(place)["linestyle"] != look(place + 1)["linestyle"]
-        assert marker(place) != marker(place + 1)
-        assert look(place) != look(place + 7)
-
-
-@pytest.mark.parametrize("place", range(3))
-def test_the_first_colours_differ_in_grey_and_to_the_colour_blind(place):
-    """Where traces are dense a line has no dashes to be told by."""
-    one, other = (look(k, dense=True)["color"] for k in (place, place + 1))
-    assert abs(lightness(one) - lightness(other)) > 20.0
-    assert np.linalg.norm(lightness(one, blind=True) - lightness(other, blind=True)) > 30.0
-    assert all(lightness(colour) < 80.0 for colour in COLOURS)  # on white
-
-
-@pytest.mark.parametrize("unit", ["m", "V", "s", "m/s", "N", "V/(m/s^2)", "1"])
-@pytest.mark.parametrize("power", [-8, -4, -1, 3])
-def test_a_scale_suits_the_size(unit, power):
-    size = 3.0 * 10.0**power
-    scale = scale_of(unit, [-size, 0.1 * size, np.nan], None)
-    assert scale(size) == pytest.approx(size * FACTORS.get(scale.unit, 1.0) if unit != "N" else size * scale.factor)
-    if unit in ("m", "s"):
-        assert 1.0 <= scale(size) < 1000.0 or scale.unit in ("nm", "ns") or power > 2 or scale.unit in ("m", "s")
-    if unit in ("V/(m/s^2)", "1"):
-        assert scale.factor == 1.0
-    assert scale.label("x") == ("x" if unit == "1" else f"x ({scale.unit})")
-
-
-def test_units_are_written_as_they_are_read():
-    assert [pretty(unit) for unit in ("um", "urad", "V/(m/s^2)", "us", "unit", "Nm", "V/sqrt(Hz)")] == [
-        "µm", "µrad", "V/(m/s²)", "µs", "unit", "Nm", "V/√Hz",
-    ]  # fmt: skip
-    counts = cogging.Units(command="%", position="mm")  # what has a prefix already takes no other
-    assert scale_of("m", [1e-3], units=counts).unit == "mm"
-    assert named("\x1b[31m" + "x" * 100).isprintable()
-    assert len(named("x" * 100)) < 60
+def test_a_batch_draws_its_logs():
+    sine = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01, frequency=2.0))
+    options = {"duration": 0.1, "seeds": [1, 2, 3], "logs": True}
+    batch = cogging.closed_loop_batch([MODEL.plant()] * 3, [MODEL.make_controller()] * 3, sine, **options)
+    assert max(len(axes.lines) for axes in batch.plot().axes) >= 3
 
 
 # Where figures live ---------------------------------------------------------------------------------------------------
-
-
-def test_threads_draw_at_once():
-    with ThreadPoolExecutor(6) as pool:
-        faces = pool.map(lambda _: cogging.plot.error(LOG).figure.get_facecolor(), range(18))
-    assert len(set(faces)) == 1
 
 
 def test_pyplot_has_a_figure_only_where_a_window_shows_it(monkeypatch):

@@ -73,16 +73,6 @@ def test_quantiles_of_a_long_run_are_within_their_tolerance():
     assert (got != exact).any()  # it is the histogram that is held to it
 
 
-def test_an_axis_at_rest_has_no_wave():
-    still = cogging.Sampled([0.0, 0.5, 1.0], [0.1, 0.1, 0.1])
-    pid = cogging.Pid(cogging.PidParameters(kp=5e3, kd=40.0))
-    batch = cogging.closed_loop_batch(
-        [cogging.Plant(AXIS)], [pid], still, duration=1.0, reductions=["error_wave(0.05)", "error_tone(5)"]
-    )
-    assert np.isnan(batch.indexes["error_wave(0.05)"]).all()
-    assert batch.indexes["error_tone(5)"] == 0.0
-
-
 def test_logs_and_slices_of_a_batch_with_a_diverged_run():
     plants = [cogging.Plant(AXIS)] * 4
     pids = [cogging.Pid(cogging.PidParameters(kp=kp, kd=40.0)) for kp in (5e3, 5e3, 1e9, 5e3)]

@@ -11,7 +11,7 @@ import cogging
 from cogging import _core
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.log_columns import columns_of
-from tests.fixtures.plants_by_hand import EXAMPLES, effect
+from tests.fixtures.plants_by_hand import EXAMPLES, example
 from tests.golden.logs import CONTROLLERS as FIELDS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,35 +21,18 @@ MOVE = cogging.Sine(cogging.SineParameters(center=0.05, amplitude=0.03, frequenc
 TUNED = FIELDS | {"pid": FIELDS["pid"] | {"command_limit": 0.0}}
 PACKED_GAINS = {"pid": "kp", "cascade": "kv", "speed": "kp", "arc": "feedback_gain", "dcarc": "error_gain"}
 HAS_STATE = {"presliding_friction", "backlash", "flexible_mode"}
-KEPT = {
-    "reductions": [
-        "command_max",
-        "true_error_rms",
-        "error_final",
-        "error_quantile(0.9)",
-        "error_tone(6.0)",
-        "command_wave(0.02)",
-    ],
-    "columns": ["time", "command", "true_velocity"],
-    "every": 7,
-}
-RIVALS = [{"backlash", "flexible_mode"}]
+KEPT = {"columns": ["time", "command", "true_velocity"], "every": 7}
+KEPT["reductions"] = ["command_max", "true_error_rms", "error_quantile(0.9)", "error_tone(6.0)", "command_wave(0.02)"]
 
 
-def differing(rng, fields):
-    """The fields of an effect with each number a little different, and lists as they are."""
-    return {
-        name: value * rng.uniform(0.9, 1.1) if isinstance(value, float) else value for name, value in fields.items()
-    }
+def numbers(effect):
+    return [(name, value) for name, value in effect.to_dict().items() if isinstance(value, float)]
 
 
 def drawn_effects(rng):
-    """One to four kinds of effects, each once; of those that exclude each other one."""
+    """One to four kinds of effects, each once; of the two loads on a motor one."""
     names = set(rng.choice(sorted(EXAMPLES), size=int(rng.integers(1, 5)), replace=False))
-    if rng.random() < 0.7:
-        names -= HAS_STATE
-    for rivals in RIVALS:
-        names -= set(sorted(names & rivals)[1:])
+    names -= HAS_STATE if rng.random() < 0.7 else {"backlash"}
     return sorted(names)
 
 
@@ -71,8 +54,11 @@ def drawn_family(kind, seed):
             travel=[-0.2, 0.6],
         )
         model = cogging.CoggingModel(basis, *(0.05 * rng.normal(size=(2, 2, 9))))
-        fields = {name: differing(rng, EXAMPLES[name][0]) if differ else EXAMPLES[name][0] for name in names}
-        effects = [effect(name, **fields[name]) for name in names]
+        effects = [example(name) for name in names]
+        if differ:
+            effects = [
+                one.replace(**{name: rng.uniform(0.9, 1.1) * value for name, value in numbers(one)}) for one in effects
+            ]
         encoder = cogging.EncoderParameters(resolution=1e-6 * rng.uniform(0.5, 2), noise=1e-7 * rng.integers(2))
         plants.append(cogging.Plant(axis, cogging=model, effects=effects, encoder=encoder, noise=noise))
         settings = struct(**TUNED[kind])
@@ -111,7 +97,7 @@ def assert_same(batch, alone):
             assert one[name].tobytes() == other[name].tobytes(), (i, name)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_a_run_in_a_pack_has_the_bits_of_the_run_alone(kind, seed, monkeypatch):
     plants, controllers, seeds, names, sticks = drawn_family(kind, [seed, *kind.encode()])
@@ -166,7 +152,6 @@ def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
 @pytest.mark.parametrize(
     ("kp", "width", "where", "message"),
     [
-        (1e7, 0.003, 3, "diverged at"),
         (1e7, 0.003, 8, "diverged at"),
         (1e12, 0.0, 3, "^axis: must change slowly enough"),  # more periods of a wave in a sample than steps are allowed
         (1e12, 0.003, 8, "^axis: must change slowly enough"),
@@ -189,16 +174,9 @@ def test_a_diverging_run_has_the_reason_that_it_has_alone(kp, width, where, mess
 
 
 def test_an_unknown_instruction_set_is_one_line(monkeypatch):
-    for name in ("v9", "avx2", "V3", " "):
-        monkeypatch.setenv("COGGING_INSTRUCTIONS", name)
-        with pytest.raises(ValueError, match=r"^COGGING_INSTRUCTIONS: must be one that this ") as error:
-            cogging.closed_loop_batch([], [], MOVE, duration=0.1)
-        text = str(error.value)
-        assert "\n" not in text
-        assert text.endswith(f'none, got "{name}"')
-        assert all(known in text for known in _core.instruction_sets())
-    monkeypatch.setenv("COGGING_INSTRUCTIONS", "")
-    assert _core.instruction_set() == list(_core.instruction_sets() or ["none"])[-1]
+    monkeypatch.setenv("COGGING_INSTRUCTIONS", "v9")
+    with pytest.raises(ValueError, match=r'^COGGING_INSTRUCTIONS: must be one that this [^\n]*none, got "v9"$'):
+        cogging.closed_loop_batch([], [], MOVE, duration=0.1)
 
 
 def test_no_function_of_an_instruction_set_has_a_name_outside_of_its_object():

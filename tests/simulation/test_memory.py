@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import resources
 from tests.fixtures import command_files
 
 limited = pytest.mark.skipif(sys.platform != "linux", reason="addresses are counted on Linux alone")
@@ -71,27 +70,6 @@ def test_what_does_not_fit_is_refused():
     assert in_parts.startswith(at_once.partition(" take ")[0])
     assert of_some.startswith(f"duration: {LINE}30 runs of 100001 rows of 5 columns take 120 MB and ")
     assert (rows, made) == ("10001 {}", "1000001")
-
-
-@pytest.mark.parametrize(
-    ("requires", "message"),
-    [
-        (
-            lambda much: resources.require_rows("identify", [range(much)], 10),
-            "rows: .*the tables of identify, 2e.03 bytes",
-        ),
-        (
-            lambda much: resources.require_rows("audit", [range(much), range(2)]),
-            "rows: .*the tables of audit, 500 bytes",
-        ),
-        (lambda much: resources.require_machines("samples", much, 4), "samples: .*[0-9]+ machines take"),
-        (lambda much: resources.require_table("rows", much, 6, 4.0), "rows: .*6 columns, 4 times, take"),
-    ],
-)
-def test_tables_are_counted_before_they_are_made(requires, message):
-    requires(10_000)
-    with pytest.raises(ValueError, match=f"^{message}.* are free, got [0-9.e+]+$"):
-        requires(10**13)
 
 
 def test_results_of_calls_are_counted():

@@ -1,12 +1,10 @@
 """Controllers in Python or compiled where one of the core is expected, and the one line for what is wrong with them."""
 
-import copy
 import ctypes
 import decimal
 import fractions
 import functools
 import gc
-import pickle
 import re
 import signal
 import sys
@@ -21,15 +19,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cogging
-from cogging.model.model import CONTROLLERS
 from tests.fixtures.log_columns import columns_of
 from tests.fixtures.own_controllers import (
-    AXIS,
     MODEL,
     MOVE,
     PLANT,
     RATE,
-    Delegating,
     Failing,
     Giving,
     Leaky,
@@ -72,7 +67,7 @@ gains = st.floats(0.0, 1.0)
     st.sampled_from([0.0, 0.4, 3.0]),
     st.integers(0, 1000),
 )
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_a_pid_in_python_gives_the_bits_of_the_core(gains, velocity, width, limit, seed):
     names, sizes = ("kp", "ki", "kd", "mass", "viscous", "coulomb"), (9600.0, 1e5, 48.0, 0.2, 0.3, 0.3)
     fields = {name: gain * size for name, gain, size in zip(names, gains, sizes, strict=True)}
@@ -133,11 +128,6 @@ def test_a_controller_of_the_core_in_one_of_python():
     pid = cogging.Pid(cogging.PidParameters(kp=9600.0, ki=1e5, kd=48.0))
     same(loop(Wrapped(pid, 0.0)), loop(pid))
     assert not np.array_equal(loop(Wrapped(pid, 0.05)).command, loop(pid).command)
-    for kind, (struct, controller) in CONTROLLERS.items():
-        one = controller(struct())
-        for copied in (copy.copy(one), copy.deepcopy(one)):
-            assert type(copied) is controller, kind
-            copied.update(1.0)
 
 
 # A run is pure --------------------------------------------------------------------------------------------------------
@@ -152,13 +142,6 @@ def test_the_object_is_not_changed_and_reset_before_each_run():
     learned = dict(vars(mine))
     same(loop(mine), first)
     assert vars(mine) == learned
-    used = compiled()
-    fresh = loop(used)
-    used.command((0.1, 0.0, 0.0), 0.3)
-    moved = used.estimates.copy()
-    assert moved.any()
-    same(loop(used), fresh)
-    np.testing.assert_array_equal(used.estimates, moved)
 
 
 def test_what_cannot_be_copied_is_refused():
@@ -169,27 +152,6 @@ def test_what_cannot_be_copied_is_refused():
             TypeError, match=rf"^controller: .*copy\.deepcopy.*got {type(controller).__name__}, .*{why}"
         ):
             loop(controller)
-
-
-def test_references_are_values():
-    """What a controller keeps of one sample is not changed by the next; each unpacks, compares and pickles."""
-    kept = []
-
-    class Keeps(Proportional):
-        def __deepcopy__(self, memo):
-            return self
-
-        def command(self, reference, reading):
-            kept.append((reference, reading))
-            return super().command(reference, reading)
-
-    log = loop(Keeps())
-    assert [reading for _, reading in kept] == log.position.tolist()
-    names = ("reference", "reference_velocity", "reference_acceleration")
-    np.testing.assert_array_equal([point for point, _ in kept], np.column_stack([getattr(log, name) for name in names]))
-    point = kept[100][0]
-    assert isinstance(point, cogging.ReferencePoint)
-    assert pickle.loads(pickle.dumps(point)) == (point.position, point.velocity, point.acceleration)
 
 
 def test_a_model_without_a_controller_and_what_the_log_says(tmp_path):
@@ -220,58 +182,55 @@ def test_a_prediction_accepts_one():
 
 # What a command may be ------------------------------------------------------------------------------------------------
 
-NUMBERS = [1, -1, 0, np.float32(0.5), np.float64(0.25), np.int8(1), np.array(0.5), np.array(1), np.longdouble(0.5)]
-NUMBERS += [fractions.Fraction(1, 4), decimal.Decimal("0.5"), np.uint64(1)]
-NO_NUMBERS = [None, True, np.True_, "1.0", b"1", float("nan"), float("inf"), -float("inf"), np.float32("nan"), 10**400]
-NO_NUMBERS += [np.array([0.5]), np.zeros((1, 1)), [0.5], 1j, np.complex64(1.0), object(), lambda: 0.5, Ellipsis]
+NUMBERS = [1, np.float32(0.5), np.int8(1), np.array(0.5), fractions.Fraction(1, 4), decimal.Decimal("0.5")]
+NO_NUMBERS = [None, True, "1.0", float("nan"), -float("inf"), np.float32("nan"), 10**400, np.array([0.5]), [0.5], 1j]
 
 
-@pytest.mark.parametrize("value", NUMBERS, ids=kind_of)
-def test_numbers_of_every_kind_are_commands(value):
-    np.testing.assert_array_equal(loop(Giving(value), duration=0.02).command, np.full(101, float(value)))
+def test_numbers_of_every_kind_are_commands():
+    for value in NUMBERS:
+        np.testing.assert_array_equal(loop(Giving(value), duration=0.02).command, np.full(101, float(value)))
 
 
-@pytest.mark.parametrize("value", NO_NUMBERS, ids=kind_of)
-def test_a_command_that_is_no_finite_number_is_refused(value):
+RAISED = [ZeroDivisionError("by zero"), cogging.DivergedError("mine"), StopIteration(), OSError(2, "a\nb")]
+FAILURES = [*(Giving(value, 217) for value in NO_NUMBERS), *(Failing(217, error) for error in RAISED)]
+
+
+@pytest.mark.parametrize("controller", FAILURES, ids=kind_of)
+def test_a_command_that_fails_or_is_no_finite_number_is_reported_with_row_and_time(controller):
     with pytest.raises(cogging.ControllerError) as raised:
-        loop(Giving(value, 217), duration=0.1)
-    text = str(raised.value)
-    assert text.startswith("controller: Giving: command must give a finite number, got ")
+        loop(controller, duration=0.1)
+    text, error = str(raised.value), getattr(controller, "error", None)
+    what = f"raised {type(error).__name__}" if error else "must give a finite number, got "
+    assert text.startswith(f"controller: {type(controller).__name__}: command {what}")
     assert text.endswith(f" in row 217 ({217 / RATE:g} s)")
     assert (raised.value.row, raised.value.time) == (217, 217 / RATE)
     assert "\n" not in text
     assert len(text) < 400
+    if error:
+        assert type(raised.value.__cause__) is type(error)
+        assert traceback.extract_tb(raised.value.__cause__.__traceback__)[-1].name == "command", "the line that raised"
 
 
-def test_a_compiled_command_that_is_no_finite_number_is_refused():
-    with pytest.raises(cogging.ControllerError, match=r"CompiledController: .*got -?(nan|inf) in row 0 \(0 s\)"):
-        loop(compiled(parameters=[1e308, 1e308, 1e308, 0.0], state=[1e308, -1e308]))
+def having(**members):
+    return SimpleNamespace(**({"sample_rate": 1e3, "command": Proportional().command} | members))
 
 
-# What raises ----------------------------------------------------------------------------------------------------------
+class Growing(Leaky):
+    def update(self, applied):
+        self.estimates = [*self.estimates, applied]
 
 
-RAISED = [
-    ZeroDivisionError("by zero"),
-    KeyError("x"),
-    cogging.DivergedError("mine"),
-    StopIteration(),
-    OSError(2, "a\nb"),
-]
-
-
-@pytest.mark.parametrize(("error", "row"), [*zip(RAISED, (0, 1, 1000, 0, 7), strict=True)])
-def test_an_exception_is_reported_with_row_and_time(error, row):
-    with pytest.raises(cogging.ControllerError) as raised:
-        loop(Failing(row, error))
-    text = str(raised.value)
-    assert text.startswith(f"controller: Failing: command raised {type(error).__name__}")
-    assert text.endswith(f" in row {row} ({row / RATE:g} s)")
-    assert "\n" not in text
-    assert (raised.value.row, raised.value.time) == (row, row / RATE)
-    cause = raised.value.__cause__
-    assert type(cause) is type(error)
-    assert traceback.extract_tb(cause.__traceback__)[-1].name == "command", "the line that raised"
+@pytest.mark.parametrize(
+    ("controller", "error", "message"),
+    [
+        (having(update=lambda applied: [][0]), cogging.ControllerError, r"update raised IndexError: .* in row 0"),
+        (having(reset=lambda: {}["no"]), KeyError, "no"),
+        (Growing(*LAW), cogging.ControllerError, "estimates must keep their number, 2, got 3 in row 1"),
+    ],
+)
+def test_other_members_that_fail(controller, error, message):
+    with pytest.raises(error, match=message):
+        loop(controller, record_estimates=True)
 
 
 @pytest.mark.parametrize(("error", "threads"), [(KeyboardInterrupt, 0), (SystemExit, 1), (GeneratorExit, 3)])
@@ -286,65 +245,10 @@ def test_what_is_no_exception_passes_and_ends_the_batch(error, threads):
         cogging.closed_loop_batch([PLANT] * 9, controllers, MOVE, steps_per_sample=100, threads=threads)
 
 
-@pytest.mark.parametrize("method", ["update", "estimates", "reset"])
-def test_other_members_that_raise(method):
-    class Bad(Proportional):
-        if method == "estimates":
-            estimates = property(lambda self: 1 / 0)
-        elif method == "update":
-
-            def update(self, applied):
-                raise ValueError("no")
-        else:
-
-            def reset(self):
-                raise LookupError("no")
-
-    expected = LookupError if method == "reset" else cogging.ControllerError
-    with pytest.raises(expected, match="no" if method == "reset" else rf"Bad: {method} raised \w+Error: .* in row 0"):
-        loop(Bad(), record_estimates=True)
-
-
-def test_estimates_must_keep_their_number():
-    class Growing(Leaky):
-        def update(self, applied):
-            self.estimates = [*self.estimates, applied]
-
-    with pytest.raises(cogging.ControllerError, match=r"estimates must keep their number, 2, got 3 in row 1"):
-        loop(Growing(*LAW), record_estimates=True)
-
-
-def test_a_run_within_a_run():
-    class Nested(Proportional):
-        def __init__(self, depth):
-            super().__init__()
-            self.depth, self.calls, self.inner = depth, 0, 0.0
-
-        def command(self, reference, reading):
-            if self.calls == 5:
-                nested = Nested(self.depth - 1) if self.depth else Proportional()
-                self.inner = float(loop(nested).command[10])
-            self.calls += 1
-            return super().command(reference, reading) + 0.0 * self.inner
-
-    same(loop(Nested(2)), loop(Proportional()))
-    with pytest.raises(cogging.ControllerError) as raised:
-        loop(Nested(-1))  # endless
-    assert len(str(raised.value)) < 2000
-    innermost = raised.value
-    while innermost.__cause__ is not None:
-        innermost = innermost.__cause__
-    assert isinstance(innermost, RecursionError)
-
-
 # What is refused before anything runs ---------------------------------------------------------------------------------
 
 command = Proportional().command
-NONE_AT_ALL = [None, 1.0, "pid", object(), PLANT, MODEL, [], {}, lambda reference, reading: 0.0]
-
-
-def having(**members):
-    return SimpleNamespace(**({"sample_rate": 1e3, "command": command} | members))
+NONE_AT_ALL = [None, 1.0, "pid", PLANT, MODEL, [], lambda reference, reading: 0.0]
 
 
 def subclass_of(kind):
@@ -358,7 +262,7 @@ def number(*arguments):
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 GOOD = number(ctypes.c_double, POINTER, POINTER, POINTER, ctypes.c_double)
-RATES, LIMITS = [0.0, -1, float("nan"), "1000", True, [1e3], 1j], [-1.0, float("nan"), float("inf"), "1", False, None]
+RATES, LIMITS = [0.0, float("nan"), "1000", True], [-1.0, float("inf"), "1", None]
 REFUSED = [
     *((value, "must be a controller of cogging or an object with .*, got ") for value in NONE_AT_ALL),
     (Proportional, r"must be an object, got the class .*Proportional.*: call it"),
@@ -368,7 +272,6 @@ REFUSED = [
     *((having(command_limit=limit), r"\.command_limit must be finite and at least 0") for limit in LIMITS),
     (having(command=1.0), r"\.command must be a method: command\(reference, reading\), got 1"),
     (having(command=lambda: 0.0), r"must take \(reference, reading\), got command\(\)"),
-    (having(command=lambda a, b, c: 0.0), r"got command\(a, b, c\)"),
     (having(command=lambda a, *, b: 0.0), r"got command\(a, \*, b\)"),
     (having(update=3), r"\.update must be a method: update\(applied\), got 3"),
     (having(update=lambda: 0), r"\.update must take \(applied\), got update\(\)"),
@@ -399,16 +302,12 @@ def test_what_is_no_controller_is_refused_in_one_line(controller, message):
 POINTERS = "command: must be a numba cfunc or a function pointer of ctypes, got "
 NO_COMPILED = [
     ({"command": leaky_law}, TypeError, POINTERS + "<function"),
-    ({"command": 140_000_000}, TypeError, POINTERS + "140000000"),
     ({"command": None}, TypeError, POINTERS + "None"),
     ({"command": number(ctypes.c_double, ctypes.c_double)}, TypeError, r"command: must be double command\(double\*, "),
     ({"command": number(ctypes.c_float, POINTER, POINTER, POINTER, ctypes.c_double)}, TypeError, "restype.*float"),
-    ({"command": number(ctypes.c_double, POINTER, POINTER, POINTER, POINTER)}, TypeError, "got argtypes"),
     ({"update": GOOD}, TypeError, "update: must be void update"),
     ({"sample_rate": 0.0}, ValueError, "sample_rate: must be finite and above 0, got 0"),
     ({"state": [float("nan")]}, ValueError, "state: must be a finite number, got nan"),
-    ({"parameters": [float("inf")]}, ValueError, "parameters: must be a finite number, got inf"),
-    ({"command_limit": -1.0}, ValueError, "command_limit: must be finite and at least 0, got -1"),
 ]
 
 
@@ -418,79 +317,22 @@ def test_what_no_compiled_controller_can_be_of(arguments, error, message):
         cogging.CompiledController(**({"command": GOOD, "sample_rate": 1e3} | arguments))
 
 
-# Objects of odd kinds, threads, signals -------------------------------------------------------------------------------
-
-
-def test_an_object_that_delegates_and_one_that_changes_its_mind():
-    same(loop(Delegating(Proportional())), loop(Proportional()))
-
-    class Switches(Proportional):
-        def command(self, reference, reading):
-            self.command = lambda reference, reading: 0.0
-            return super().command(reference, reading)
-
-    log = loop(Switches())
-    assert log.command[0] != 0.0
-    assert not log.command[1:].any()
-    same(loop(SimpleNamespace(sample_rate=RATE, command=Proportional().command)), loop(Proportional()))
-
-
-def test_python_goes_on_beside_a_controller_without_python_code():
-    """Its command is one of the core, so that Python itself never offers the lock: the loop does."""
-    pid = cogging.Pid(cogging.PidParameters(kp=9600.0))
-    slow = SimpleNamespace(sample_rate=RATE, command=pid.command)
-    counted, done = [0], threading.Event()
-
-    def count():
-        while not done.is_set():
-            counted[0] += 1
-            time.sleep(1e-3)
-
-    thread = threading.Thread(target=count)
-    thread.start()
-    sine = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.0))
-    cogging.closed_loop(cogging.Plant(AXIS), slow, sine, duration=1.0, steps_per_sample=200)
-    done.set()
-    thread.join()
-    assert counted[0] >= 3
+# Objects of odd kinds, signals -------------------------------------------------------------------------------
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-@pytest.mark.parametrize("how", ["sleeps", "computes"])
-def test_an_interrupt_reaches_the_caller(how):
+def test_an_interrupt_reaches_the_caller():
     class Slow(Proportional):
         def command(self, reference, reading):
-            if how == "sleeps":
-                time.sleep(0.01)
+            time.sleep(0.01)
             return super().command(reference, reading)
 
-    sine = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.1))
     timer = threading.Timer(0.15, lambda: signal.raise_signal(signal.SIGINT))
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            cogging.closed_loop(PLANT, Slow(), sine, duration=2000.0)
+            loop(Slow(), duration=2000.0)
     finally:
         timer.join()
         signal.signal(signal.SIGINT, before)
-
-
-def test_a_flag_ends_the_run_of_another_thread():
-    flag, raised = cogging._core.StopFlag(), []
-
-    def work():
-        flag.heed()
-        try:
-            cogging.closed_loop(
-                PLANT, Proportional(), cogging.Sine(cogging.SineParameters(center=0.25)), duration=2000.0
-            )
-        except KeyboardInterrupt as error:
-            raised.append(error)
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    time.sleep(0.1)
-    flag.set()
-    thread.join(20.0)
-    assert raised

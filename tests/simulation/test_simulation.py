@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.cli.main import main
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.log_columns import columns_of
 from tests.golden.logs import CONTROLLERS as FIELDS
@@ -78,15 +77,6 @@ def test_the_given_controller_is_not_changed(kind):
         controller.update(expected)
 
 
-def test_a_run_starts_from_the_state_of_the_given_controller():
-    warm = dcarc()
-    for reading in (0.1001, 0.1003):
-        warm.update(warm.command(reading=reading, **SAMPLE))
-    log = run(warm, duration=0.01, record_estimates=True)
-    np.testing.assert_array_equal(log.estimates[0], warm.estimates)
-    assert (warm.estimates != dcarc().estimates).any()
-
-
 @pytest.mark.parametrize("shared", [True, False])
 def test_threads_of_python_give_the_bits_of_one(shared):
     """Runs, batches with threads of their own, and copies of a model, of shared or separate objects."""
@@ -109,52 +99,28 @@ def test_threads_of_python_give_the_bits_of_one(shared):
             assert_same_bits(log, expected)
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_a_run_releases_the_interpreter_lock(batch):
+def test_a_run_releases_the_interpreter_lock():
     """With a switch interval of 1000 s the main thread gets the lock only if the run releases it."""
     started, finished = threading.Event(), threading.Event()
-    reference = stroke(repeats=1000)
     run(pid(), duration=0.01)  # numpy is loaded now, which releases it too
 
     def work():
         started.set()
-        if batch:
-            cogging.closed_loop_batch([PLANT], [pid()], reference, duration=20.0, threads=1)
-        else:
-            cogging.closed_loop(PLANT, pid(), reference, duration=20.0)
+        cogging.closed_loop_batch([PLANT], [pid()], stroke(repeats=1000), duration=20.0, threads=1)
         finished.set()
 
-    interval = sys.getswitchinterval()
-    thread = threading.Thread(target=work)
+    interval, thread = sys.getswitchinterval(), threading.Thread(target=work)
     try:
         sys.setswitchinterval(1000.0)
         thread.start()
         started.wait()
-        meanwhile = not finished.is_set()
+        assert not finished.is_set()
     finally:
         sys.setswitchinterval(interval)
         thread.join()
-    assert meanwhile
-    assert finished.is_set()
 
 
 # Logs -----------------------------------------------------------------------------------------------------------------
-
-
-def test_columns_are_memory_of_the_run():
-    log = run(dcarc(), duration=0.1, record_estimates=True)
-    columns = columns_of(log)
-    assert sorted(columns) == sorted([*RUN_COLUMNS, "estimates"])
-    for name, column in columns.items():
-        assert column.dtype == np.float64, name
-        assert type(column.base.base).__name__ == "PyCapsule", name
-        assert column.flags.c_contiguous, name
-        assert len(column) == 501, name
-    kept = log.position
-    before = kept.copy()
-    del log, columns, column
-    run(dcarc(), duration=0.1, seed=1)  # would reuse memory that was freed
-    np.testing.assert_array_equal(kept, before)
 
 
 @pytest.mark.parametrize(
@@ -184,20 +150,11 @@ def test_the_command_limit_cuts_the_applied_and_logged_command():
         assert (np.abs(log.command) == 0.7).sum() > 20
 
 
-def test_the_steps_per_sample_of_a_model_are_used_unless_stated(tmp_path):
+def test_the_steps_per_sample_of_a_model_are_used_unless_stated():
     model = MODEL.replace(controller=pid().parameters, steps_per_sample=4)
     assert cogging.Model.from_dict(model.to_dict()) == model
-    assert "simulation" not in MODEL.to_dict()
-    short = {"duration": 0.01}
-    assert cogging.simulate(model, stroke(), **short).metadata["steps_per_sample"] == 4
-    assert cogging.simulate(model, stroke(), steps_per_sample=2, **short).metadata["steps_per_sample"] == 2
-    model.write(tmp_path / "model.toml")
-    (tmp_path / "move.toml").write_text('type = "sine"\namplitude = 0.01\ncenter = 0.2\nduration = 0.1\n')
-    words = ["simulate", f"{tmp_path}/model.toml", "--reference", f"{tmp_path}/move.toml", "--out", f"{tmp_path}/a.csv"]
-    for option, steps in ([], 4), (["--steps-per-sample", "7"], 7):
-        assert main([*words, *option]) == 0
-        assert cogging.read_log(tmp_path / "a.csv").metadata["steps_per_sample"] == steps
-    assert main([*words, "--steps-per-sample", "10001"]) == 2
+    for stated, used in ({}, 4), ({"steps_per_sample": 2}, 2):
+        assert cogging.simulate(model, stroke(), duration=0.01, **stated).metadata["steps_per_sample"] == used
 
 
 # Errors ---------------------------------------------------------------------------------------------------------------
@@ -217,9 +174,6 @@ def test_a_diverging_run_says_when_and_where():
     # It is the first such sample: until the one before, the run is as any other.
     x = run(pid(kp=1e9), duration=(round(when * 5000) - 1) / 5000).true_position
     assert ((x > -0.255) & (x < 0.765)).all()
-    plant = cogging.Plant(cogging.AxisParameters())  # without travel: a million metres, or no number
-    with pytest.raises(cogging.DivergedError, match="diverged at"):
-        cogging.closed_loop(plant, pid(kp=1e15), stroke(), duration=1.0)
     push = cogging.Plant(cogging.AxisParameters(), effects=[cogging.effects.ConstantForce(force=1e300)])
     with pytest.raises(cogging.DivergedError, match=r"diverged at 0\.0002 s"):
         cogging.closed_loop(push, pid(), stroke(), duration=1.0)
@@ -228,12 +182,9 @@ def test_a_diverging_run_says_when_and_where():
 SINE = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01))
 WRONG_RUNS = [
     ({"duration": -1.0}, "duration: must be finite and above 0 (or left out), got -1"),
-    ({"duration": math.nan}, "duration: must be finite and above 0 (or left out), got nan"),
-    ({"duration": math.inf}, "duration: must be finite and above 0 (or left out), got inf"),
     ({"duration": 1e-5}, "duration: must hold 1 to 1e9 samples, got 1e-05"),
     ({"duration": 1e6}, "duration: must hold 1 to 1e9 samples, got 1e+06"),
     ({"duration": 0.0}, "duration: must be given for a reference without an end of its own, got inf"),
-    ({"steps_per_sample": 0}, "steps_per_sample: must be from 1 to 10000, got 0"),
     ({"steps_per_sample": 10001}, "steps_per_sample: must be from 1 to 10000, got 10001"),
     ({"initial_position": math.nan}, "initial_position: must be a finite number, got nan"),
     ({"initial_velocity": math.inf}, "initial_velocity: must be a finite number, got inf"),
@@ -248,10 +199,7 @@ WRONG_BATCHES = [
         "run 0: reference: must stay within travel [0, 0.51], got 0.51",
     ),
     ({"reductions": ["eror_max"]}, "reductions: 'eror_max' is unknown; did you mean error_max?"),
-    ({"reductions": ["error_quantile(2)"]}, "reductions: error_quantile(2): quantile: must be from 0 to 1, got 2"),
-    ({"reductions": ["error_wave(0)"]}, "reductions: error_wave(0): period: must be finite and above 0, got 0"),
     ({"reductions": ["error_tone(x)"]}, "reductions: error_tone(x): must have a number in its brackets, got 'x'"),
-    ({"reductions": ["error_final"] * 2}, "reductions: must be listed once each, got error_final twice"),
     ({"columns": ["speed"]}, "columns: must be columns of a log, got speed"),
     ({"columns": ["time"], "every": 0}, "every: must be at least 1, got 0"),
     ({"start": 2.0}, "run 0: start, stop: must hold at least 2 rows, got 0"),
@@ -260,12 +208,9 @@ WRONG_BATCHES = [
 ROWS = {"time": [0, 1], "error": [0, 1], "command": [0, 1]}
 WRONG_INDEXES = [
     ({"error": [0]}, "error: must be as long as time, got 1"),
-    ({"command": [0]}, "command: must be as long as time, got 1"),
     ({"start": 2.0, "stop": 1.0}, "start: must be below stop = 1, got 2"),
-    ({"start": math.nan}, "start: must be below stop = inf, got nan"),
     ({"final_window": 0.0}, "final_window: must be above 0, got 0"),
     ({"start": 0.5}, "start, stop: must hold at least 2 rows, got 1"),
-    ({"time": [], "error": [], "command": []}, "start, stop: must hold at least 2 rows, got 0"),
 ]
 CALLS = {
     "closed_loop": (cogging.closed_loop, {"plant": PLANT, "controller": pid(), "reference": SINE, "duration": 0.5}),

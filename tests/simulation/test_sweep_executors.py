@@ -11,8 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 import pytest
 
 import cogging
-from cogging.simulation import sweep as sweeps
-from tests.fixtures.lacking_workers import breaks_in_the_package, ends, has_another_version, lacks_the_package
+from tests.fixtures.lacking_workers import has_another_version, lacks_the_package
 from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 
 
@@ -87,7 +86,6 @@ def test_after_a_killed_process_the_same_call_continues(tmp_path):
 
 LACKING = [
     (lacks_the_package, r"cannot import the package: .*, process \d+: ModuleNotFoundError: No module named 'cogging'"),
-    (breaks_in_the_package, r"cannot import the package: .*, process \d+: OSError: libstdc.* not found in two lines"),
     (has_another_version, r"has another version of the package: .*, process \d+: 0\.0\.1, where this is \d"),
 ]
 
@@ -102,15 +100,6 @@ def test_a_worker_without_the_package_is_one_line(tmp_path, made_so, text):
     ):
         cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", executor=pool, **FEW)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
-def test_a_worker_that_ends_at_once_is_one_line():
-    with (
-        concurrent.futures.ProcessPoolExecutor(1, initializer=ends) as pool,
-        pytest.raises(cogging.InputError, match=r"^executor: ProcessPoolExecutor has died: BrokenProcessPool: [^\n]*$"),
-    ):
-        cogging.sweep(SMALL, MOVE, MANY, executor=pool, **FEW)
 
 
 # Dask -----------------------------------------------------------------------------------------------------------------
@@ -150,46 +139,3 @@ def test_killed_workers_of_dask_change_nothing(started):
     assert workers == []
     assert steps == [f"{8 * done} of 320 runs" for done in range(1, 41)]
     same(found, cogging.sweep(SMALL, move, MANY, **FEW))
-
-
-@dask
-@pytest.mark.parametrize("good", [0, 1])
-def test_a_worker_of_dask_without_the_package_is_one_line(started, tmp_path, good):
-    """Alone, or beside a good one, whose pieces are kept; once it is gone the same call continues."""
-    cluster, client = started(good)
-    preload = "from tests.fixtures.lacking_workers import *\nlacks_the_package()"
-    options = {**cluster.new_spec["options"], "preload": [preload]}
-    cluster.worker_spec["lacking"] = {"cls": cluster.new_spec["cls"], "options": options}
-    cluster.sync(cluster._correct_state)
-    client.wait_for_workers(good + 1, timeout=30)
-    out = tmp_path / "runs.csv"
-    text = r"^executor: ClientExecutor has a worker that cannot import the package: [^\n]*$"
-    with pytest.raises(cogging.InputError, match=text) as found:
-        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=client.get_executor(), **FEW)
-    continues = str(found.value).endswith("runs.csv.pieces, the same call continues from there")
-    assert continues == (tmp_path / "runs.csv.pieces").exists()
-    assert not (continues and good == 0)
-    del cluster.worker_spec["lacking"]
-    cluster.scale(1)
-    cluster.sync(cluster._correct_state)
-    again = cogging.sweep(SMALL, MOVE, MANY, out=out, executor=client.get_executor(), **FEW)
-    same(again, cogging.sweep(SMALL, MOVE, MANY, **FEW))
-
-
-@dask
-@pytest.mark.parametrize("lost", ["workers", "client", "cluster"])
-def test_a_lost_dask_cluster_is_one_line(started, monkeypatch, tmp_path, lost):
-    monkeypatch.setattr(sweeps, "GONE_MOST", 1.5)
-    monkeypatch.setattr(sweeps, "LOOK_EVERY", 0.2)
-    cluster, client = started(1)
-
-    def lose(step):
-        if step.startswith("40 of"):
-            {"workers": lambda: cluster.scale(0), "client": client.close, "cluster": cluster.close}[lost]()
-
-    gone = r"has had no worker left for 1\.5 s" if lost == "workers" else r"[^\n]*"
-    message = rf"^executor: ClientExecutor {gone}; finished runs are kept in [^\n]*$"
-    move, out = {**MOVE, "duration": 5.0}, tmp_path / "runs.csv"
-    with pytest.raises(cogging.InputError, match=message):
-        cogging.sweep(SMALL, move, MANY, out=out, executor=client.get_executor(), progress=lose, **FEW)
-    assert 5 <= kept(tmp_path) < 40
