@@ -7,14 +7,12 @@ import subprocess
 import sys
 import tempfile
 import time
-import venv
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cogging
-import cogging_command
 from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.readers import isolate
@@ -71,21 +69,6 @@ def test_the_command_runs_nothing_from_the_current_folder(planted, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-def test_a_reader_finds_the_package_in_the_current_folder(tmp_path):
-    """The interpreter has no libraries: the reader finds only what its parent hands on."""
-    venv.create(tmp_path / "home", symlinks=True)
-    python = tmp_path / "home" / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    library = tmp_path / "library"
-    library.mkdir()
-    for package in (cogging, cogging_command):
-        (library / package.__name__).symlink_to(Path(package.__file__).parent)
-    path = [str(Path(module.__file__).parents[1]) for module in (np, __import__("scipy"), __import__("tqdm"))]
-    code = f"import cogging; print(cogging.__file__, len(cogging.read_log({str(write_log('a.mat', tmp_path))!r})))"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path)}
-    done = subprocess.run([python, "-c", code], cwd=library, env=environment, capture_output=True, text=True)
-    assert done.stdout.split() == [str(library / "cogging" / "__init__.py"), "200"], done.stderr
-
-
 # --- code in a log ----------------------------------------------------------------------------------------------------
 
 
@@ -109,14 +92,13 @@ def range_to_text(default):
     return conversion4("RTABX", ref_param_nr=2, lower_0=300.0, upper_0=400.0, **texts)
 
 
-def write_mdf(path, conversion, version="4.10", time_conversion=None, raw=None):
+def write_mdf(path, conversion, version="4.10", time_conversion=None):
     """An MDF file whose `command` (raw counts) has a conversion."""
     pytest.importorskip("asammdf")
     from asammdf import MDF, Signal
 
-    raw = np.arange(200, dtype=np.int16) if raw is None else raw
     with MDF(version=version) as mdf:
-        command = Signal(raw, TIME, name="command", conversion=conversion)
+        command = Signal(np.arange(200, dtype=np.int16), TIME, name="command", conversion=conversion)
         mdf.append([command, Signal(COLUMNS["position"], TIME, name="position")])
         if time_conversion is not None:
             mdf.groups[0].channels[mdf.masters_db[0]].conversion = time_conversion
@@ -127,25 +109,12 @@ def payload(mark, name):
     return f"__import__('os').system('touch {mark}')*0+{name}"
 
 
-RAW = np.random.default_rng(5).integers(500, 30000, 200).astype(np.int16)
 #: What is written into a log, of the file that marks an execution.
 FORMULAS = {
     "4.10": lambda mark: {"conversion": conversion4("ALG", formula=payload(mark, "X"))},
     "3.30": lambda mark: {
         "conversion": conversion3("FORMULA", formula=payload(mark, "X1").encode()),
         "version": "3.30",
-    },
-    "of other values, 3.30": lambda mark: {
-        "conversion": conversion3(
-            "RTABX",
-            ref_param_nr=2,
-            lower_0=0.0,
-            upper_0=100.0,
-            text_0=b"low",
-            default_addr=b'"2*{X}*{X}+1"',
-        ),
-        "version": "3.30",
-        "raw": RAW,
     },
     "of a table in a table": lambda mark: {
         "conversion": range_to_text(range_to_text(conversion4("ALG", formula=payload(mark, "X"))))
@@ -165,6 +134,7 @@ def test_a_formula_in_a_log_is_refused_by_name_and_not_evaluated(case, tmp_path,
     assert sorted(tmp_path.iterdir()) == [path]
 
 
+RAW = np.random.default_rng(5).integers(500, 30000, 200).astype(np.int16)
 RATIONAL = {"P1": 0.25, "P2": -2.0, "P3": 3.0, "P4": 1e-3, "P5": 0.5, "P6": 7.25}
 KNOTS = np.array([-100.0, 10.0, 5000.0, 20000.0, 31000.0])
 TABLE = {f"raw_{i}": knot for i, knot in enumerate(KNOTS)} | {f"phys_{i}": i**2 - 3.0 for i in range(5)}
@@ -213,24 +183,12 @@ def test_asam_mdf_gives_physical_numbers(version, tmp_path):
         np.testing.assert_allclose(read[name], law(RAW.astype(float)), rtol=1e-12, err_msg=name)
 
 
-def with_unknown_kind(content):
-    """The last conversion, a linear one, becomes one of kind 77."""
-    at = content.rfind(b"##CC")
-    place = at + 24 + 8 * int.from_bytes(content[at + 16 : at + 24], "little")
-    return content[:place] + bytes([77]) + content[place + 1 :]
-
-
 #: Conversion, change of the file's bytes, error.
 RAW_COUNTS = {
     "a conversion that cannot be read": (
         lambda: conversion4("LIN", a=1e-3, b=0.0),
         lambda content: content.replace(b"##CC", b"##CX"),
         r"command: must have a whole conversion, got one that cannot be read",
-    ),
-    "a conversion of another kind": (
-        lambda: conversion4("LIN", a=1e-3, b=0.0),
-        with_unknown_kind,
-        r"command: must have a (whole conversion|conversion of numbers to numbers that is read rightly), got ",
     ),
     "ranges of whole numbers": (  # which asammdf 8.8 takes for their neighbours
         lambda: conversion4("RTAB", **RANGES),
@@ -325,17 +283,14 @@ def test_links_within_a_file_are_followed(tmp_path):
     import h5py
 
     with h5py.File(tmp_path / "a.mat", "w") as file:
-        group = file.create_group("runs/last")
         for name in ("time", "position"):
-            group[name] = COLUMNS[name]
+            file[f"runs/last/{name}"] = COLUMNS[name]
         file["newest"] = h5py.SoftLink("runs/./last")
-        group["position again"] = h5py.SoftLink("position")
         virtual_of(file, file.create_dataset("inner", data=COLUMNS["command"]))
-        file["round"] = h5py.SoftLink("/about")
-        file["about"] = h5py.SoftLink("/round")
-    columns = {"time": "newest.time", "position": "newest.position again", "command": "command"}
+        file["round"] = h5py.SoftLink("/round")
+    columns = {"time": "newest.time", "position": "newest.position"}
     log = cogging.read_log(tmp_path / "a.mat", columns=columns)
-    for name in columns:
+    for name in ("time", "position", "command"):
         np.testing.assert_array_equal(getattr(log, name), COLUMNS[name])
     with pytest.raises(InputError, match="round: must be a dataset, got more than 32 links on the way to it"):
         cogging.read_log(tmp_path / "a.mat", columns={**columns, "command": "round"})
@@ -405,34 +360,14 @@ def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
             os.kill(int(pid.read_text()), signal.SIGKILL)
 
 
-def test_a_reader_ends_with_its_standard_input():
-    """Where the system does not end it with its parent."""
-    code = "import sys; sys.platform = 'other'\nfrom cogging.logs.readers.isolate import confine\n"
-    code += "confine({'memory': 8 << 30, 'seconds': 60.0})\nprint('ready', flush=True)\n"
-    code += "import time; time.sleep(600)"
-    with subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as reader:
-        try:
-            assert reader.stdout.readline() == b"ready\n"
-            assert reader.poll() is None
-            reader.stdin.close()
-            assert reader.wait(10) == 1
-        finally:
-            reader.kill()
-
-
-@pytest.mark.parametrize("cut", [None, 3000])
-def test_no_temporary_file_is_left(cut, tmp_path, monkeypatch):
+def test_no_temporary_file_is_left(tmp_path, monkeypatch):
     """asammdf creates one for each file that it opens, and closes no damaged file."""
     path, temporary = write_log("a.mf4", tmp_path), tmp_path / "temporary"
     temporary.mkdir()
-    path.write_bytes(path.read_bytes()[:cut])
+    path.write_bytes(path.read_bytes()[:3000])
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
-    monkeypatch.setattr(isolate, "START", "import tempfile; tempfile.mkstemp(dir=job['temporary']); " + isolate.START)
-    if cut is None:
+    with pytest.raises(InputError):
         cogging.read_log(path)
-    else:
-        with pytest.raises(InputError):
-            cogging.read_log(path)
     assert not list(temporary.iterdir())
 
 

@@ -102,8 +102,6 @@ def series(column):
 ARRAYS = {
     "list": list,
     "big endian": lambda column: column.astype(">f8"),
-    "strided": lambda column: np.repeat(column, 3)[::3],
-    "objects": lambda column: column.astype(object),
     "memoryview": memoryview,
     "masked nowhere": np.ma.masked_array,
     "series": series,

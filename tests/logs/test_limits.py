@@ -121,16 +121,3 @@ def test_keys_tables_and_lists_are_counted_before_they_are_made(text, tmp_path, 
     write(most + 1)
     with pytest.raises(InputError, match=r"a.toml: must be TOML: keys, tables and lists must be at most 100"):
         files.read_toml(path)
-
-
-@pytest.mark.parametrize("name", ["ti\x1bme", "t\u202eime", "0\x01\r\n\x02"])
-def test_an_error_is_one_line_whatever_names_a_file_holds(name, tmp_path):
-    import h5py
-
-    path = tmp_path / "log.mat"
-    with h5py.File(path, "w") as file:
-        for column in (name, "position", "command"):
-            file[column] = np.arange(9.0)
-    with pytest.raises(InputError, match="column time") as refused:
-        cogging.read_log(path)
-    assert str(refused.value).isprintable()

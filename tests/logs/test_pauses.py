@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.estimation.innovations import Innovations
-from tests.fixtures.moving_axis import machine, paused, record
+from tests.fixtures.moving_axis import machine, record
 
 DAY, YEAR = 86400.0, 3.15e7
 SCRIPT = """
@@ -67,20 +66,3 @@ def test_rows_that_fill_hardly_any_of_the_time_are_refused(judge, log):
     time = rows // 3 * 100.0 + rows % 3 * 1e-3  # three rows, and a pause after each three
     with pytest.raises(ValueError, match=r"log 1: time: must have rows in at least 5 % of the time, .* got 0\.\d+ %"):
         judge(dataclasses.replace(log, time=time), machine())
-
-
-@pytest.mark.parametrize("width", [2e-3, 1e-5])
-def test_the_observer_starts_anew_after_a_pause_of_any_length(width, log):
-    """Over an hour it used to be integrated in a few steps, and to diverge where friction is steep."""
-    model = machine([cogging.effects.ActuatorLag(time_constant=1e-3)])
-    model = model.replace(axis=model.axis.replace(coulomb_width=width))
-    log = log[2500:5500]
-    short = Innovations(paused(log, {1500: 10.0}), model)
-    expected = short.of([model])[0]
-    for pause in (DAY, YEAR):
-        source = Innovations(paused(log, {1500: pause}), model)
-        residual = source.of([model])[0]
-        np.testing.assert_array_equal(source.mask, short.mask)
-        np.testing.assert_allclose(residual[:1500], expected[:1500], rtol=0, atol=1e-10)
-        # The times themselves are rounded to 4 ns beside a year.
-        assert np.abs((residual - expected)[source.mask > 0]).max() < 1e-4 * np.sqrt(np.mean(log.command**2))

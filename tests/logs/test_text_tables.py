@@ -145,13 +145,6 @@ def test_a_column_beside_one_of_nearly_its_name_is_asked_about(name, label, plac
     assert not np.array_equal(getattr(other, name), getattr(plain, name))
 
 
-def test_two_units_of_one_name_are_asked_about(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text(table(["time", "x [m]", "command", "x [mm]"], [[*row, row[1]] for row in ROWS]))
-    with pytest.raises(InputError, match=r"column x: .*'x \[m\]', 'x \[mm\]'.*--columns \"position=x \[m\]\""):
-        cogging.read_log(path, columns={"position": "x"})
-
-
 @pytest.mark.parametrize(("suffix", "make"), [("mat", mat_bytes), ("parquet", parquet_bytes)])
 def test_two_columns_of_nearly_one_name_in_other_formats(suffix, make, tmp_path):
     path = tmp_path / f"log.{suffix}"
@@ -163,26 +156,6 @@ def test_two_columns_of_nearly_one_name_in_other_formats(suffix, make, tmp_path)
 
 
 # Quotes and headers ---------------------------------------------------------------------------------------------------
-
-HEAD = "time,position,command,note\n"
-FAULTS = {
-    "open at the header's end": ('time,position,command,"note\n0,1,2,x\n1,2,3,x\n', "line 1: must close its quotes"),
-    "text behind a label": ('time,"position"x,command\n0,1,2\n1,2,3\n', "line 1: must have a separator behind closed"),
-    "open in a row of units": (HEAD + 's,m,V,"\n0,1,2,x\n1,2,3,x\n', "line 2: must close its quotes"),
-    "open over two lines": (HEAD + '0,1,2,"x\ny"\n1,2,3,x\n', "line 2: must close its quotes"),
-    "text behind a note": (HEAD + '0,1,2,x\n1,2,3,"x"y\n', "line 3: must have a separator behind closed quotes"),
-    "a doubled quote that closes nothing": (HEAD + '0,1,2,x\n1,2,3,"x""\n', "line 3: must close its quotes"),
-}
-
-
-@pytest.mark.parametrize("case", FAULTS)
-def test_quotes_that_do_not_close_are_refused_with_the_line(case, tmp_path):
-    text, message = FAULTS[case]
-    path = tmp_path / "log.csv"
-    for separator in ",;\t":
-        path.write_text(text.replace(",", separator))
-        with pytest.raises(InputError, match=rf"log\.csv: {message}"):
-            cogging.read_log(path)
 
 
 def test_a_lost_quote_is_refused_with_its_line(tmp_path):
