@@ -191,7 +191,7 @@ def test_every_controller_is_tuned_by_its_usual_gains(kind):
     assert 2e-4 < delay < 0.1
     assert 1.0 < found.present.drawn.gain_margin < 200.0
     late = model.replace(effects=[effects.CommandDelay(delay=1.15 * delay)])
-    assert cogging.tune(late, motion, trials=1, **counts).present.drawn.delay_margin == 0.0
+    assert cogging.tune(late, motion, trials=1, **counts).present.drawn.delay_margin < 0.1 * delay
 
 
 # Margins --------------------------------------------------------------------------------------------------------------

@@ -128,13 +128,6 @@ def test_a_load_on_a_spring_adds_what_whole_predictions_say(log, width, frequenc
     assert error < (0.03 if width > 0.0 else 0.08)
 
 
-def test_without_friction_a_load_adds_it_exactly_but_for_the_sampling(log):
-    model = machine(coulomb=0.0).replace(cogging=None)
-    for frequency in (20.0, 300.0):
-        load = EFFECTS["flexible_mode"](frequency=frequency, mass_ratio=0.5, damping_ratio=0.01)
-        assert compare(log, model, load)[2] < 3e-3
-
-
 def strikes(log, model, loads):
     """Mean innovations of motor and load in a trajectory for each of the loads, which differ in their gaps.
 

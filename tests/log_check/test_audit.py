@@ -8,7 +8,6 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.model.model import CONTROLLERS
-from tests.fixtures.measured import FOLDER
 
 AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5])
 LIMITS = {"velocity": 0.2, "acceleration": 5.0, "jerk": 500.0, "dwell": 0.1}
@@ -185,22 +184,3 @@ def test_what_cannot_be_checked_or_recovered(log):
     noisy = cogging.Log(log.time, log.position, log.command + noise, log.reference)
     for part in (bare, noisy, cogging.simulate(other, REFERENCE)):
         assert cogging.recover_controller(part) is None
-
-
-@pytest.mark.data
-def test_a_measured_log():
-    columns = {"time": "t", "position": "qm", "command": "vir", "reference": "qg"}
-    emps = cogging.read_log(FOLDER / "emps" / "DATA_EMPS.mat", columns=columns)
-    controller = cogging.CascadeParameters(sample_rate=1000.0, kp=160.18, kv=243.45, command_limit=10.0)
-    found = cogging.audit(emps, make(controller, "cascade"))
-    assert found.encoder_quantum == pytest.approx(50e-9, rel=1e-6)
-    assert found.rate == pytest.approx(1000.0, rel=1e-4)
-    assert found.gaps == 0
-    check = found.controller
-    assert check.reproduces
-    # The data's README: kv kp 40,680, kv 254.5; its residuals count the first row, whose velocity is not known.
-    assert check.fitted["kp"] * check.fitted["kv"] == pytest.approx(40680.0, rel=5e-4)
-    assert check.fitted["kv"] == pytest.approx(254.5, rel=5e-4)
-    assert check.difference_rms == pytest.approx(0.0502, abs=0.0005)
-    assert check.fitted_rms == pytest.approx(0.0157, abs=0.0005)
-    assert check.best_shift == 0

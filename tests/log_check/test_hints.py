@@ -15,7 +15,7 @@ UNCONTROLLED = moving_axis.machine().replace(controller=None, controller_type=No
 
 @pytest.fixture(scope="module")
 def log():
-    return moving_axis.record(moving_axis.machine(), 3)[:4000]
+    return moving_axis.record(moving_axis.machine(), 3)
 
 
 def jitter(log, share):

@@ -169,26 +169,3 @@ def test_hysteresis_of_a_real_turn_and_back():
     assert max(table, key=table.get) == 72
     assert fit.coulomb == pytest.approx(0.053, abs=0.002)
     assert "change sign with the direction of motion (harmonics 72, 144" in fit.text()
-
-
-def odrive(which):
-    """Position (rad) and current (A) of the filled entries of a scan over one turn."""
-    entries = np.load(FOLDER / "odrive" / f"cogging_measure_final_{which}_16.npy")
-    filled = np.flatnonzero(entries)
-    return filled * (2.0 * np.pi / entries.size), entries[filled]
-
-
-@pytest.mark.data
-def test_a_harmonic_with_the_opposite_sign_on_the_way_back():
-    """7 a turn (of the neighbour motor) is as large both ways, and of the other sign: the mean of both has none."""
-    there, back = odrive("a"), odrive("rev")
-    position, current = (np.concatenate([one, other[::-1]]) for one, other in zip(there, back, strict=True))
-    fit = fit_map(position, current, pitch=2.0 * np.pi)
-    assert fit.coulomb == pytest.approx(0.17, abs=0.02)
-    table = {entry.harmonic: entry.amplitude for entry in fit.amplitudes}
-    assert 7 not in table
-    assert [table[h] for h in (28, 14, 36, 12, 84)] == pytest.approx([0.56, 0.35, 0.29, 0.26, 0.12], rel=0.15)
-    (entry,) = [entry for entry in fit.direction_amplitudes if entry.harmonic == 7]
-    assert entry.amplitude == pytest.approx(0.875, abs=0.03)
-    assert fit.direction_rms > 3.0 * fit.coulomb
-    assert "0.624 V rms of the force change sign with the direction of motion (harmonics 7" in fit.text()

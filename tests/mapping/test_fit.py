@@ -448,12 +448,3 @@ def test_a_scan_without_noise_gives_the_truth_and_its_file_the_map(tmp_path):
     assert np.array_equal(cogging.CoggingModel(basis, sine, cosine).force(x), made.cogging.force(x))
     with pytest.raises(ValueError, match="cannot be written"):
         made.write(tmp_path / "no" / "map.toml")
-
-
-def test_a_map_without_harmonics_is_written_too(tmp_path):
-    made = fit(np.full(GRID.size, 0.7))
-    assert made.offset == pytest.approx(0.7)
-    assert made.amplitudes == ()
-    assert "periodic" in made.text()
-    made.write(tmp_path / "map.toml")
-    assert read_toml(tmp_path / "map.toml")["cogging"]["sine"] == [[0.0]]
