@@ -55,7 +55,7 @@ def test_intervals_hold_the_errors_of_machines_drawn_elsewhere():
         if min(values[:3]) >= 0.0:
             log = cogging.simulate(machine_with(values), REFERENCE, seed=int(rng.integers(2**40)))
             truths.append(np.sqrt(np.mean(log.error[log.time >= 0.5 - 1e-9] ** 2)))
-    inside, below = [], []
+    truths, inside, below = np.array(truths), [], []
     for seed in range(20):
         found = own(machine(), samples=40, seed=seed).rms
         low, high = found.interval
