@@ -158,6 +158,27 @@ def test_two_columns_of_nearly_one_name_in_other_formats(suffix, make, tmp_path)
 # Quotes and headers ---------------------------------------------------------------------------------------------------
 
 
+FAULTS = {
+    "text behind a label": ('time,"position"x,command\n0,1,2\n1,2,3\n', "line 1: must have a separator behind closed"),
+    "text behind a note": (
+        'time,position,command,note\n0,1,2,x\n1,2,3,"x"y\n',
+        "line 3: must have a separator behind closed quotes",
+    ),
+    "open over two lines": (
+        'time,position,command,note\n0,1,2,"x\ny"\n1,2,3,x\n',
+        "line 2: must close its quotes",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FAULTS)
+def test_quotes_that_do_not_close_are_refused_with_the_line(case, tmp_path):
+    text, message = FAULTS[case]
+    (tmp_path / "log.csv").write_text(text)
+    with pytest.raises(InputError, match=rf"log\.csv: {message}"):
+        cogging.read_log(tmp_path / "log.csv")
+
+
 def test_a_lost_quote_is_refused_with_its_line(tmp_path):
     """One quote taken out of a quoted table, anywhere."""
     lines = ['"time","position","command","note"', *(",".join(f'"{v}"' for v in (*row, "a, b")) for row in ROWS[:4])]
