@@ -1,4 +1,4 @@
-"""The logs of a ball-screw axis: files as theirs with drawn numbers, and theirs."""
+"""The logs of a ball-screw axis: files like the originals with drawn numbers, and the originals."""
 
 import sys
 from types import ModuleType
@@ -41,7 +41,7 @@ def test_columns_are_in_si_and_the_command_in_newtons(tmp_path, seed, below):
     np.testing.assert_allclose(emps.pulses(tmp_path), 1.08 * 35.15065 * units, rtol=1e-15)
 
 
-def test_a_file_of_another_kind_is_named(tmp_path):
+def test_an_invalid_file_is_named(tmp_path):
     write(tmp_path, 0, pulses=False)
     with pytest.raises(InputError, match=r"DATA_EMPS_PULSES\.mat.*pulses_N"):
         emps.pulses(tmp_path)
@@ -53,8 +53,8 @@ def test_a_file_of_another_kind_is_named(tmp_path):
 # Through nonlinear-benchmarks -----------------------------------------------------------------------------------------
 
 
-def package(monkeypatch, answer):
-    """In place of the package: its one function that is used here, with its signature."""
+def replace_package(monkeypatch, answer):
+    """Replace the package by its one function that is used here, with its signature."""
 
     def load(train_test_split=True, data_file_locations=False, dir_placement=None, force_download=False):
         assert data_file_locations
@@ -68,7 +68,7 @@ def package(monkeypatch, answer):
 def test_the_package_is_asked_where_no_folder_has_them(tmp_path, monkeypatch):
     kept, own = tmp_path / "kept", tmp_path / "own"
     written = write(kept, 1)
-    package(monkeypatch, lambda: [str(kept / f"{name}.mat") for name in emps.FILES])
+    replace_package(monkeypatch, lambda: [str(kept / f"{name}.mat") for name in emps.FILES])
     monkeypatch.delenv("COGGING_DATA", raising=False)
     assert emps.files() == {name: kept / f"{name}.mat" for name in emps.FILES}
     np.testing.assert_array_equal(emps.read().position, written["DATA_EMPS"]["qm"][:, 0])
@@ -85,13 +85,13 @@ def test_a_download_that_fails_is_one_line(error, tmp_path, monkeypatch):
     def fail():
         raise error
 
-    package(monkeypatch, fail)
+    replace_package(monkeypatch, fail)
     monkeypatch.delenv("COGGING_DATA", raising=False)
     with pytest.raises(InputError, match=r"public at nonlinearbenchmark\.org .*cite") as caught:
         emps.read()
     assert str(caught.value).isprintable()
     assert f"nonlinear-benchmarks could not fetch it: {type(error).__name__}: {str(error)[:3]}" in str(caught.value)
-    package(monkeypatch, lambda: [str(tmp_path / f"{name}.mat") for name in emps.FILES])
+    replace_package(monkeypatch, lambda: [str(tmp_path / f"{name}.mat") for name in emps.FILES])
     with pytest.raises(InputError, match=f"DATA_EMPS.mat: must be in {tmp_path}, is not; public at nonlin"):
         emps.read()
 

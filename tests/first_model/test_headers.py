@@ -1,10 +1,11 @@
-"""What a header says: what a column holds and in which unit, in the ways in which drives and loggers write it."""
+"""What a column holds and in which unit, from headers as drives and loggers write them."""
 
 import pytest
 
 from cogging.first_model.headers import header_of
 
-SAID = {
+#: Kind and unit of each label.
+LABELS = {
     "Zeit in s": ("time", "s"),
     "t_ms": ("time", "ms"),
     "Time [us]": ("time", "us"),
@@ -34,33 +35,22 @@ SAID = {
     "Temperatur": ("", ""),
     "kp": ("", ""),
     "": ("", ""),
+    # A pattern that looks at each pair of their blanks needs minutes to years.
+    "x" + " " * 200_000 + "[mm]": ("position", "mm"),
+    "x [" + " " * 200_000 + "mm]": ("position", "mm"),
+    "x" + " ," * 100_000: ("position", ""),
+    "x" + " in" * 70_000 + "(": ("position", ""),
+    "[" * 200_000: ("", ""),
 }
 
 
-@pytest.mark.parametrize("label", SAID)
-def test_what_a_header_says(label):
+@pytest.mark.parametrize("label", LABELS, ids=lambda label: label[:30])
+def test_kind_and_unit_of_a_label(label):
     header = header_of(label)
-    assert (header.kind, header.unit) == SAID[label]
-    assert header.label == label
+    assert (header.kind, header.unit, header.label) == (*LABELS[label], label)
 
 
 @pytest.mark.parametrize("unit", ["mm", "V", "ms"])
-def test_a_unit_apart_from_the_name_counts(unit):
+def test_a_unit_apart_from_the_name_counts_where_the_name_has_none(unit):
     assert header_of("ch1", unit).unit == unit
     assert header_of("ch1 [A]", unit).unit == "A"
-
-
-@pytest.mark.parametrize(
-    ("label", "unit"),
-    [
-        ("x" + " " * 200_000 + "[mm]", "mm"),
-        ("x [" + " " * 200_000 + "mm]", "mm"),
-        ("[" * 200_000, ""),
-        ("x" + " ," * 100_000, ""),
-        ("x" + " in" * 70_000 + "(", ""),
-    ],
-    ids=range(5),
-)
-def test_a_name_without_end_is_read_at_once(label, unit):
-    """A pattern that looks at each pair of their blanks needs minutes to years."""
-    assert header_of(label).unit == unit

@@ -1,53 +1,117 @@
-"""The 95 % intervals of `identify` on a few random machines; of 200 by `python -m tests.fixtures.identify_coverage`."""
+"""Intervals of `identify` on drawn machines hold the truth; what speaks against a fit is a warning.
+
+`python -m tests.fixtures.identify_coverage --family all` draws 200 machines of each kind.
+"""
+
+import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.fixtures.identify_coverage import FAMILIES, by_parameter, outcomes
+from cogging import Log, identify
+from cogging.identification.identification_result import warnings_of
+from tests.fixtures.identify_coverage import (
+    by_parameter,
+    draw,
+    draw_hidden,
+    draw_thinned,
+    outcome_of,
+)
 
-MACHINES = 24
+SEEDS = (500, 501, 502, 504, 505, 506, 509, 510, 511, 512, 513, 514)  # of machines at 1 and 2 kHz: fits are quick
 
 
-@pytest.fixture(scope="module")
-def usual():
-    return outcomes(range(500, 500 + MACHINES), jobs=2)
+def cut(case, seconds):
+    return replace(case, log=case.log[case.log.time < seconds])
 
 
 def held_by(several):
-    """Whether each interval that is stated holds the truth."""
+    """Whether each stated interval holds the truth, and how many parameters were asked for."""
     entries = [entry for one in several for entry in one.standing.values()]
     return np.array([abs(entry.error) <= 1.0 for entry in entries if entry is not None]), len(entries)
 
 
-def test_intervals_hold_the_truth_about_as_often_as_they_say(usual):
+# Intervals ------------------------------------------------------------------------------------------------------------
+
+
+def test_intervals_of_the_usual_machines_hold_the_truth_as_often_as_they_state():
+    usual = [outcome_of(draw(seed)) for seed in SEEDS]
     table = by_parameter(usual)
     assert len(table) == 9
     entries = [entry for column in table.values() for entry in column]
     good = [entry for entry in entries if entry is not None]
     assert len(good) > 0.97 * (len(entries) - sum(entry is None for entry in table["axis.coulomb_width"]))
-    held = np.array([abs(entry.error) <= 1.0 for entry in good])
-    # About 205 intervals. Were they to hold 95 % independently, the share would stand 1.5 points either way (1 sigma):
-    # below 91 % by a chance of 1 in 200. Intervals of a coverage of 85 % fail here 99 times in 100.
-    assert held.mean() > 0.91
+    # About 103 intervals. Were they to hold 95 % independently, the share would stand 2.1 points either way (1 sigma):
+    # below 88 % by a chance of 1 in 400. Intervals of a coverage of 85 % fail here 3 times in 4.
+    assert np.mean([abs(entry.error) <= 1.0 for entry in good]) > 0.88
     # And they are not too wide: the error's rms is half an interval over 1.96, within a fifth or so.
-    size = np.median(np.abs([entry.error for entry in good])) / 0.6745 * 1.96
-    assert 0.75 < size < 1.25
+    assert 0.75 < np.median(np.abs([entry.error for entry in good])) / 0.6745 * 1.96 < 1.25
     mass = [entry for entry in table["axis.mass"] if entry is not None]
-    assert sum(abs(entry.error) <= 1.0 for entry in mass) >= 19  # of 24: fewer by a chance of 1 in 500 at 95 %
+    assert sum(abs(entry.error) <= 1.0 for entry in mass) >= 9  # of 12: fewer by a chance of 1 in 450 at 95 %
+    assert sum(bool(one.warnings) for one in usual) <= 1
 
 
-def test_nothing_is_said_of_machines_that_are_as_the_model_says(usual):
-    assert sum(bool(one.warnings) for one in usual) <= 1, [one.warnings for one in usual if one.warnings]
-
-
-@pytest.mark.study
-@pytest.mark.parametrize("family", [name for name in FAMILIES if name != "usual"])
-def test_intervals_of_poor_logs_and_of_models_that_lack_much(family):
-    """Of 100 logs each: the truth is held, or the interval is refused, and not for want of courage."""
-    several = outcomes(range(10_000, 10_100), jobs=2, family=family)
+def test_hidden_effects_are_reported_and_the_intervals_hold_or_are_refused():
+    """Of one to nine tenths of the command: plain intervals would hold the truth in 4 of 5 cases."""
+    several = [outcome_of(cut(draw_hidden(seed), 6.0)) for seed in range(800, 806)]
+    for one in several:
+        assert any("something is missing" in warning and "run diagnose" in warning for warning in one.warnings)
     held, asked = held_by(several)
-    said = sum(bool(one.warnings) for one in several)
-    print(f"\n{family}: {100 * held.mean():.1f} % of {held.size} of {asked} held, said of {said}")
-    assert 0.92 < held.mean() < 0.995
-    assert held.size > (0.3 if family == "hidden" else 0.8) * asked
-    assert said > 90 if family in ("hidden", "thinned") else said <= 10
+    assert held.mean() > 0.9
+    assert held.size > 0.3 * asked
+
+
+# Warnings -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def found():
+    """A fit without warnings."""
+    case = cut(draw(500), 3.0)
+    fit = identify([case.log], case.nominal, names=["a.csv"], free=["axis.mass", "axis.coulomb"])
+    assert fit.warnings == ()
+    return fit
+
+
+#: What differs from the good fit, in its log and its first parameter, and the warning.
+AGAINST = [
+    (lambda log: {"explained": 0.51}, {}, None),
+    (lambda log: {"explained": 0.49}, {}, "explains only 49 %"),
+    (lambda log: {"residual_free": 2.1 * log.noise}, {}, "2.1 times the noise"),
+    (lambda log: {"residual_before": 0.9 * log.residual_after}, {}, "the fit is worse than the model as given"),
+    (lambda log: {"replay_before": {"position": 0.5 * log.replay["position"]}}, {}, "replayed position off by"),
+    (lambda log: {"replay": {}}, {}, "its replay diverges"),
+    (lambda log: {}, {"difference": -4.9}, None),
+    (lambda log: {}, {"difference": -5.1}, "5.1 sigma)"),
+    (lambda log: {}, {"elsewhere": {"below 40 Hz": 2.3}}, "below 40 Hz, axis.mass is 2.3 instead of"),
+]
+
+
+@pytest.mark.parametrize(("log", "parameter", "words"), AGAINST)
+def test_what_speaks_against_a_fit_is_a_warning(log, parameter, words, found):
+    (fit,), (first, *others) = found.logs, found.parameters
+    warnings = warnings_of([replace(fit, **log(fit))], [replace(first, **parameter), *others], (), "V")
+    assert len(warnings) == (words is not None)
+    assert all(words in warning for warning in warnings)
+
+
+def test_a_command_of_the_wrong_sign_is_a_warning_in_text_and_json():
+    case = cut(draw(810), 4.0)
+    turned = Log.of({**case.log.columns(), "command": -case.log.command})
+    found = identify([turned], case.nominal.replace(controller=None, controller_type=None), names=["run.csv"])
+    assert found.explained < 0.5
+    assert any("explains" in warning for warning in found.warnings)
+    assert found.text().splitlines()[0] == f"warning: {found.warnings[0]}"
+    written = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    assert written["warnings"] == list(found.warnings)
+    (log,) = found.logs
+    assert written["explained"] == written["logs"][0]["explained"] == pytest.approx(found.explained)
+    assert found.explained == pytest.approx(1.0 - (log.residual_after / log.command) ** 2)
+
+
+def test_rows_that_are_too_few_for_the_controller_are_a_warning():
+    case = draw_thinned(820)
+    found = identify(case.log, case.nominal, free=["axis.mass"])
+    assert "a row every 0.01 s" in found.warnings[0]
+    assert "commands of the controller in each" in found.warnings[0]

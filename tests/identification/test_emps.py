@@ -1,25 +1,56 @@
 """From the measured log of a ball-screw axis to its model, and from there to a motion that took no part in the fit."""
 
+import shlex
+from pathlib import Path
+
 import pytest
 
+import cogging
+from cogging.cli.main import main
 from cogging.datasets import emps
-from cogging.identification.identification import identify
 from cogging.identification.logged_run import LoggedRun
 from tests.fixtures.emps import prior, read
 from tests.fixtures.measured import FOLDER
 
-pytestmark = pytest.mark.data
+SHIPPED = Path(__file__).parents[2] / "examples" / "emps" / "prior.toml"
+DIFFERENCE = "effects.viscous_asymmetry.difference"
+data = pytest.mark.data
 
 
 @pytest.fixture(scope="module")
 def found():
-    result = identify(read(), prior(), names=["DATA_EMPS.mat"])
+    result = cogging.identify(read(), prior(), names=["DATA_EMPS.mat"])
     print("\n" + result.text())
     return result
 
 
+def test_the_shipped_prior_is_that_of_the_tests():
+    shipped, known = cogging.Model.read(SHIPPED), prior()
+    assert (shipped.axis, shipped.effects) == (known.axis, known.effects)
+    assert shipped.controller_type == known.controller_type
+    for name in ("sample_rate", "kp", "kv", "mass", "viscous", "coulomb", "command_limit"):
+        assert getattr(shipped.controller, name) == pytest.approx(getattr(known.controller, name), rel=1e-9)
+    assert shipped.units.command == "N"
+
+
+@data
+def test_the_printed_command_finds_the_published_numbers(tmp_path, capsys):
+    lines = [line.removeprefix("##").strip() for line in SHIPPED.read_text().splitlines() if line.startswith("##")]
+    first = next(i for i, line in enumerate(lines) if line.startswith("cogging identify"))
+    words = shlex.split(f"{lines[first].rstrip(chr(92))} {lines[first + 1]}")
+    assert words[:3] == ["cogging", "identify", "$LOG"]
+    words[words.index("--model") + 1] = str(SHIPPED)
+    words[words.index("--out") + 1] = str(tmp_path / "fitted.toml")
+    assert main(["identify", str(emps.files(FOLDER)["DATA_EMPS"]), *words[3:]]) == 0
+    assert "axis.mass" in capsys.readouterr().out
+    fitted = cogging.parameters_of(cogging.Model.read(tmp_path / "fitted.toml"))
+    for path, published in emps.PUBLISHED.items():
+        assert fitted[path].value == pytest.approx(published, rel=0.02)
+
+
+@data
 @pytest.mark.parametrize(("path", "tolerance"), [*zip(emps.PUBLISHED, (0.015, 0.015, 0.015, 0.05), strict=True)])
-def test_finds_the_published_parameters(found, path, tolerance):
+def test_the_published_parameters_are_found(found, path, tolerance):
     published, p = emps.PUBLISHED[path], found[path]
     assert p.determined
     assert p.value == pytest.approx(published, rel=tolerance)
@@ -28,59 +59,38 @@ def test_finds_the_published_parameters(found, path, tolerance):
     assert abs(p.difference) < 3.0
 
 
-def test_the_model_leaves_far_more_than_the_encoder_does(found):
+@data
+def test_residual_controller_and_replay(found):
     log = found.logs[0]
     assert log.residual_before > 2.0 * log.residual_after
     assert log.residual_after > 20.0 * log.floor  # of what it misses: see the notebook
-
-
-def test_the_controller_is_reported_with_gains_four_percent_larger(found):
-    (line,) = found.controller
-    assert "the stated cascade gives the command to 3.3 %" in line
+    assert "the stated cascade gives the command to 3.3 %" in found.controller[0]
     check = found.audits[0].controller
     assert check.fitted["kv"] / check.stated["kv"] == pytest.approx(1.045, abs=0.005)
     assert check.fitted["kp"] / check.stated["kp"] == pytest.approx(1.0, abs=0.005)
     assert check.fitted_rms < 0.4 * check.difference_rms
-
-
-def test_replay_is_no_worse_than_the_authors(found):
-    for name, error in found.logs[0].replay.items():
-        assert error < emps.AUTHORS_ERRORS["DATA_EMPS"][name], name
-
-
-def test_pulses_that_took_no_part_in_the_fit_are_foreseen_no_worse_than_by_the_authors(found):
     run = LoggedRun.of(read("DATA_EMPS_PULSES"), found.model, "DATA_EMPS_PULSES.mat", emps.pulses(FOLDER))
-    errors = run.relative_errors(found.model)
-    authors = emps.AUTHORS_ERRORS["DATA_EMPS_PULSES"]
-    print("\n" + run.line)
-    print(
-        ", ".join(f"{name} {100 * error:.3g} % (authors {100 * authors[name]:.3g} %)" for name, error in errors.items())
-    )
-    for name, error in errors.items():
-        assert error < authors[name], name
+    for name, errors in (("DATA_EMPS", log.replay), ("DATA_EMPS_PULSES", run.relative_errors(found.model))):
+        authors = emps.AUTHORS_ERRORS[name]
+        print("\n" + ", ".join(f"{k} {100 * e:.3g} % (authors {100 * authors[k]:.3g} %)" for k, e in errors.items()))
+        assert all(error < authors[column] for column, error in errors.items()), name
 
 
+@data
 def test_without_its_pulses_the_second_log_contradicts_its_controller():
-    found = identify(read("DATA_EMPS_PULSES"), prior(), names=["pulses"])
+    found = cogging.identify(read("DATA_EMPS_PULSES"), prior(), names=["pulses"])
     assert "did not make this log" in found.controller[0]
     assert found["axis.mass"].value == pytest.approx(95.1, rel=0.03)
 
 
+@data
 def test_a_width_of_one_millimetre_a_second_moves_friction(found):
-    fixed = identify(read(), prior(1e-3), free=list(emps.PUBLISHED))
-    ratios = {path: fixed[path].value / found[path].value for path in ("axis.viscous", "axis.coulomb")}
-    print(
-        f"\nwidth 1 mm/s: viscous {100 * (ratios['axis.viscous'] - 1):+.1f} %, "
-        f"Coulomb {100 * (ratios['axis.coulomb'] - 1):+.1f} %"
-    )
-    assert ratios["axis.viscous"] == pytest.approx(0.96, abs=0.015)
-    assert ratios["axis.coulomb"] == pytest.approx(1.05, abs=0.015)
+    fixed = cogging.identify(read(), prior(1e-3), free=list(emps.PUBLISHED))
+    for path, ratio in (("axis.viscous", 0.96), ("axis.coulomb", 1.05)):
+        print(f"\nwidth 1 mm/s: {path} {100 * (fixed[path].value / found[path].value - 1):+.1f} %")
+        assert fixed[path].value / found[path].value == pytest.approx(ratio, abs=0.015)
     assert fixed["axis.mass"].value == pytest.approx(found["axis.mass"].value, rel=2e-3)
-
-
-def test_a_free_width_is_found_well_above_zero_and_trades_with_both(found):
-    free = identify(read(), prior(1e-3))
-    print("\n" + free.text())
+    free = cogging.identify(read(), prior(1e-3))
     width = free["axis.coulomb_width"]
     assert width.determined
     assert 1e-3 < width.ci95[0] < width.ci95[1] < 5e-3
@@ -89,14 +99,13 @@ def test_a_free_width_is_found_well_above_zero_and_trades_with_both(found):
     assert free.logs[0].residual_after < found.logs[0].residual_after
 
 
+@data
 def test_direction_explains_most_of_the_offset(found):
     """The publication's offset stands for a viscous friction that differs with direction."""
-    from cogging import effects
-
     model = prior()
-    richer = identify(read(), model.replace(effects=(*model.effects, effects.ViscousAsymmetry())))
-    offset, difference = richer["effects.constant_force.force"], richer["effects.viscous_asymmetry.difference"]
-    assert abs(offset.value) < 0.4 * found["effects.constant_force.force"].value
-    assert difference.value == pytest.approx(166.0 - 240.0, rel=0.2)
-    assert not difference.ci95[0] < 0.0 < difference.ci95[1]
+    richer = cogging.identify(read(), model.replace(effects=(*model.effects, cogging.effects.ViscousAsymmetry())))
+    offset = "effects.constant_force.force"
+    assert abs(richer[offset].value) < 0.4 * found[offset].value
+    assert richer[DIFFERENCE].value == pytest.approx(166.0 - 240.0, rel=0.2)
+    assert not richer[DIFFERENCE].ci95[0] < 0.0 < richer[DIFFERENCE].ci95[1]
     assert richer.logs[0].residual_after < 0.9 * found.logs[0].residual_after

@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.identification.identification import identify
-from cogging.logs.spikes import spikes
 from cogging.papers import comparison
 from cogging.papers.lu2008 import gantry as lu2008
 from tests.fixtures import moving_axis
@@ -60,7 +58,7 @@ def made(kind, seed):
     return model, cogging.simulate(model, moving_axis.motion(seed, seconds=6.0), seed=seed, duration=6.0)
 
 
-def spoiled(fault, log, random):
+def spoil(fault, log, random):
     """The log with a fault of the recording."""
     rows, keep = len(log), np.ones(len(log), dtype=bool)
     what, _, much = fault.partition(" ")
@@ -82,11 +80,11 @@ def spoiled(fault, log, random):
     if what == "pause":
         return replace(log, time=log.time + 86400.0 * (np.arange(rows) > rows // 2))
     for one in ("drop 5", "readings 8", "commands 8"):
-        log = spoiled(one, log, random)
+        log = spoil(one, log, random)
     return log
 
 
-def wrong_ones(kind, model, log, random):
+def wrong_ones(model, log, random):
     """Models with a controller that did not make the log, and logs whose command is late, beyond 6 % of its rms."""
     own = model.controller
     for field in ("kp", "kd", "ki", "kv", "mass", "feedback_gain", "position_gain", "gain_1", "gain_2", "sample_rate"):
@@ -99,10 +97,10 @@ def wrong_ones(kind, model, log, random):
     yield "late", model, late
 
 
-@pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS, rounds=2))
+@pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS))
 def test_a_fault_of_the_recording_is_no_mismatch(kind, fault):
     model, log = made(kind, 1)
-    check = cogging.check_controller(spoiled(fault, log, np.random.default_rng([1, 5])), model)
+    check = cogging.check_controller(spoil(fault, log, np.random.default_rng([1, 5])), model)
     if kind in LEARNS and fault == "burst 3":
         assert check.reproduces is not False
         return
@@ -112,48 +110,22 @@ def test_a_fault_of_the_recording_is_no_mismatch(kind, fault):
         assert check.fitted[name] == pytest.approx(check.stated[name], rel=0.05), check
 
 
-@pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS, rounds=2)[::2])
+@pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS))
 def test_and_hides_none(kind, fault):
     model, log = made(kind, 3)
     random = np.random.default_rng(6)
     seen = 0
-    for what, stated, logged in wrong_ones(kind, model, log, random):
+    for what, stated, logged in wrong_ones(model, log, random):
         clean = cogging.check_controller(logged, stated)
         if clean.relative is None or clean.relative < 0.06:
             continue
         seen += 1
-        check = cogging.check_controller(spoiled(fault, logged, random), stated)
+        check = cogging.check_controller(spoil(fault, logged, random), stated)
         if kind in LEARNS and fault in ("burst 3", "pause"):
             assert check.reproduces is not True, (what, clean.relative, check)
         else:
             assert check.reproduces is False, (what, clean.relative, check)
     assert seen > 0
-
-
-def mixed(log, random):
-    """The log with 1 to 10 % of its rows lost, gaps anywhere, pauses, and single wrong readings and commands."""
-    log = spoiled(f"drop {random.uniform(1.0, 10.0)}", log, random)
-    keep, time = np.ones(len(log), dtype=bool), log.time.copy()
-    for start in random.integers(50, len(log) - 100, int(random.integers(1, 5))):
-        keep[start : start + int(random.integers(2, 300))] = False
-    for start in random.integers(50, len(log) - 100, 2):
-        time[start:] += random.uniform(0.5, 100.0)
-    log = replace(log, time=time)[keep]
-    for fault in ("readings", "commands"):
-        log = spoiled(f"{fault} {random.integers(1, 9)}", log, random)
-    return log
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_nor_do_all_faults_at_once(kind):
-    random = np.random.default_rng(11)
-    model, log = made(kind, 11)
-    check = cogging.check_controller(mixed(log, random), model)
-    assert check.reproduces is True or (kind in LEARNS and check.reproduces is None), check
-    what, stated, logged = next(wrong_ones(kind, model, log, random))
-    if cogging.check_controller(logged, stated).relative > 0.06:
-        check = cogging.check_controller(mixed(logged, random), stated)
-        assert check.reproduces is False or (kind in LEARNS and check.reproduces is None), (what, check)
 
 
 def test_what_is_left_out_is_reported():
@@ -167,17 +139,15 @@ def test_what_is_left_out_is_reported():
     whole = cogging.check_controller(log, model)
     assert whole.unseen_readings == whole.doubted_commands == ()
     assert check.command_rms == pytest.approx(whole.command_rms, rel=1e-3)
-    assert not spikes(log.position).any()
-    assert not spikes(log.position - log.reference).any()
 
 
 @pytest.mark.parametrize(
     ("kind", "fault"),
-    covering(["pid", "pid ff", "pd", "cascade"], ["drop 1", "drop 5", "drop 20", "readings 8", "commands 8", "pause"]),
+    covering(["pid", "pid ff", "pd", "cascade"], ["drop 1", "drop 20", "readings 8", "commands 8", "pause"]),
 )
 def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
     model, log = made(kind, 1)
-    found = cogging.recover_controller(spoiled(fault, log, np.random.default_rng(4)))
+    found = cogging.recover_controller(spoil(fault, log, np.random.default_rng(4)))
     assert found is not None
     assert found.type == model.controller_type
     for name in ("kp", "kd", "kv"):
@@ -185,24 +155,22 @@ def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
             assert getattr(found.parameters, name) == pytest.approx(getattr(model.controller, name), rel=0.05)
 
 
-def test_the_verdict_stays():
+@pytest.mark.parametrize(("fault", "differences"), [("drop 5", [1.5]), ("readings 8", [])])
+def test_the_verdict_stays(fault, differences):
     """Dropped rows and spoiled readings are no fault of the controller, and no flexible mode."""
-    for fault, hidden in (
-        ("drop 5", [cogging.effects.ViscousAsymmetry(difference=1.5)]),
-        ("readings 8", []),
-    ):
-        log = moving_axis.record(moving_axis.machine(hidden), 3)
-        result = cogging.diagnose(spoiled(fault, log, np.random.default_rng(3)), moving_axis.machine())
-        assert [effect.name for effect in result.effects] == [effect.NAME for effect in hidden], str(result)
-        assert result.verdict == ("named" if hidden else "no_gap")
-        assert any("interpolation" in note for note in result.notes)
+    hidden = [cogging.effects.ViscousAsymmetry(difference=difference) for difference in differences]
+    log = moving_axis.record(moving_axis.machine(hidden), 3)
+    result = cogging.diagnose(spoil(fault, log, np.random.default_rng(3)), moving_axis.machine())
+    assert [effect.name for effect in result.effects] == [effect.NAME for effect in hidden], str(result)
+    assert result.verdict == ("named" if hidden else "no_gap")
+    assert any("interpolation" in note for note in result.notes)
 
 
 def test_the_fit_stays():
     log = moving_axis.record(moving_axis.machine(), 3)
-    whole = identify(log, moving_axis.machine())
+    whole = cogging.identify(log, moving_axis.machine())
     for fault in ("drop 5", "commands 8"):
-        found = identify(spoiled(fault, log, np.random.default_rng(3)), moving_axis.machine())
+        found = cogging.identify(spoil(fault, log, np.random.default_rng(3)), moving_axis.machine())
         for p, q in zip(whole.parameters, found.parameters, strict=True):
             width = p.ci95[1] - p.ci95[0]
             assert abs(q.value - p.value) <= 0.5 * width, (p.path, p.value, q.value, width)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from cogging import fit_map
 from cogging.datasets import laas
-from cogging.mapping.fit_map import fit_map
 from tests.fixtures.measured import FOLDER
 
 DRAWN = range(12)
@@ -28,33 +28,29 @@ class Drawn:
         return amplitude * np.sin(2.0 * np.pi * harmonic * x / self.pitch + phase)
 
     def map(self, x):
-        entries = zip(self.harmonics, self.amplitudes, self.phases, strict=True)
-        return sum(self.wave(x, *entry) for entry in entries)
+        return sum(self.wave(x, *entry) for entry in zip(self.harmonics, self.amplitudes, self.phases, strict=True))
 
     def turn(self, points, turns=1):
         """Positions of closed turns: the last one stands a step before the first comes again."""
         start = self.rng.uniform(-2.0, 2.0) * self.pitch
         return start + np.arange(points * turns) * self.pitch / points
 
-    def both(self, x):
-        """There and back over the same places, and the direction of each row."""
-        return np.concatenate([x, x[::-1]]), np.repeat([1.0, -1.0], x.size)
+    def fit(self, x, clean, **options):
+        """The fit to a force with noise."""
+        force = clean + self.noise * self.rng.normal(size=clean.size)
+        return fit_map(x, force, pitch=self.pitch, **{"order": 0, **options})
 
-    def measured(self, clean):
-        return clean + self.noise * self.rng.normal(size=clean.size)
+
+def there_and_back(x):
+    return np.concatenate([x, x[::-1]]), np.repeat([1.0, -1.0], x.size)
 
 
 def deviations(fit, drawn):
     """Sines and cosines of the map beside the truth, in standard errors."""
-    found = fit.cogging.basis.harmonics
     table = {h: a * np.exp(1j * p) for h, a, p in zip(drawn.harmonics, drawn.amplitudes, drawn.phases, strict=True)}
-    true = np.array([table.get(h, 0.0) for h in found])
-    apart = [(fit.cogging.sine[:, 0] - true.real) / fit.sine_standard_error[:, 0]]
-    apart.append((fit.cogging.cosine[:, 0] - true.imag) / fit.cosine_standard_error[:, 0])
-    return np.concatenate(apart)
-
-
-# --- a closed turn ----------------------------------------------------------------------------------------------------
+    true = np.array([table.get(h, 0.0) for h in fit.cogging.basis.harmonics])
+    sine = (fit.cogging.sine[:, 0] - true.real) / fit.sine_standard_error[:, 0]
+    return np.concatenate([sine, (fit.cogging.cosine[:, 0] - true.imag) / fit.cosine_standard_error[:, 0]])
 
 
 @pytest.mark.parametrize("turns", [1, 5])
@@ -63,67 +59,58 @@ def test_a_closed_turn_is_a_whole_pitch(turns):
     for seed in DRAWN:
         drawn = Drawn(seed)
         x = drawn.turn(int(drawn.rng.integers(40, 400)), turns)[:: 1 if seed % 2 else -1]
-        fit = fit_map(x, drawn.measured(drawn.map(x) + drawn.coulomb), pitch=drawn.pitch, order=0)
+        fit = drawn.fit(x, drawn.map(x) + drawn.coulomb)
         assert set(drawn.harmonics) <= {entry.harmonic for entry in fit.amplitudes}, seed
         assert len(fit.amplitudes) <= 5
         apart.append(deviations(fit, drawn))
         errors.append((fit.offset - drawn.coulomb) / (drawn.noise / np.sqrt(x.size)))
-    spread = np.std(np.concatenate(apart))
-    assert 0.6 < spread < 1.35
+        if turns == 1:
+            with pytest.raises(ValueError, match="must travel at least one pitch"):
+                drawn.fit(x[:-3], drawn.map(x[:-3]))
+    assert 0.6 < np.std(np.concatenate(apart)) < 1.35
     assert np.std(errors) < 1.5  # the mean of a whole turn, not of the turn and a bit
 
 
-def test_a_turn_with_a_piece_missing_is_still_refused():
-    for seed in DRAWN:
-        drawn = Drawn(seed)
-        x = drawn.turn(int(drawn.rng.integers(40, 400)))[:-3]
-        with pytest.raises(ValueError, match="must travel at least one pitch"):
-            fit_map(x, drawn.map(x), pitch=drawn.pitch)
-
-
-# --- there and back over one pitch ------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("way", ["closed turn", "from end to end", "the last place once"])
-def test_there_and_back_over_one_pitch_keeps_friction(way):
-    apart, errors = [], []
+def test_one_pitch_there_and_back_gives_the_friction(way):
+    apart = []
     for seed in DRAWN:
         drawn = Drawn(seed)
         points = int(drawn.rng.integers(60, 300))
         x = drawn.turn(points)
         if way == "from end to end":
             x = np.append(x, x[0] + drawn.pitch)
-        x, direction = drawn.both(x)
+        x, direction = there_and_back(x)
         if way == "the last place once":
             x, direction = np.delete(x, points), np.delete(direction, points)
-        clean = drawn.map(x) + drawn.coulomb * direction + 0.2 * drawn.size
-        fit = fit_map(x, drawn.measured(clean), pitch=drawn.pitch, order=0)
+        fit = drawn.fit(x, drawn.map(x) + drawn.coulomb * direction + 0.2 * drawn.size)
         assert fit.coulomb is not None, seed
-        apart.append((fit.coulomb - drawn.coulomb) / fit.coulomb_standard_error)
-        errors.append((fit.coulomb - drawn.coulomb) / (drawn.noise / np.sqrt(x.size)))
+        apart.append(
+            [(fit.coulomb - drawn.coulomb) / e for e in (fit.coulomb_standard_error, drawn.noise / x.size**0.5)]
+        )
         assert fit.offset == pytest.approx(0.2 * drawn.size, abs=5.0 * fit.offset_standard_error + 1e-9)
-    assert 0.4 < np.std(apart) < 1.6
-    assert np.std(errors) < 1.6
+    stated, white = np.std(apart, axis=0)
+    assert 0.4 < stated < 1.6
+    assert white < 1.6
 
 
 # --- what changes sign with the direction -----------------------------------------------------------------------------
 
 
-def scan_with(drawn, odd, turns=2):
-    """There and back, with direction times odd(x) on top."""
-    x, direction = drawn.both(drawn.turn(200, turns))
-    clean = drawn.map(x) + direction * (drawn.coulomb + odd(x))
-    return fit_map(x, drawn.measured(clean), pitch=drawn.pitch, order=0)
+def fit_with(drawn, odd, turns=2):
+    """The fit of a scan there and back, with direction times odd(x) on top."""
+    x, direction = there_and_back(drawn.turn(200, turns))
+    return drawn.fit(x, drawn.map(x) + direction * (drawn.coulomb + odd(x)))
 
 
 @pytest.mark.parametrize("turns", [1, 6])
-def test_friction_that_ripples_is_told_with_its_size(turns):
+def test_friction_that_ripples_is_reported_with_its_size(turns):
     apart, maps = [], []
     for seed in DRAWN:
         drawn = Drawn(seed)
         harmonic, phase = int(drawn.rng.integers(1, 9)), drawn.rng.uniform(-np.pi, np.pi)
         size = drawn.noise * float(np.exp(drawn.rng.uniform(np.log(1.0), np.log(30.0))))
-        fit = scan_with(drawn, lambda x, d=drawn, e=(harmonic, size, phase): d.wave(x, *e), turns)
+        fit = fit_with(drawn, lambda x, d=drawn, e=(harmonic, size, phase): d.wave(x, *e), turns)
         table = {entry.harmonic: entry for entry in fit.direction_amplitudes}
         assert harmonic in table, seed
         assert len(table) <= 3
@@ -138,10 +125,10 @@ def test_friction_that_ripples_is_told_with_its_size(turns):
     assert 0.6 < np.std(np.concatenate(maps)) < 1.4
 
 
-def test_nothing_is_said_where_nothing_changes_sign():
+def test_nothing_is_reported_where_nothing_changes_sign():
     alarms, runs = 0, 60
     for seed in range(runs):
-        fit = scan_with(Drawn(100 + seed), np.zeros_like, turns=1 + seed % 4)
+        fit = fit_with(Drawn(100 + seed), np.zeros_like, turns=1 + seed % 4)
         alarms += bool(fit.direction_amplitudes)
         assert ("change sign" in fit.text()) == bool(fit.direction_amplitudes or "none of the pitch" in fit.text())
         assert (fit.direction_rms > 0.0) == bool(fit.direction_amplitudes)
@@ -151,13 +138,12 @@ def test_nothing_is_said_where_nothing_changes_sign():
 def test_a_map_that_lags_is_told_from_friction_that_ripples():
     for seed in DRAWN:
         drawn = Drawn(seed)
-        x, direction = drawn.both(drawn.turn(200, 2))
+        x, direction = there_and_back(drawn.turn(200, 2))
         lag = drawn.rng.choice([-1.0, 1.0]) * drawn.rng.uniform(0.01, 0.03) * drawn.pitch
-        force = drawn.measured(drawn.map(x - lag * direction) + drawn.coulomb * direction)
-        fit = fit_map(x, force, pitch=drawn.pitch, order=0)
+        fit = drawn.fit(x, drawn.map(x - lag * direction) + drawn.coulomb * direction)
         assert fit.direction_lag == pytest.approx(lag, rel=0.15), seed
         assert ("late each way" in fit.text()) == (lag > 0.0)
-        ripple = scan_with(drawn, lambda x, d=drawn: d.wave(x, d.harmonics[0], 0.3 * d.size, d.phases[0]))
+        ripple = fit_with(drawn, lambda x, d=drawn: d.wave(x, d.harmonics[0], 0.3 * d.size, d.phases[0]))
         assert ripple.direction_lag is None  # in phase with the map, where a lag would stand a quarter off
         assert "friction that ripples" in ripple.text()
 
@@ -165,49 +151,21 @@ def test_a_map_that_lags_is_told_from_friction_that_ripples():
 # --- real scans -------------------------------------------------------------------------------------------------------
 
 
-def odd_amplitude(x, force, direction, harmonics, which):
-    """Amplitude of direction times a harmonic, by plain least squares beside all harmonics and both levels."""
-    angles = np.outer(x, harmonics)
-    waves = np.hstack([np.sin(angles), np.cos(angles)])
-    columns = np.hstack([np.ones((x.size, 1)), direction[:, None], waves, direction[:, None] * waves])
-    solved = np.linalg.lstsq(columns, force, rcond=None)[0]
-    odd = solved[2 + 2 * len(harmonics) :]
-    return float(np.hypot(odd[harmonics.index(which)], odd[len(harmonics) + harmonics.index(which)]))
-
-
 @pytest.mark.data
 def test_hysteresis_of_a_real_turn_and_back():
+    """Against plain least squares of all harmonics, each also times the direction, beside both levels."""
     rows = laas.read("stopped_data", FOLDER / "laas")
     fit = fit_map(rows.position, rows.current, pitch=laas.TURN)
     table = {entry.harmonic: entry.amplitude for entry in fit.direction_amplitudes}
-    harmonics = [12, 18, 24, 36, 48, 54, 71, 72, 73, 144]
+    harmonics, direction = [12, 18, 24, 36, 48, 54, 71, 72, 73, 144], fit.direction[:, None]
+    angles = np.outer(fit.position, harmonics)
+    waves = np.hstack([np.sin(angles), np.cos(angles)])
+    columns = np.hstack([np.ones_like(direction), direction, waves, direction * waves])
+    odd = np.linalg.lstsq(columns, fit.force, rcond=None)[0][2 + 2 * len(harmonics) :]
+    plain = dict(zip(harmonics, np.hypot(*odd.reshape(2, -1)), strict=True))
     for harmonic in (72, 144):
-        plain = odd_amplitude(fit.position, fit.force, fit.direction, harmonics, harmonic)
-        assert table[harmonic] == pytest.approx(plain, rel=0.05)
+        assert table[harmonic] == pytest.approx(plain[harmonic], rel=0.05)
     assert table[72] == pytest.approx(0.0146, abs=0.001)  # 8 % of the map's own, a quarter of the friction
     assert max(table, key=table.get) == 72
     assert fit.coulomb == pytest.approx(0.053, abs=0.002)
     assert "change sign with the direction of motion (harmonics 72, 144" in fit.text()
-
-
-def odrive(which):
-    """Position (rad) and current (A) of the filled entries of a scan over one turn."""
-    entries = np.load(FOLDER / "odrive" / f"cogging_measure_final_{which}_16.npy")
-    filled = np.flatnonzero(entries)
-    return filled * (2.0 * np.pi / entries.size), entries[filled]
-
-
-@pytest.mark.data
-def test_a_harmonic_of_the_other_way_that_stands_on_its_head():
-    """7 a turn (of the neighbour motor) is as large both ways, and of the other sign: the mean of both has none."""
-    there, back = odrive("a"), odrive("rev")
-    position, current = (np.concatenate([one, other[::-1]]) for one, other in zip(there, back, strict=True))
-    fit = fit_map(position, current, pitch=2.0 * np.pi)
-    assert fit.coulomb == pytest.approx(0.17, abs=0.02)
-    table = {entry.harmonic: entry.amplitude for entry in fit.amplitudes}
-    assert 7 not in table
-    assert [table[h] for h in (28, 14, 36, 12, 84)] == pytest.approx([0.56, 0.35, 0.29, 0.26, 0.12], rel=0.15)
-    (entry,) = [entry for entry in fit.direction_amplitudes if entry.harmonic == 7]
-    assert entry.amplitude == pytest.approx(0.875, abs=0.03)
-    assert fit.direction_rms > 3.0 * fit.coulomb
-    assert "0.624 V rms of the force change sign with the direction of motion (harmonics 7" in fit.text()

@@ -9,8 +9,9 @@ from scipy.interpolate import BSpline as ScipySpline
 from scipy.signal import lfilter
 
 import cogging
+from cogging import fit_map
+from cogging.datasets import laas
 from cogging.files import read_toml
-from cogging.mapping.fit_map import fit_map
 from tests.fixtures.measured import FOLDER
 
 PITCH = 0.05
@@ -21,6 +22,15 @@ BASE = np.array([0.5, 0.3, 0.2, 0.1, 0.08])[:, None]  # V
 GRID = np.arange(511) * STEP  # 0 to 0.51 m, as Lu et al. 2008 measured
 THERE_AND_BACK = np.concatenate([GRID, GRID[::-1]])
 DIRECTION = np.repeat([1.0, -1.0], GRID.size)
+
+
+def fit(force, x=GRID, **options):
+    return fit_map(x, force, pitch=PITCH, **options)
+
+
+def fit_known(force, x=GRID, **options):
+    """The fit with the true harmonics."""
+    return fit(force, x, **{"harmonics": HARMONICS, "origin": 0.0, **options})
 
 
 def truth(seed, *, order=3, spread=0.3):
@@ -41,43 +51,37 @@ def noise(rng, size, correlation=0.0):
     return lfilter([1.0], [1.0, -correlation], drive)[200:]
 
 
-def two_way_scan(seed, model, coulomb=0.15, offset=0.2, correlation=0.0):
+def two_way_scan(seed, model, correlation=0.0):
+    """Force there and back, with a Coulomb level of 0.15 V and an offset of 0.2 V."""
     rng = np.random.default_rng(seed)
     both = [noise(rng, GRID.size, correlation) for _ in range(2)]
-    return model.force(THERE_AND_BACK) + offset + coulomb * DIRECTION + np.concatenate(both)
-
-
-def local_amplitudes(model, x):
-    weights = model.basis.spline.design_matrix(x)
-    squares = (weights @ model.sine.T) ** 2 + (weights @ model.cosine.T) ** 2
-    return np.sqrt(squares.mean(axis=0))
+    return model.force(THERE_AND_BACK) + 0.2 + 0.15 * DIRECTION + np.concatenate(both)
 
 
 def found(fit):
     return [entry.harmonic for entry in fit.amplitudes]
 
 
-# --- a real scan ------------------------------------------------------------------------------------------------------
+def has_note(fit, words):
+    return any(words in note for note in fit.notes)
 
 
-@pytest.fixture(scope="module")
-def laas():
-    """Position (rad) and current (A) of one turn forward and one back."""
-    path = FOLDER / "laas" / "stopped_data.txt"
-    table = np.genfromtxt(path, delimiter=",", names=True, deletechars="", autostrip=True)
-    return table["Position"], table["Iq"]
+def deviations(fit, model, columns=slice(None)):
+    """Sines and cosines of the map beside the truth, in standard errors."""
+    sine = (fit.cogging.sine - model.sine) / fit.sine_standard_error
+    cosine = (fit.cogging.cosine - model.cosine) / fit.cosine_standard_error
+    return list(np.concatenate([sine[:, columns], cosine[:, columns]]).ravel())
 
 
 @pytest.mark.data
-def test_real_scan_over_one_turn(laas):
-    position, current = laas
-    fit = fit_map(position, current, pitch=2.0 * np.pi)
+def test_real_scan_over_one_turn():
+    rows = laas.read("stopped_data", FOLDER / "laas")
+    fit = fit_map(rows.position, rows.current, pitch=2.0 * np.pi)
     amplitudes = {entry.harmonic: entry.amplitude for entry in fit.amplitudes}
     assert max(amplitudes, key=amplitudes.get) == 72
     assert amplitudes[72] == pytest.approx(0.184, rel=0.015)  # README of the data, fitted to rows, not to places
-    assert amplitudes[18] == pytest.approx(0.0422, rel=0.03)
-    assert amplitudes[12] == pytest.approx(0.0304, rel=0.03)
-    assert amplitudes[144] == pytest.approx(0.0236, rel=0.03)
+    for harmonic, amplitude in {18: 0.0422, 12: 0.0304, 144: 0.0236}.items():
+        assert amplitudes[harmonic] == pytest.approx(amplitude, rel=0.03)
     assert {24, 36, 48, 54, 71, 73, 90} <= set(amplitudes)
     assert len(amplitudes) <= 30  # of 200 that are looked at
     assert max(entry.false_alarm for entry in fit.amplitudes if entry.harmonic in (12, 18, 72, 144)) < 1e-20
@@ -85,303 +89,254 @@ def test_real_scan_over_one_turn(laas):
     assert 1e-4 < fit.coulomb_standard_error < 2e-3
     assert abs(fit.offset) < 0.002
     assert fit.residual_rms < 0.018  # 0.145 before
-    assert fit.order == 0
-    assert fit.trend == 0.0
-    assert any("rows averaged" in note for note in fit.notes)
+    assert (fit.order, fit.trend) == (0, 0.0)
+    assert has_note(fit, "rows averaged")
 
 
 # --- known truth ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("correlation", [0.0, np.exp(-1 / 2), np.exp(-1 / 5)])
+@pytest.mark.parametrize("correlation", [0.0, np.exp(-1 / 5)])
 def test_modulated_truth_is_found_within_its_standard_errors(correlation):
-    """Noise white, and correlated over 2 and 5 mm: errors must be honest about it."""
-    deviations, amplitude_deviations, coulomb, orders = [], [], [], []
+    """Noise white, and correlated over 5 mm: errors must be honest about it."""
+    apart, amplitudes, coulomb, orders = [], [], [], []
     for seed in range(8):
         model = truth(seed)
-        fit = fit_map(THERE_AND_BACK, two_way_scan(seed, model, correlation=correlation), pitch=PITCH, origin=0.0)
-        assert found(fit) == HARMONICS, seed
-        orders.append(fit.order)
-        if fit.order == 3:
-            deviations += list(((fit.cogging.sine - model.sine) / fit.sine_standard_error).ravel())
-            deviations += list(((fit.cogging.cosine - model.cosine) / fit.cosine_standard_error).ravel())
-            true = local_amplitudes(model, fit.position)
-            amplitude_deviations += [
-                (entry.amplitude - a) / entry.standard_error for entry, a in zip(fit.amplitudes, true, strict=True)
-            ]
-        coulomb.append((fit.coulomb - 0.15) / fit.coulomb_standard_error)
+        made = fit(two_way_scan(seed, model, correlation), THERE_AND_BACK, origin=0.0)
+        assert found(made) == HARMONICS, seed
+        orders.append(made.order)
+        coulomb.append((made.coulomb - 0.15) / made.coulomb_standard_error)
+        if made.order == 3:
+            apart += deviations(made, model)
+            weights = model.basis.spline.design_matrix(made.position)
+            squares = (weights @ model.sine.T) ** 2 + (weights @ model.cosine.T) ** 2
+            true = np.sqrt(squares.mean(axis=0))
+            amplitudes += [(e.amplitude - a) / e.standard_error for e, a in zip(made.amplitudes, true, strict=True)]
     assert orders.count(3) >= 7
-    assert 0.91 <= np.mean(np.abs(deviations) < 1.96) <= 0.995  # 95 % stated; 0.96 seen
-    assert np.std(deviations) < 1.1
+    assert 0.91 <= np.mean(np.abs(apart) < 1.96) <= 0.995  # 95 % stated; 0.96 seen
+    assert np.std(apart) < 1.1
     # The noise level of red noise is itself an estimate, which widens the tails.
-    assert max(np.abs(deviations)) < (8.0 if correlation else 4.5)
-    assert 0.3 < np.sqrt(np.mean(np.square(amplitude_deviations))) < 1.3
+    assert max(np.abs(apart)) < (8.0 if correlation else 4.5)
+    assert 0.3 < np.sqrt(np.mean(np.square(amplitudes))) < 1.3
     assert np.sqrt(np.mean(np.square(coulomb))) < 1.6
 
 
 @pytest.mark.parametrize(("points", "correlation", "low", "high"), [(511, 0.0, 0.85, 1.15), (201, 0.78, 0.4, 1.3)])
 def test_standard_errors_fit_white_noise_and_short_scans_of_correlated_noise(points, correlation, low, high):
     """Neighbouring points of two pitches are alike: errors that assume white noise would be 2.5 times too small."""
-    x, deviations = np.linspace(0.0, 0.51 if points == 511 else 0.1, points), []
+    x, apart = np.linspace(0.0, 0.51 if points == 511 else 0.1, points), []
     for seed in range(40):
         model = truth(seed, order=0)
         force = model.force(x) + noise(np.random.default_rng(seed), points, correlation)
-        fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-        deviations += list(((fit.cogging.sine - model.sine) / fit.sine_standard_error).ravel())
-    assert low < np.std(deviations) < high
+        made = fit_known(force, x, order=0, origin=None)
+        apart += list(((made.cogging.sine - model.sine) / made.sine_standard_error).ravel())
+    assert low < np.std(apart) < high
 
 
-@pytest.mark.parametrize(("order", "correlation"), [(0, 0.0), (0, 0.82), (1, 0.0), (2, 0.0), (3, 0.0)])
+@pytest.mark.parametrize(("order", "correlation"), [(0, 0.82), (1, 0.0), (2, 0.0)])
 def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
+    """Of order 3: test_modulated_truth_is_found_within_its_standard_errors."""
     orders = []
     for seed in range(8):
-        force = two_way_scan(seed, truth(seed, order=order), correlation=correlation)
-        fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, origin=0.0)
-        orders.append(fit.order)
+        made = fit_known(two_way_scan(seed, truth(seed, order=order), correlation), THERE_AND_BACK)
+        orders.append(made.order)
         if order == 0:
             continue
-        assert [score.order for score in fit.cross_validation] == [0, 1, 2, 3, 4]
-        assert [score.coefficients for score in fit.cross_validation] == [10, 110, 120, 130, 140]
-        table = {score.order: score.rms for score in fit.cross_validation}
+        assert [score.coefficients for score in made.cross_validation] == [10, 110, 120, 130, 140]
+        table = {score.order: score.rms for score in made.cross_validation}
+        assert list(table) == [0, 1, 2, 3, 4]
         assert table[0] > 2.0 * table[order]  # the change along the travel is ten times the noise
         assert NOISE * 0.95 < table[order] < NOISE * 2.0  # 120 coefficients of 1,022 points
     assert orders.count(order) >= 7
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_the_simplest_order_within_one_standard_error_of_the_best_is_chosen(seed):
-    force = two_way_scan(seed, truth(seed, order=3, spread=0.1))
-    fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, origin=0.0)
-    best = min(fit.cross_validation, key=lambda score: score.rms)
-    alike = [score.order for score in fit.cross_validation if score.rms <= best.rms + best.standard_error]
+def test_the_simplest_order_within_one_standard_error_of_the_best_is_chosen():
+    made = fit_known(two_way_scan(1, truth(1, order=3, spread=0.1)), THERE_AND_BACK)
+    best = min(made.cross_validation, key=lambda score: score.rms)
+    alike = [score.order for score in made.cross_validation if score.rms <= best.rms + best.standard_error]
     assert best.order == 2
-    assert fit.order == min(alike) == 1
+    assert made.order == min(alike) == 1
 
 
 def test_modulation_with_no_line_at_the_harmonic_is_found():
     """An amplitude that changes sign half-way: all of it stands in the sidebands."""
-    x = np.arange(501) * STEP
-    rng = np.random.default_rng(3)
-    force = 0.1 * np.cos(np.pi * x / 0.5) * np.sin(2.0 * np.pi * 4.0 * x / PITCH) + noise(rng, x.size)
-    fit = fit_map(x, force, pitch=PITCH)
-    assert found(fit) == [4]
-    assert fit.order >= 1
-    assert fit.amplitudes[0].amplitude == pytest.approx(0.1 / np.sqrt(2.0), rel=0.1)
-    assert fit.cross_validation[0].rms > 1.5 * min(score.rms for score in fit.cross_validation)
-
-
-def test_short_and_irregular_scans():
-    for pitches, seed in [(1, 0), (2, 1), (3, 2)]:
-        x = np.sort(np.random.default_rng(seed).uniform(0.0, pitches * PITCH, 80 * pitches))
-        x[[0, -1]] = 0.0, pitches * PITCH
-        model = truth(seed, order=0)
-        fit = fit_map(x, model.force(x) + 0.3 * noise(np.random.default_rng(seed), x.size), pitch=PITCH, order=0)
-        assert set(HARMONICS[:4]) <= set(found(fit)), pitches
-        assert len(found(fit)) <= 6
-        assert any("too short" in note for note in fit.notes) == (pitches < 3)
+    x = GRID[:501]
+    force = 0.1 * np.cos(np.pi * x / 0.5) * np.sin(2.0 * np.pi * 4.0 * x / PITCH)
+    made = fit(force + noise(np.random.default_rng(3), x.size), x)
+    assert found(made) == [4]
+    assert made.order >= 1
+    assert made.amplitudes[0].amplitude == pytest.approx(0.1 / np.sqrt(2.0), rel=0.1)
+    assert made.cross_validation[0].rms > 1.5 * min(score.rms for score in made.cross_validation)
 
 
 # --- noise ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("correlation", "false_alarm"), [(0.95, 0.01), (0.0, 0.1)])
-def test_noise_alone_yields_harmonics_no_more_often_than_stated(correlation, false_alarm):
+@pytest.mark.parametrize(("correlation", "false_alarm", "runs"), [(0.95, 0.01, 100), (0.0, 0.1, 50)])
+def test_noise_alone_yields_harmonics_no_more_often_than_stated(correlation, false_alarm, runs):
     rng = np.random.default_rng(7)
-    runs, alarms = 120, 0
+    alarms = 0
     for _ in range(runs):
-        fit = fit_map(GRID, noise(rng, GRID.size, correlation), pitch=PITCH, false_alarm=false_alarm)
-        alarms += bool(fit.amplitudes)
-        assert bool(fit.amplitudes) != any("no harmonic" in note for note in fit.notes)
-        if not fit.amplitudes:
-            assert np.all(fit.cogging.force(GRID) == 0.0)
-            assert fit.cross_validation == ()
+        made = fit(noise(rng, GRID.size, correlation), false_alarm=false_alarm)
+        alarms += bool(made.amplitudes)
+        assert bool(made.amplitudes) != has_note(made, "no harmonic")
+        if not made.amplitudes:
+            assert np.all(made.cogging.force(GRID) == 0.0)
+            assert made.cross_validation == ()
     # Were the rate any higher than stated, more alarms than this would come once in a thousand.
     assert alarms <= stats.binom.ppf(0.999, runs, false_alarm)
 
 
-def test_a_harmonic_little_above_its_threshold_is_found():
+def test_a_harmonic_little_above_its_threshold_is_found_and_a_strong_one_lends_no_leakage():
     hits, amplitude = 0, 6.0 * NOISE * np.sqrt(2.0 / GRID.size)
     for seed in range(20):
         rng = np.random.default_rng(seed)
         force = amplitude * np.sin(2.0 * np.pi * 7.0 * GRID / PITCH + seed) + noise(rng, GRID.size)
-        hits += found(fit_map(GRID, force, pitch=PITCH)) == [7]
+        hits += found(fit(force)) == [7]
     assert hits >= 15
-
-
-def test_a_strong_harmonic_lends_no_leakage():
-    """Ten thousand times the noise over 10.2 pitches: its side lobes stand far above the noise everywhere."""
-    rng = np.random.default_rng(0)
-    force = 30.0 * np.sin(2.0 * np.pi * 3.0 * GRID / PITCH) + 0.1 * noise(rng, GRID.size)
-    assert found(fit_map(GRID, force, pitch=PITCH)) == [3]
+    # Ten thousand times the noise over 10.2 pitches: its side lobes stand far above the noise everywhere.
+    strong = 30.0 * np.sin(2.0 * np.pi * 3.0 * GRID / PITCH)
+    assert found(fit(strong + 0.1 * noise(np.random.default_rng(0), GRID.size))) == [3]
 
 
 # --- friction, offset, trend ------------------------------------------------------------------------------------------
 
 
 def test_force_sign_turns_the_sensor_round():
-    model = truth(1)
-    force = two_way_scan(1, model)
-    fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS)
-    turned = fit_map(THERE_AND_BACK, -force, pitch=PITCH, harmonics=HARMONICS, force_sign=-1)
-    assert np.array_equal(fit.cogging.sine, turned.cogging.sine)
-    assert fit.coulomb == turned.coulomb
-    wrong = fit_map(THERE_AND_BACK, -force, pitch=PITCH, harmonics=HARMONICS)
+    force = two_way_scan(1, truth(1))
+    made, turned, wrong = (
+        fit_known(sign * force, THERE_AND_BACK, force_sign=stated) for sign, stated in ((1, 1), (-1, -1), (-1, 1))
+    )
+    assert np.array_equal(made.cogging.sine, turned.cogging.sine)
+    assert made.coulomb == turned.coulomb
     assert wrong.coulomb == pytest.approx(-0.15, abs=0.01)
-    assert any("force_sign" in note for note in wrong.notes)
-    assert not any("force_sign" in note for note in fit.notes)
+    assert has_note(wrong, "force_sign")
+    assert not has_note(made, "force_sign")
 
 
-def test_one_way_scan_says_that_friction_is_unknown():
-    model = truth(2)
-    rng = np.random.default_rng(2)
-    for x, direction in [(GRID, 1.0), (GRID[::-1], -1.0)]:
-        force = model.force(x) + 0.2 + 0.15 * direction + noise(rng, x.size)
-        fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0)
-        assert fit.coulomb is None
-        assert (fit.coulomb_standard_error, fit.direction_amplitudes, fit.direction_lag) == (None, (), None)
-        assert fit.offset == pytest.approx(0.2 + 0.15 * direction, abs=5.0 * fit.offset_standard_error)
-        assert any("one way" in note for note in fit.notes)
-        assert "coulomb" not in fit.text()
-        assert np.all(fit.direction == direction)
-
-
-def test_a_short_way_back_is_left_out():
-    x = np.concatenate([GRID, GRID[:-40:-1]])  # 39 mm back: less than a pitch
-    force = truth(2).force(x) + np.where(np.arange(x.size) < GRID.size, 0.15, -0.15)
-    fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0)
-    assert fit.coulomb is None
-    assert fit.offset == pytest.approx(0.15, abs=1e-4)
-    assert any("short way back" in note for note in fit.notes)
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_one_way_scan_reports_that_friction_is_unknown(direction):
+    x = GRID[:: int(direction)]
+    force = truth(2).force(x) + 0.2 + 0.15 * direction + noise(np.random.default_rng(2), x.size)
+    made = fit_known(force, x, order=3)
+    assert (made.coulomb, made.coulomb_standard_error) == (None, None)
+    assert (made.direction_amplitudes, made.direction_lag) == ((), None)
+    assert made.offset == pytest.approx(0.2 + 0.15 * direction, abs=5.0 * made.offset_standard_error)
+    assert has_note(made, "one way")
+    assert "coulomb" not in made.text()
+    assert np.all(made.direction == direction)
 
 
 def test_direction_is_that_of_the_motion_and_not_of_the_encoder_noise():
     """Rests of 40 rows with a noise of half a step; the backward pass is offset by a third of a step."""
-    rng = np.random.default_rng(4)
+    rng, model = np.random.default_rng(4), truth(4, order=0)
     places = np.concatenate([GRID, GRID[::-1] - STEP / 3.0])
     x = np.repeat(places, 40) + 0.2 * STEP * rng.normal(size=40 * places.size)
     direction = np.repeat(DIRECTION, 40)
-    model = truth(4, order=0)
-    force = model.force(x) + 0.15 * direction + noise(rng, x.size)
     assert np.mean(np.sign(np.diff(x)) != direction[1:]) > 0.4  # what the raw sign would say
-    fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-    assert fit.coulomb == pytest.approx(0.15, abs=5.0 * fit.coulomb_standard_error)
-    assert fit.coulomb_standard_error < 0.002
-    assert fit.cogging.sine == pytest.approx(model.sine, abs=0.004)
+    made = fit_known(model.force(x) + 0.15 * direction + noise(rng, x.size), x, order=0)
+    assert made.coulomb == pytest.approx(0.15, abs=5.0 * made.coulomb_standard_error)
+    assert made.coulomb_standard_error < 0.002
+    assert made.cogging.sine == pytest.approx(model.sine, abs=0.004)
 
 
-def test_friction_that_wanders_differently_in_each_direction_widens_the_error_of_its_level():
-    deviations = []
+def test_friction_that_wanders_along_the_travel_widens_the_error_of_its_level():
+    apart = []
     for seed in range(20):
         rng = np.random.default_rng(seed)
-        wander = noise(rng, GRID.size, 0.98)  # of the friction level along the travel, the same in both directions
+        wander = noise(rng, GRID.size, 0.98)  # the same in both directions
         friction = DIRECTION * np.concatenate([0.15 + wander, 0.15 + wander[::-1]])
         force = truth(seed, order=0).force(THERE_AND_BACK) + friction + 0.1 * noise(rng, DIRECTION.size)
-        fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-        deviations.append((fit.coulomb - 0.15) / fit.coulomb_standard_error)
-    assert 0.3 < np.sqrt(np.mean(np.square(deviations))) < 1.5
+        made = fit_known(force, THERE_AND_BACK, order=0)
+        apart.append((made.coulomb - 0.15) / made.coulomb_standard_error)
+    assert 0.3 < np.sqrt(np.mean(np.square(apart))) < 1.5
 
 
 def test_rows_just_after_a_reversal_are_left_out():
     """Friction that turns over 4 mm, like a spring, after each reversal would spoil the Coulomb level."""
     way = np.minimum(np.arange(GRID.size) * STEP / 0.004, 1.0)
     friction = 0.15 * np.concatenate([np.ones(GRID.size), 1.0 - 2.0 * way])
-    force = truth(6, order=0).force(THERE_AND_BACK) + friction
-    fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-    assert fit.coulomb == pytest.approx(0.15, abs=1e-9)
-    assert any("after a reversal" in note for note in fit.notes)
+    made = fit_known(truth(6, order=0).force(THERE_AND_BACK) + friction, THERE_AND_BACK, order=0)
+    assert made.coulomb == pytest.approx(0.15, abs=1e-9)
+    assert has_note(made, "after a reversal")
 
 
 def test_a_long_rest_weighs_no_more_than_its_place():
     """Ten thousand rows at one place with a force that is wrong there move the map no more than one point does."""
-    rng = np.random.default_rng(8)
-    force = truth(8, order=0).force(GRID) + noise(rng, GRID.size)
+    force = truth(8, order=0).force(GRID) + noise(np.random.default_rng(8), GRID.size)
     force[100] += 0.2
     times = np.where(np.arange(GRID.size) == 100, 10_000, 1)
-    once = fit_map(GRID, force, pitch=PITCH, harmonics=HARMONICS, order=0)
-    long = fit_map(np.repeat(GRID, times), np.repeat(force, times), pitch=PITCH, harmonics=HARMONICS, order=0)
+    once, long = fit_known(force, order=0), fit_known(np.repeat(force, times), np.repeat(GRID, times), order=0)
     assert long.cogging.sine == pytest.approx(once.cogging.sine, abs=1e-12)
     assert len(long.position) == GRID.size
 
 
 def test_a_trend_is_reported_where_there_is_one():
-    model = truth(9)
-    force = two_way_scan(9, model)
-    flat = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=HARMONICS, order=3)
+    force = two_way_scan(9, truth(9))
+    flat = fit_known(force, THERE_AND_BACK, order=3)
     assert (flat.trend, flat.trend_standard_error) == (0.0, 0.0)
-    assert not any("trend" in note for note in flat.notes)
-    tilted = fit_map(THERE_AND_BACK, force + 0.4 * THERE_AND_BACK, pitch=PITCH, harmonics=HARMONICS, order=3)
+    assert not has_note(flat, "trend")
+    tilted = fit_known(force + 0.4 * THERE_AND_BACK, THERE_AND_BACK, order=3)
     assert tilted.trend == pytest.approx(0.4, abs=5.0 * tilted.trend_standard_error)
     assert tilted.trend_standard_error < 0.02
     assert tilted.offset == pytest.approx(0.2 + 0.4 * 0.255, abs=0.01)  # at the centre of the travel
-    assert any("trend" in note for note in tilted.notes)
+    assert has_note(tilted, "trend")
     assert "V/m" in tilted.text()
+    total = tilted.cogging.force(tilted.position) + tilted.offset + tilted.coulomb * tilted.direction
+    assert tilted.fitted == pytest.approx(total + tilted.trend * (tilted.position - 0.255), abs=1e-9)
 
 
-# --- what the scan does not say ---------------------------------------------------------------------------------------
+# --- what the scan does not determine ---------------------------------------------------------------------------------
 
 
 def test_control_points_without_data_are_listed_and_continue_their_neighbours():
     model = truth(10)
     x = np.concatenate([GRID[GRID < 0.1505], GRID[GRID > 0.3495]])  # a gap of four pitches
-    rng = np.random.default_rng(10)
-    fit = fit_map(x, model.force(x) + noise(rng, x.size), pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0)
+    made = fit_known(model.force(x) + noise(np.random.default_rng(10), x.size), x, order=3)
     # Point c acts on [(c - 2) pitch, (c + 1) pitch): 5 and 6 lie in the gap, 12 on the last 10 mm, hardly.
-    assert fit.unexcited == (5, 6, 12)
-    assert any("control points 5, 6, 12" in note for note in fit.notes)
-    sine = fit.cogging.sine
+    assert made.unexcited == (5, 6, 12)
+    assert has_note(made, "control points 5, 6, 12")
+    sine = made.cogging.sine
     assert sine[:, 5] == pytest.approx((2.0 * sine[:, 4] + sine[:, 7]) / 3.0, abs=0.02)
     assert sine[:, 12] == pytest.approx(sine[:, 11], abs=0.1)
-    seen = np.setdiff1d(np.arange(13), fit.unexcited)
-    assert np.min(fit.sine_standard_error[:, [5, 6, 12]]) > 5.0 * np.median(fit.sine_standard_error[:, seen])
-    deviations = (fit.cogging.sine - model.sine)[:, seen] / fit.sine_standard_error[:, seen]
-    assert np.max(np.abs(deviations)) < 4.5
+    seen = np.setdiff1d(np.arange(13), made.unexcited)
+    assert np.min(made.sine_standard_error[:, [5, 6, 12]]) > 5.0 * np.median(made.sine_standard_error[:, seen])
+    assert np.max(np.abs(deviations(made, model, seen))) < 4.5
 
 
-def test_knots_before_the_scan_are_listed():
-    fit = fit_map(GRID, truth(0).force(GRID) + 0.2, pitch=PITCH, harmonics=HARMONICS, order=3, origin=-0.2)
-    assert fit.cogging.basis.spline.origin == -0.2
-    assert fit.cogging.basis.spline.control_points == 15 + 2
-    assert {0, 1, 2, 3} <= set(fit.unexcited)
-    for rows in (501, 503):  # a sliver of travel gets no span
-        full = fit_map(GRID[:rows], truth(0).force(GRID[:rows]), pitch=PITCH, harmonics=HARMONICS, order=3)
+def test_knots_before_the_scan_are_listed_and_a_sliver_of_travel_gets_no_span():
+    made = fit_known(truth(0).force(GRID) + 0.2, order=3, origin=-0.2)
+    spline = made.cogging.basis.spline
+    assert (spline.origin, spline.control_points) == (-0.2, 15 + 2)
+    assert {0, 1, 2, 3} <= set(made.unexcited)
+    for rows in (501, 503):
+        full = fit_known(truth(0).force(GRID[:rows]), GRID[:rows], order=3, origin=None)
         assert full.unexcited == ()
         assert (full.cogging.basis.spline.control_points, full.cogging.basis.spline.origin) == (12, 0.0)
 
 
-def test_a_period_that_is_no_harmonic_is_named():
-    rng = np.random.default_rng(11)
+def test_periods_and_harmonics_that_are_left_out_are_named():
     force = 0.5 * np.sin(2 * np.pi * GRID / PITCH) + 0.1 * np.sin(2 * np.pi * 2.4 * GRID / PITCH)
-    fit = fit_map(GRID, force + noise(rng, GRID.size), pitch=PITCH)
-    assert found(fit) == [1]
-    assert any(re.match(r"not in the map: 0\.(099|1|1\d?) V with period 0\.0209 m", note) for note in fit.notes)
-    assert fit.residual_rms > 2.0 * fit.noise
-
-
-def test_a_harmonic_left_out_by_the_user_is_named():
-    fit = fit_map(THERE_AND_BACK, two_way_scan(0, truth(0, order=0)), pitch=PITCH, harmonics=[1, 2, 3, 12], order=0)
-    assert any("harmonic 6)" in note for note in fit.notes)
-    fixed = fit_map(THERE_AND_BACK, two_way_scan(0, truth(0)), pitch=PITCH, harmonics=HARMONICS, order=0)
-    assert any("change along the travel" in note for note in fixed.notes)
-
-
-def test_an_order_with_too_many_coefficients_is_not_tried():
-    x = np.arange(101) * STEP * 4.0
-    force = sum(np.sin(2.0 * np.pi * h * x / PITCH) for h in (1, 2, 3, 4))
-    fit = fit_map(x, force, pitch=PITCH)
-    assert [score.order for score in fit.cross_validation] == [0]
-    assert sum("not tried" in note for note in fit.notes) == 4
+    made = fit(force + noise(np.random.default_rng(11), GRID.size))
+    assert found(made) == [1]
+    assert any(re.match(r"not in the map: 0\.(099|1|1\d?) V with period 0\.0209 m", note) for note in made.notes)
+    assert made.residual_rms > 2.0 * made.noise
+    without = fit(two_way_scan(0, truth(0, order=0)), THERE_AND_BACK, harmonics=[1, 2, 3, 12], order=0)
+    assert has_note(without, "harmonic 6)")
+    fixed = fit_known(two_way_scan(0, truth(0)), THERE_AND_BACK, order=0)
+    assert has_note(fixed, "change along the travel")
 
 
 # --- independent formulas ---------------------------------------------------------------------------------------------
 
 
-def scipy_regressor(x, harmonics, order, origin, points):
+def scipy_regressor(x, order, points):
     """Eq. 3 to 5 with scipy's splines: the columns in the order of the paper's A_r."""
-    knots = origin + PITCH * np.arange(1 - order, points + 1)
+    knots = PITCH * np.arange(1 - order, points + 1)
     columns = []
     for point in range(points):
         weight = ScipySpline(knots, np.eye(points)[point], order - 1)(x)
-        for h in harmonics:
+        for h in HARMONICS:
             angle = 2.0 * np.pi * h * x / PITCH
             columns += [weight * np.sin(angle), weight * np.cos(angle)]
     return np.stack(columns, axis=1)
@@ -390,50 +345,38 @@ def scipy_regressor(x, harmonics, order, origin, points):
 @pytest.mark.parametrize("order", [1, 3])
 def test_fit_is_the_least_squares_solution_with_its_prior(order):
     x, points = GRID[:500] + 0.3 * STEP, 9 + order  # no point on a knot, where order 1 jumps
-    model = truth(12, order=order)
-    force = model.force(x) + noise(np.random.default_rng(12), x.size)
-    fit = fit_map(x, force, pitch=PITCH, harmonics=HARMONICS, order=order, origin=0.0)
-    assert fit.order == order
-    columns = np.column_stack([scipy_regressor(x, HARMONICS, order, 0.0, points), np.ones(x.size)])
+    force = truth(12, order=order).force(x) + noise(np.random.default_rng(12), x.size)
+    made = fit_known(force, x, order=order)
+    columns = np.column_stack([scipy_regressor(x, order, points), np.ones(x.size)])
     plain, *_ = np.linalg.lstsq(columns, force, rcond=None)
     # Residual and prediction hardly know of the prior ...
     rest = force - columns @ plain
-    assert np.std(fit.fitted - columns @ plain) < 0.25 * NOISE
+    assert np.std(made.fitted - columns @ plain) < 0.25 * NOISE
     # ... but the coefficients at the ends do, where neighbouring harmonics with free amplitudes look alike.
     variance = rest @ rest / (x.size - columns.shape[1])
     difference = np.kron(np.diff(np.eye(points), axis=0), np.eye(10)) * np.sqrt(variance / np.var(force))
     further = np.column_stack([difference, np.zeros(len(difference))])
     rows, values = np.vstack([columns, further]), np.concatenate([force, np.zeros(len(further))])
     table = np.linalg.lstsq(rows, values, rcond=None)[0][:-1].reshape(points, 5, 2)
-    assert fit.cogging.sine == pytest.approx(table[:, :, 0].T, abs=2e-4)
-    assert fit.cogging.cosine == pytest.approx(table[:, :, 1].T, abs=2e-4)
+    assert made.cogging.sine == pytest.approx(table[:, :, 0].T, abs=2e-4)
+    assert made.cogging.cosine == pytest.approx(table[:, :, 1].T, abs=2e-4)
 
 
 def test_periodic_fit_is_the_least_squares_solution():
-    force = two_way_scan(13, truth(13, order=0))
-    fit = fit_map(THERE_AND_BACK, force, pitch=PITCH, harmonics=[2, 1], order=0)
-    x, y = fit.position, fit.force
+    made = fit(two_way_scan(13, truth(13, order=0)), THERE_AND_BACK, harmonics=[2, 1], order=0)
+    x, y = made.position, made.force
     angles = 2.0 * np.pi * x[:, None] * np.array([2.0, 1.0]) / PITCH
-    columns = np.column_stack([np.sin(angles), np.cos(angles), np.ones(x.size), fit.direction])
+    columns = np.column_stack([np.sin(angles), np.cos(angles), np.ones(x.size), made.direction])
     plain, *_ = np.linalg.lstsq(columns, y, rcond=None)
-    assert fit.cogging.basis.harmonics == [2, 1]  # in the order given
-    assert fit.cogging.sine[:, 0] == pytest.approx(plain[:2], abs=1e-9)
-    assert fit.cogging.cosine[:, 0] == pytest.approx(plain[2:4], abs=1e-9)
-    assert (fit.offset, fit.coulomb) == pytest.approx(tuple(plain[4:]), abs=1e-9)
-    entry = fit.amplitudes[0]
+    assert made.cogging.basis.harmonics == [2, 1]  # in the order given
+    assert [*made.cogging.sine[:, 0], *made.cogging.cosine[:, 0]] == pytest.approx(plain[:4], abs=1e-9)
+    assert (made.offset, made.coulomb) == pytest.approx(tuple(plain[4:]), abs=1e-9)
+    entry = made.amplitudes[0]
     assert entry.amplitude * np.exp(1j * entry.phase) == pytest.approx(plain[0] + 1j * plain[2], abs=1e-9)
-    assert fit.residual_rms == pytest.approx(np.sqrt(np.mean((y - columns @ plain) ** 2)), rel=1e-9)
+    assert made.residual_rms == pytest.approx(np.sqrt(np.mean((y - columns @ plain) ** 2)), rel=1e-9)
 
 
-def test_fitted_is_the_sum_of_what_the_fit_states():
-    fit = fit_map(THERE_AND_BACK, two_way_scan(14, truth(14)) + 0.5 * THERE_AND_BACK, pitch=PITCH)
-    centre = 0.5 * (fit.position.min() + fit.position.max())
-    total = fit.cogging.force(fit.position) + fit.offset + fit.coulomb * fit.direction
-    assert fit.trend != 0.0
-    assert fit.fitted == pytest.approx(total + fit.trend * (fit.position - centre), abs=1e-9)
-
-
-# --- what is refused --------------------------------------------------------------------------------------------------
+# --- calls and results ------------------------------------------------------------------------------------------------
 
 WAVE = np.sin(2.0 * np.pi * GRID / PITCH)
 
@@ -456,22 +399,18 @@ REFUSED = [
     ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
     ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional, got 2 dimensions"),
-    ({"position": ["a"] * 511}, r"position: must be real numbers, got .a. among them"),
     ({"force": WAVE + 1j}, r"force: must be real numbers, got ndarray"),
     ({"position": GRID[:3], "force": WAVE[:3]}, r"position: must hold at least 10 points of a scan, got 3"),
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),
     ({"position": 30.0 * GRID}, r"position: must have a point every 0.0133 m or less, got one every 0.03 m"),
     ({"pitch": 0.0}, r"pitch: must be finite and above 0, got 0.0"),
-    ({"pitch": "0.05"}, r"pitch: must be finite and above 0, got 0.05"),
     ({"force_sign": 0}, r"force_sign: must be 1 or -1, got 0"),
     ({"harmonics": []}, r"harmonics: must list 1 to 32 terms, got 0"),
     ({"harmonics": [1, 1]}, r"harmonics: each may stand once, got 1"),
-    ({"harmonics": [0]}, r"harmonics: must be a list of whole numbers from 1, got \[0\]"),
     ({"harmonics": 3}, r"harmonics: must be a list of whole numbers from 1, got 3"),
     ({"order": 17}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got 17"),
     ({"order": 3, "origin": -1e9}, r"order: must need at most 507 coefficients .*got 4\d+ for order 3"),
     ({"origin": 0.51}, r"origin: must lie below the scan's highest position 0.51 m, got 0.51"),
-    ({"origin": np.inf}, r"origin: must be a finite number, got inf"),
     ({"false_alarm": 0.0}, r"false_alarm: must lie between 0 and 1, got 0.0"),
     ({"highest_harmonic": 0}, r"highest_harmonic: must be a whole number from 1, got 0"),
 ]
@@ -479,57 +418,33 @@ REFUSED = [
 
 @pytest.mark.parametrize(("change", "message"), REFUSED)
 def test_refused(change, message):
-    arguments = {"position": GRID, "force": WAVE, "pitch": PITCH} | change
     with pytest.raises(ValueError, match=f"^{message}") as caught:
-        fit_map(arguments.pop("position"), arguments.pop("force"), **arguments)
+        fit_map(**({"position": GRID, "force": WAVE, "pitch": PITCH} | change))
     assert "\n" not in str(caught.value)
 
 
-# --- the result -------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def fit():
-    return fit_map(THERE_AND_BACK, two_way_scan(20, truth(20)), pitch=PITCH, origin=0.0)
-
-
-def test_plot(fit):
-    force, residual, spectrum = fit.plot().axes
-    forward = fit.direction == 1.0
+def test_the_plot_shows_map_residual_and_spectrum():
+    made = fit(two_way_scan(20, truth(20)), THERE_AND_BACK, origin=0.0)
+    force, residual, spectrum = made.plot().axes
     x, y = force.lines[2].get_data()
-    assert y == pytest.approx(fit.cogging.force(1e-3 * x))
+    assert y == pytest.approx(made.cogging.force(1e-3 * x))
     left = np.asarray(residual.lines[1].get_ydata())
-    assert left == pytest.approx(1e3 * (fit.force - fit.fitted)[~forward])
+    assert left == pytest.approx(1e3 * (made.force - made.fitted)[made.direction == -1.0])
     peak = spectrum.lines[0].get_xdata()[np.argmax(spectrum.lines[0].get_ydata())]
     assert peak == pytest.approx(1.0, abs=1e-9)
 
 
-def test_write_and_read_again(fit, tmp_path):
-    path = tmp_path / "map.toml"
-    fit.write(path)
+def test_a_scan_without_noise_gives_the_truth_and_its_file_the_map(tmp_path):
+    x, model = GRID[:501], truth(21)
+    made = fit_known(model.force(x) + 0.3, x, order=3)
+    assert made.cogging.force(x) == pytest.approx(model.force(x), abs=1e-5)
+    assert made.notes == ("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both",)
+    made.write(tmp_path / "map.toml")
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["map.png", "map.toml"]
     assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
-    section = read_toml(path)["cogging"]
+    section = read_toml(tmp_path / "map.toml")["cogging"]
     sine, cosine = section.pop("sine"), section.pop("cosine")
     basis = cogging.SplineHarmonics(control_points=len(sine[0]), **section)
-    again = cogging.CoggingModel(basis, sine, cosine)
-    assert np.array_equal(again.force(GRID), fit.cogging.force(GRID))
+    assert np.array_equal(cogging.CoggingModel(basis, sine, cosine).force(x), made.cogging.force(x))
     with pytest.raises(ValueError, match="cannot be written"):
-        fit.write(tmp_path / "no" / "map.toml")
-
-
-def test_map_without_harmonics_has_the_whole_interface(tmp_path):
-    fit = fit_map(GRID, np.full(GRID.size, 0.7), pitch=PITCH)
-    assert fit.offset == pytest.approx(0.7)
-    assert fit.amplitudes == ()
-    assert "periodic" in fit.text()
-    fit.write(tmp_path / "map.toml")
-    assert read_toml(tmp_path / "map.toml")["cogging"]["sine"] == [[0.0]]
-
-
-def test_a_scan_without_noise_gives_the_truth():
-    x = GRID[:501]
-    model = truth(21)
-    fit = fit_map(x, model.force(x) + 0.3, pitch=PITCH, harmonics=HARMONICS, order=3, origin=0.0)
-    assert fit.cogging.force(x) == pytest.approx(model.force(x), abs=1e-5)
-    assert fit.notes == ("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both",)
+        made.write(tmp_path / "no" / "map.toml")
