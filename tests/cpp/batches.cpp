@@ -77,7 +77,7 @@ Plant<> plant_of_kind(Kind kind, std::mt19937_64& engine, const Custom<double>& 
   std::vector<Effect<>> effects = every_effect(uniform(engine, 0.9, 1.1));
   std::erase_if(effects, has_state);
   if (kind == own_law) effects.emplace_back(own);
-  if (kind == flexible) effects.emplace_back(FlexibleMode<double>{80.0, 0.02, 0.1});
+  if (kind == flexible) effects = {FlexibleMode<double>{80.0, 0.02, 0.1}};
   Plant<> plant = machine(engine, kind == sticking ? 0.0 : uniform(engine, 1e-3, 1e-2), std::move(effects));
   if (kind == refused) plant.axis.mass = -1.0;
   return plant;
