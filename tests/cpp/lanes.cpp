@@ -1,6 +1,6 @@
-// Four machines in the lanes of a pack have the bits of the same four one by one, also where a lane loses readings and
+// Controllers in the four lanes of a pack have the bits of the same four one by one, where lanes lose readings and
 // where some are sharp and others smooth; and the core's own elementary functions are the library's to the last places.
-// tests/simulation/test_lanes.py compares packs of every controller and effect through the bindings.
+// tests/simulation/test_lanes.py compares runs in packs, of every controller and effect, through the bindings.
 
 #include "cogging/lanes.hpp"
 
@@ -14,15 +14,13 @@
 #include <random>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "check.hpp"
 #include "cogging/control/list.hpp"
-#include "cogging/reference/point_to_point.hpp"
-#include "cogging/simulation/closed_loop.hpp"
+#include "cogging/plant/amplifier.hpp"
 #include "machines.hpp"
 
 namespace {
@@ -52,8 +50,16 @@ void lose_readings() {
   typename OneController::Parameters one_parameters;
   tune(four_parameters);
   tune(one_parameters);
+  constexpr double widths[width] = {0.0, 2e-3, 0.0, 8e-3};  // m/s, of the sign: sharp in some lanes, smooth in others
+  std::vector<OneController> ones;
+  for (std::size_t lane = 0; lane < width; ++lane) {
+    if constexpr (requires { four_parameters.coulomb_width.set(lane, widths[lane]); }) {
+      four_parameters.coulomb_width.set(lane, widths[lane]);
+      one_parameters.coulomb_width = widths[lane];
+    }
+    ones.emplace_back(one_parameters);
+  }
   FourController four(four_parameters);
-  std::vector<OneController> ones(width, OneController(one_parameters));
   long apart = 0;
   const auto compare_to = [&](const Four& pack, std::size_t lane, double single) { apart += !(pack[lane] == single); };
   std::array<int, width> left{3, 0, 1, 20};  // samples that each lane still loses
@@ -128,55 +134,6 @@ void refusals() {
   }
 }
 
-// A value of each lane, or of one of them.
-template <class Scalar>
-Scalar of(const std::array<double, width>& values, std::size_t lane) {
-  if constexpr (std::is_same_v<Scalar, double>)
-    return values[lane];
-  else
-    return Scalar::map([&](std::size_t i) { return values[i]; });
-}
-
-// A pack in which some lanes have a sharp sign and others a smooth one: in a controller's belief each its own; in the
-// plant only where a machine has no friction, as what sticks runs alone.
-template <class Scalar>
-Log<Scalar> mixed_run(std::size_t lane = 0) {
-  AdaptiveRobustParameters<Scalar> q;
-  tune(q);
-  q.mass = of<Scalar>({0.1, 0.12, 0.15, 0.19}, lane);
-  q.error_gain = of<Scalar>({100.0, 130.0, 160.0, 200.0}, lane);
-  q.coulomb_width = of<Scalar>({0.0, 2e-3, 0.0, 8e-3}, lane);
-  AxisParameters<Scalar> axis;
-  axis.mass = of<Scalar>({0.17, 0.11, 0.15, 0.13}, lane);
-  axis.coulomb = of<Scalar>({0.0, 0.2, 0.0, 0.1}, lane);
-  axis.coulomb_width = q.coulomb_width;
-  const PointToPoint move({.distance = 0.3, .velocity = 0.5, .acceleration = 10.0, .jerk = 1000.0, .dwell = 0.05});
-  RunOptions options;
-  options.duration = 0.5;
-  options.steps_per_sample = 2;
-  options.record_estimates = true;
-  const Plant<Scalar> plant{axis, CoggingModel<Scalar>{}, {}, EncoderParameters{0.5e-6, 1e-7}, NoiseParameters{}};
-  return closed_loop<Scalar>(plant, Dcarc<Scalar>(q), move, options);
-}
-
-void mixed_widths() {
-  const Log<Four> four = mixed_run<Four>();
-  double spread = 0.0;
-  for (const Four& command : four.command) spread = std::max(spread, largest(command) - smallest(command));
-  check::holds(four.command.size() > 2000 && spread > 0.5, "lanes that do the same");
-  for (std::size_t lane = 0; lane < width; ++lane) {
-    const Log<double> one = mixed_run<double>(lane);
-    const auto column = [&](const std::vector<Four>& pack, const std::vector<double>& single) {
-      bool same = pack.size() == single.size();
-      for (std::size_t k = 0; same && k < single.size(); ++k) same = pack[k][lane] == single[k];
-      check::holds(same, "lane " + std::to_string(lane) + " differs from the single run");
-    };
-    column(four.position, one.position), column(four.command, one.command);
-    column(four.true_position, one.true_position), column(four.true_velocity, one.true_velocity);
-    column(four.estimates, one.estimates);
-  }
-}
-
 // In units of the last place of the exact value, from the library's long double.
 double error_in_ulps(double value, long double exact) {
   const double near = std::abs(static_cast<double>(exact));
@@ -238,7 +195,6 @@ void elementary_functions() {
 }  // namespace
 
 int main() {
-  mixed_widths();
   lose_readings_of_all(std::make_index_sequence<std::variant_size_v<AnyController<>>>());
   refusals();
   elementary_functions();
