@@ -100,17 +100,18 @@ def test_the_rule_of_a_number(path):
         STRUCTS[name](**{field: 0.0})
 
 
+ADAPTIVE, OBSERVER, OUTPUT = (f"{name}Parameters" for name in ("AdaptiveRobust", "ObserverBased", "OutputFeedbackArc"))
+ORDERED = "needs minimum <= maximum, both finite"
+ONE_HARMONIC = {"cogging_harmonics": [1]}
+#: Struct, fields, and the field, rule and value of the message.
 BETWEEN = [
     ("AxisParameters", {"travel": [0.5, 0.0]}, "travel: needs lower end < upper end, got [0.5, 0]"),
-    ("AxisParameters", {"travel": [0.0, NAN]}, "travel: needs lower end < upper end, got [0, nan]"),
-    ("EndEffect", {"travel": [0.5, 0.5]}, "travel: needs lower end < upper end, got [0.5, 0.5]"),
+    ("EndEffect", {"travel": [0.5, NAN]}, "travel: needs lower end < upper end, got [0.5, nan]"),
     ("PointToPointParameters", {"repeats": 0}, "repeats: must be at least 1, got 0"),
     ("DisturbanceStep", {"start": 1.0, "stop": 1.0}, "stop: must be above start = 1, got 1"),
     ("CoggingModulation", {"sine": [INF], "cosine": [0.0]}, "sine: must be a finite number, got inf"),
-    ("CoggingModulation", {"sine": [0.0], "cosine": [NAN]}, "cosine: must be a finite number, got nan"),
     ("CoggingModulation", {"sine": [1, 2], "cosine": [1]}, "cosine: must have as many values as sine = 2, got 1"),
     ("CoggingModulation", {"order": 0}, "order: must be from 1 to 16, got 0"),
-    ("CoggingModulation", {"order": 17}, "order: must be from 1 to 16, got 17"),
     (
         "CoggingModulation",
         {"pitch": 0.1, "sine": [1, 2], "cosine": [1, 2]},
@@ -122,71 +123,63 @@ BETWEEN = [
     ("EmpiricalForce", {"time_nodes": [NAN], "time_forces": [0]}, "time_nodes: must be a finite number, got nan"),
     (
         "EmpiricalForce",
-        {"position_nodes": [0.0], "position_forces": [INF]},
-        "position_forces: must be a finite number, got inf",
-    ),
-    (
-        "EmpiricalForce",
-        {"velocity_nodes": [0.2, 0.1], "velocity_forces": [0, 0]},
-        "velocity_nodes: must increase: above 0.2, got 0.1",
-    ),
-    (
-        "EmpiricalForce",
-        {"velocity_nodes": [0.1, 0.2]},
-        "velocity_forces: must have as many values as velocity_nodes = 2, got 0",
+        {"velocity_nodes": [0.1]},
+        "velocity_forces: must have as many values as velocity_nodes = 1, got 0",
     ),
     *(
-        (f"{kind}Parameters", {"feedforward_velocity": "desired"},
-         'feedforward_velocity: must be "reference" or "measured", got desired')
+        (
+            f"{kind}Parameters",
+            {"feedforward_velocity": "desired"},
+            'feedforward_velocity: must be "reference" or "measured", got desired',
+        )
         for kind in ("Pid", "Cascade", "Speed")
     ),
     ("SpeedParameters", {"delay": 1e4}, "delay: must be below a million samples, got 10000"),
     *(
-        ("AdaptiveRobustParameters", {f"{name}_bounds": ends},
-         f"{name}_bounds: needs minimum <= maximum, both finite, got [{ends[0]:g}, {ends[1]:g}]")
+        (
+            ADAPTIVE,
+            {f"{name}_bounds": [0.0, end]},
+            f"{name}_bounds: needs minimum <= maximum, both finite, got [0, {end:g}]",
+        )
         for name in ("mass", "viscous", "coulomb", "disturbance", "cogging")
-        for ends in ([0.2, 0.1], [0.0, INF], [NAN, 1.0])
+        for end in (-1.0, INF)
     ),
-    ("AdaptiveRobustParameters", {"mass_bounds": [0.0, 0.2]}, "mass_bounds: must be finite and above 0, got 0"),
-    ("AdaptiveRobustParameters", {"cogging_harmonics": [1, 0]}, "cogging_harmonics: each must be at least 1, got 0"),
+    (ADAPTIVE, {"mass_bounds": [0.0, 0.2]}, "mass_bounds: must be finite and above 0, got 0"),
+    (ADAPTIVE, {"cogging_harmonics": [1, 0]}, "cogging_harmonics: each must be at least 1, got 0"),
     (
-        "AdaptiveRobustParameters",
-        {"cogging_harmonics": [1], "cogging_control_points": 2},
+        ADAPTIVE,
+        ONE_HARMONIC | {"cogging_control_points": 2},
         "cogging_control_points: must be 1 or at least the order 3, got 2",
     ),
     (
-        "AdaptiveRobustParameters",
-        {"cogging_harmonics": [1], "cogging_estimates": [0.1]},
+        ADAPTIVE,
+        ONE_HARMONIC | {"cogging_estimates": [0.1]},
         "cogging_estimates: must hold control points times twice the harmonics = 2 values, got 1",
     ),
     (
-        "AdaptiveRobustParameters",
-        {"cogging_harmonics": [1], "cogging_estimates": [0.0, 0.2]},
+        ADAPTIVE,
+        ONE_HARMONIC | {"cogging_estimates": [0.0, 0.2]},
         "cogging_estimates: must lie within cogging_bounds, got 0.2",
     ),
-    ("ObserverBasedParameters", {"periods": []}, "periods: must list 1 to 16, got 0"),
-    ("ObserverBasedParameters", {"periods": [-0.01]}, "periods: must be finite and above 0, got -0.01"),
-    ("ObserverBasedParameters", {"observer_gain": [1, 2]}, "observer_gain: must hold 3 + 2 periods = 5 values, got 2"),
+    (OBSERVER, {"periods": []}, "periods: must list 1 to 16, got 0"),
+    (OBSERVER, {"periods": [-0.01]}, "periods: must be finite and above 0, got -0.01"),
+    (OBSERVER, {"observer_gain": [1, 2]}, "observer_gain: must hold 3 + 2 periods = 5 values, got 2"),
     (
-        "ObserverBasedParameters",
-        {"observer_gain_slope": [1.0]},
+        OBSERVER,
+        {"observer_gain_slope": [1]},
         "observer_gain_slope: must be empty or hold 3 + 2 periods = 5 values, got 1",
     ),
-    ("ObserverBasedParameters", {"rotation": "guessed"}, 'rotation: must be "reference" or "measured", got guessed'),
-    ("OutputFeedbackArcParameters", {"theta_min": [0, 2, -50]}, "theta_min: must be finite and above 0, got 0"),
+    (OBSERVER, {"rotation": "guessed"}, 'rotation: must be "reference" or "measured", got guessed'),
+    (OUTPUT, {"theta_min": [0, 2, -50]}, "theta_min: must be finite and above 0, got 0"),
     (
-        "OutputFeedbackArcParameters",
-        {"theta_min": [60.0, 2.4, -50.0]},
+        OUTPUT,
+        {"theta_min": [60, 2.4, -50]},
         "theta_min, theta_max: needs minimum <= maximum, both finite, got [60, 50]",
     ),
-    (
-        "OutputFeedbackArcParameters",
-        {"theta": [100.0, 10.0, 0.0]},
-        "theta: must lie within theta_min and theta_max, got 100",
-    ),
-    ("OutputFeedbackArcParameters", {"adaptation": [-1, 0, 0]}, "adaptation: must be finite and at least 0, got -1"),
-    ("OutputFeedbackArcParameters", {"filter_steps": "tustin"}, 'filter_steps: must be "exact" or "euler", got tustin'),
-]  # fmt: skip
+    (OUTPUT, {"theta": [100, 10, 0]}, "theta: must lie within theta_min and theta_max, got 100"),
+    (OUTPUT, {"adaptation": [-1, 0, 0]}, "adaptation: must be finite and at least 0, got -1"),
+    (OUTPUT, {"filter_steps": "tustin"}, 'filter_steps: must be "exact" or "euler", got tustin'),
+]
 
 
 @pytest.mark.parametrize(("name", "fields", "message"), BETWEEN)
@@ -210,34 +203,33 @@ PERIODS = {"pitch": 0.05, "periods": [0.02]}
 @pytest.mark.parametrize(
     ("kind", "fields", "message"),
     [
-        *((cogging.BSpline, SPLINE | {"order": n}, f"order: must be from 1 to 16, got {n}") for n in (0, -2, 17)),
-        (cogging.SplineHarmonics, BASIS | {"order": 0}, "order: must be from 1 to 16, got 0"),
-        *((cogging.BSpline, SPLINE | {"pitch": x}, f"pitch: {POSITIVE[0]}, got {x:g}") for x in POSITIVE[1]),
-        *((cogging.SplineHarmonics, BASIS | {"pitch": x}, f"pitch: {POSITIVE[0]}, got {x:g}") for x in POSITIVE[1]),
-        *((cogging.BSpline, SPLINE | {"origin": x}, f"origin: {FINITE[0]}, got {x:g}") for x in FINITE[1]),
-        (cogging.SplineHarmonics, BASIS | SPLINE | {"origin": NAN}, "origin: must be a finite number, got nan"),
-        (cogging.BSpline, SPLINE | {"control_points": 0}, "control_points: must be at least 1, got 0"),
-        *(
-            (kind, start | {"order": 4, "control_points": 3},
-             "control_points: more than one must be at least the order 4, got 3")
-            for kind, start in ((cogging.BSpline, SPLINE), (cogging.SplineHarmonics, BASIS))
-        ),
+        *((cogging.BSpline, {"order": n}, f"order: must be from 1 to 16, got {n}") for n in (0, 17)),
+        *((cogging.BSpline, {"pitch": x}, f"pitch: {POSITIVE[0]}, got {x:g}") for x in POSITIVE[1]),
+        *((cogging.BSpline, {"origin": x}, f"origin: {FINITE[0]}, got {x:g}") for x in FINITE[1]),
+        (cogging.BSpline, {"control_points": 0}, "control_points: must be at least 1, got 0"),
+        (cogging.BSpline, {"control_points": 2}, "control_points: more than one must be at least the order 3, got 2"),
+        (cogging.SplineHarmonics, BASIS | {"pitch": NAN}, f"pitch: {POSITIVE[0]}, got nan"),
         (cogging.SplineHarmonics, BASIS | {"harmonics": [1, 0]}, "harmonics: each must be at least 1, got 0"),
-        (cogging.SplineHarmonics, BASIS | {"harmonics": []}, "harmonics: must list 1 to 32 terms, got 0"),
-        (cogging.SplineHarmonics, BASIS | {"harmonics": [*range(1, 34)]}, "harmonics: must list 1 to 32 terms, got 33"),
+        *(
+            (
+                cogging.SplineHarmonics,
+                BASIS | {"harmonics": [*range(1, n)]},
+                f"harmonics: must list 1 to 32 terms, got {n - 1}",
+            )
+            for n in (1, 34)
+        ),
         (cogging.SplineHarmonics, BASIS | {"harmonics": [2, 1, 2]}, "harmonics: each may stand once, got 2"),
         (cogging.SplineHarmonics, BASIS | {"pitch": None}, "pitch: must be given, got nothing"),
         (cogging.SplineHarmonics, BASIS | PERIODS, "harmonics, periods: exactly one of them must be given, got both"),
         (cogging.SplineHarmonics, {"pitch": 1}, "harmonics, periods: exactly one of them must be given, got neither"),
         (cogging.SplineHarmonics, PERIODS | {"periods": [0.1, 0.0]}, "periods: must be finite and above 0, got 0"),
-        (cogging.SplineHarmonics, PERIODS | {"periods": [NAN]}, "periods: must be finite and above 0, got nan"),
         (cogging.SplineHarmonics, PERIODS | {"periods": []}, "periods: must list 1 to 32 terms, got 0"),
         (cogging.SplineHarmonics, PERIODS | {"periods": [0.02] * 2}, "periods: each may stand once, got 0.02"),
         (cogging.SplineHarmonics, {"periods": [0.02], "control_points": 4}, "pitch: must be given, got nothing"),
     ],
-)  # fmt: skip
+)
 def test_the_rules_of_splines_and_harmonics(kind, fields, message):
-    assert message_of(kind, **fields) == message
+    assert message_of(kind, **((SPLINE | fields) if kind is cogging.BSpline else fields)) == message
 
 
 @pytest.mark.parametrize(
@@ -245,8 +237,6 @@ def test_the_rules_of_splines_and_harmonics(kind, fields, message):
     [
         (np.zeros((1, 5)), np.zeros((2, 5)), "sine: must have 2 rows .* of 5 .*, got 1 rows of 5"),
         (np.zeros((2, 5)), np.zeros((2, 4)), "cosine: must have 2 rows .* of 5 .*, got 2 rows of 4"),
-        (np.zeros((5, 2)), np.zeros((2, 5)), "sine: must have 2 rows .* of 5 .*, got 5 rows of 2"),
-        (np.full((2, 5), NAN), np.zeros((2, 5)), "sine: must be a finite number, got nan"),
         (np.zeros((2, 5)), np.full((2, 5), -INF), "cosine: must be a finite number, got -inf"),
     ],
 )
@@ -260,15 +250,11 @@ def test_the_rules_of_amplitudes(sine, cosine, message):
     ("columns", "message"),
     [
         (([0, 1], [0, 1]), "time: must hold at least 3 samples, got 2"),
-        (([0, 1, 1], [0, 1, 2]), "time: must be strictly increasing, got 1"),
         (([0, 2, 1], [0, 1, 2]), "time: must be strictly increasing, got 1"),
         (([0, NAN, 1], [0, 1, 2]), "time: must be a finite number, got nan"),
         (([0, 1, 2], [0, 1]), "position: must be as long as time (3), got 2"),
         (([0, 1, 2], [0, NAN, 1]), "position: must be a finite number, got nan"),
-        (([0, 1, 2], [0, 1, 2], [0, 1]), "velocity: must be as long as time (3), got 2"),
         (([0, 1, 2], [0, 1, 2], []), "velocity: must be as long as time (3), got 0"),
-        (([0, 1, 2], [0, 1, 2], [0, 1, INF]), "velocity: must be a finite number, got inf"),
-        (([0, 1, 2], [0, 1, 2], [0, 1, 2], [1]), "acceleration: must be as long as time (3), got 1"),
         (([0, 1, 2], [0, 1, 2], None, [0, NAN, 0]), "acceleration: must be a finite number, got nan"),
     ],
 )
@@ -277,9 +263,7 @@ def test_the_rules_of_a_sampled_motion(columns, message):
 
 
 @pytest.mark.parametrize("name", ["friction_slope", "cogging_slope"])
-@pytest.mark.parametrize("value", NOT_NEGATIVE[1])
-def test_the_rules_of_slopes(name, value):
-    slopes = {"friction_slope": 1.0, "cogging_slope": 1.0} | {name: value}
-    gains = cogging.AdaptiveRobustParameters()
-    told = message_of(cogging.desired_compensation_condition, gains, **slopes)
-    assert told == f"{name}: {NOT_NEGATIVE[0]}, got {value:g}"
+def test_the_rules_of_slopes(name):
+    slopes = {"friction_slope": 1.0, "cogging_slope": 1.0} | {name: -1.0}
+    said = message_of(cogging.desired_compensation_condition, cogging.AdaptiveRobustParameters(), **slopes)
+    assert said == f"{name}: {NOT_NEGATIVE[0]}, got -1"

@@ -20,7 +20,9 @@ KIND = re.compile(r"\b(?:effects\.)?([A-Z]\w+)\b")
 FLOATS = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-3, 1e3, 1e-300, 5e-324, 1e300, 1.7e308, math.inf, -math.inf, math.nan, 2.0**63)
 INTEGERS = (0, 1, -1, 2, 3, 7, 64, 255, 2**15, 2**31 - 1, 2**31, -(2**31) - 1, 2**32, 2**63 - 1, 2**63, 2**64, 10**30)
 TEXTS = ("", "position", "error_rms", "x" * 5000, "\0", "é\u202e", "%s%n", "nan", "1", "reference", "measured", "euler")
-DTYPES = ("<f8", ">f8", "<f4", "<i8", "<u1", "?", "<c16", "O", "<M8[s]", "U3", "<f2")
+MIXED = ([[1.0, 2.0], [3.0]], [True, 2.0], [1, False], ["1.5", "2"], [[1.0, True]], (np.True_, 1.0))
+
+DTYPES = ("<f8", ">f8", "<f4", "<i8", "<u1", "?", "<c16", "O", "U3", "<f2")
 
 
 class Hostile:
@@ -36,73 +38,67 @@ class Hostile:
 
 
 class Odd(float):
-    """A float that says that it is another each time."""
+    """A float that is another each time."""
 
     def __float__(self) -> float:
         return float(np.random.default_rng().normal())
 
 
+PLAIN = (None, True, False, {}, 1j, range(7), ctypes.c_double(1.0), lambda *_: math.nan, Odd(1.0))
+
+
 def array(random: Random) -> Any:
     """An array of any shape, kind and layout."""
-    dimensions = int(random.choice([0, 1, 1, 1, 1, 2, 2, 3]))
-    shape = tuple(int(size) for size in random.choice([0, 1, 2, 3, 4, 7, 50, MOST], dimensions))
-    if math.prod(shape) > 20_000:
-        shape = shape[:1]
-    values = random.normal(size=shape) * 10.0 ** random.integers(-6, 6)
+    shape = tuple(int(size) for size in random.choice([0, 1, 2, 3, 4, 7, 50, MOST], random.choice([0, 1, 1, 1, 2, 3])))
+    values = np.asarray(random.normal(size=shape[: 1 if math.prod(shape) > 20_000 else None]))
+    values = np.asarray(values * 10.0 ** random.integers(-6, 6))
     if random.random() < 0.3:
-        values = np.asarray(values)
-        values[random.random(shape) < 0.2] = random.choice([np.nan, np.inf, -np.inf, 1e308])
-    with np.errstate(all="ignore"):
-        kind = str(random.choice(DTYPES)) if random.random() < 0.3 else "<f8"
-        try:
-            values = np.asarray(values).astype(kind)
-        except (TypeError, ValueError, OverflowError):
-            values = np.asarray(values)
+        values[random.random(values.shape) < 0.2] = random.choice([np.nan, np.inf, -np.inf, 1e308])
+    if random.random() < 0.3:
+        with np.errstate(all="ignore"):
+            values = values.astype(str(random.choice(DTYPES)))
     layout = random.integers(0, 6)
     if layout == 0 and values.ndim:
-        values = values[::-1]
-    elif layout == 1 and values.ndim:
-        values = np.repeat(values, 2, axis=0)[::2]
-    elif layout == 2:
-        values = values.T
-    elif layout == 3:
-        values.flags.writeable = False
-    elif layout == 4 and values.size:
-        values = np.broadcast_to(values.ravel()[:1], (7,))
+        return values[::-1]
+    if layout == 1 and values.ndim:
+        return np.repeat(values, 2, axis=0)[::2]
+    if layout == 2:
+        return values.T
+    if layout == 3 and values.size:
+        return np.broadcast_to(values.ravel()[:1], (7,))
+    values.flags.writeable = layout != 4
     return values
 
 
 def hostile(random: Random, pool: Pool) -> Any:
     """Anything but what is asked for, and now and then that."""
+
+    def one(values: Any) -> Any:
+        return values[random.integers(len(values))]
+
+    def pooled() -> Any:
+        return pool[one(list(pool))]
+
     choices: list[Callable[[], Any]] = [
-        lambda: None,
-        lambda: bool(random.integers(2)),
-        lambda: FLOATS[random.integers(len(FLOATS))],
-        lambda: INTEGERS[random.integers(len(INTEGERS))],
-        lambda: TEXTS[random.integers(len(TEXTS))],
-        lambda: TEXTS[random.integers(len(TEXTS))].encode("utf-8", "surrogatepass"),
-        lambda: array(random),
-        lambda: array(random),
-        lambda: [FLOATS[i] for i in random.integers(len(FLOATS), size=random.integers(0, 9))],
-        lambda: [[1.0, 2.0], [3.0]],
-        lambda: [[True, 2.0], [1, False], ["1.5", "2"], [[1.0, True]], (np.True_, 1.0)][random.integers(5)],
-        lambda: np.array([[True, False], ["1", "2"], [1, "2"], [b"1"]][random.integers(4)]),
-        lambda: np.array([[1.0, True], ["1.5", 2], [1, 2.0]][random.integers(3)], dtype=object),
-        dict,
-        lambda: 1j,
-        lambda: range(int(random.integers(0, 40))),
-        lambda: Hostile([ValueError, TypeError, KeyboardInterrupt, RuntimeError, StopIteration][random.integers(5)]),
-        lambda: Odd(1.0),
-        lambda: pool[str(random.choice(list(pool)))],
-        lambda: [pool[str(random.choice(list(pool)))]] * int(random.integers(0, 4)),
-        lambda: raw(type(pool[str(random.choice(list(pool)))])),
-        lambda: type(pool[str(random.choice(list(pool)))]),
-        lambda: memoryview(np.arange(int(random.integers(1, 9)), dtype=float)),
+        lambda: one(PLAIN),
+        lambda: one(FLOATS),
+        lambda: one(INTEGERS),
+        lambda: one(TEXTS),
+        lambda: one(TEXTS).encode("utf-8", "surrogatepass"),
+        *[lambda: array(random)] * 3,
+        lambda: [one(FLOATS) for _ in range(random.integers(0, 9))],
+        lambda: one(MIXED),
+        lambda: np.array(one([[True, False], ["1", "2"], [1, "2"], [b"1"]])),
+        lambda: np.array(one([[1.0, True], ["1.5", 2], [1, 2.0]]), dtype=object),
+        lambda: Hostile(one([ValueError, TypeError, KeyboardInterrupt, RuntimeError, StopIteration])),
         lambda: (value for value in (1.0, 2.0)),
-        lambda: ctypes.c_double(1.0),
-        lambda: lambda *_: math.nan,
+        lambda: memoryview(np.arange(float(random.integers(1, 9)))),
+        pooled,
+        lambda: [pooled()] * int(random.integers(0, 4)),
+        lambda: raw(type(pooled())),
+        lambda: type(pooled()),
     ]
-    return choices[random.integers(len(choices))]()
+    return one(choices)()
 
 
 def raw(kind: type) -> Any:
@@ -164,23 +160,6 @@ def _plant(pool: Pool) -> Any:
     )
 
 
-def _of_defaults(kind: Any) -> Callable[[Pool], Any]:
-    return lambda pool: kind()
-
-
-def _of_parameters(kind: Any) -> Callable[[Pool], Any]:
-    return lambda pool: kind(pool[kind.PARAMETERS.__name__])
-
-
-def _classes() -> list[type]:
-    return [
-        value
-        for module in (_core, _core.effects)
-        for value in vars(module).values()
-        if isinstance(value, type) and not issubclass(value, BaseException)
-    ]
-
-
 @ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3, ctypes.c_double)
 def _proportional(state: Any, parameters: Any, reference: Any, reading: float) -> float:
     state[0] += reading - reference[0]
@@ -203,9 +182,14 @@ MAKERS: dict[str, Callable[[Pool], Any]] = {
     "StopFlag": lambda pool: _core.StopFlag(),
     "CompiledController": lambda pool: _compiled(),
     "Performance": lambda pool: cogging.performance(TIME, TIME, TIME),
-    **{kind.__name__: _of_defaults(kind) for kind in _classes() if hasattr(kind, "FIELDS")},
     **{
-        kind.__name__: _of_parameters(kind)
+        kind.__name__: lambda pool, kind=kind: kind()
+        for module in (_core, _core.effects)
+        for kind in vars(module).values()
+        if hasattr(kind, "FIELDS")
+    },
+    **{
+        kind.__name__: lambda pool, kind=kind: kind(pool[kind.PARAMETERS.__name__])
         for kind in (*_core.CONTROLLERS.values(), *_core.REFERENCES.values())
         if hasattr(kind, "PARAMETERS")
     },

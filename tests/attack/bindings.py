@@ -1,8 +1,7 @@
-"""Calls of the bindings: arguments of wrong shape, kind, layout and life, from several threads, drawn by a seed.
+"""Calls of the bindings with arguments of wrong shape, kind, layout and life, from several threads, drawn by a seed.
 
-A case is sound when it returns, or raises one of ERRORS with words of ours. What counts as a fault: a crash (the
-process is watched from outside), a hang, SystemError, an exception that shows the insides of a library, and a truth
-value or a text of digits that was taken for a number.
+A call may return, or raise one of ERRORS with words of ours. Faults are a crash (processes are watched from outside), a
+hang, any other exception, one that shows the insides of a library, and a truth value or text taken for a number.
 """
 
 from __future__ import annotations
@@ -12,12 +11,11 @@ import functools
 import gc
 import pickle
 import re
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
-from cogging import _core
 from tests.attack.binding_values import Pool, hostile, raw, sound
 from tests.attack.core_signatures import Target, targets
 
@@ -25,56 +23,43 @@ ERRORS = (TypeError, ValueError, OverflowError, IndexError, KeyError, AttributeE
 ERRORS = (*ERRORS, MemoryError, KeyboardInterrupt, NotImplementedError)
 INSIDES = re.compile(r"std::|vector::|basic_string|bad_alloc|map::at|_M_|Eigen|assert")
 NUMERIC = re.compile(r"\b(float|int|ArrayLike|NDArray)\b")
-#: A thread that heeds a flag which is set does nothing more in the core: that is what heed() is for.
-LEFT_OUT = "StopFlag.heed"
 
 
 @functools.cache
 def callables() -> list[Target]:
-    """What is called."""
-    return [target for target in targets() if str(target) != LEFT_OUT]
+    """What is called; heed() would bind this thread to a flag for good."""
+    return [target for target in targets() if str(target) != "StopFlag.heed"]
 
 
 def run_case(seed: int) -> str | None:
-    """Make one call; a sentence about what is wrong with how it ended, None where it ended as it should."""
+    """Make one call; what is wrong with how it ended, or None."""
     random = np.random.default_rng([2026, seed])
     pool = Pool()  # anew, so that a seed alone tells the case
     target = callables()[random.integers(len(callables()))]
-    owner = _owner(target)
-    subject = None if owner is None else _subject(owner, target, random, pool)
-    positional, named = _arguments(target, random, pool)
-    faults: list[str] = []
+    subject = subject_of(target, random, pool)
+    positional, named = arguments_of(target, random, pool)
+    alone, faults = random.random() < 0.2, []
 
     def call() -> None:
-        fault = _judge(target, subject, positional, named, random.random() < 0.2)
-        if fault:
-            faults.append(fault)
+        faults.append(fault_of(target, subject, positional, named, alone))
 
     if random.random() < 0.05:
-        threads = [threading.Thread(target=call) for _ in range(3)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        with ThreadPoolExecutor(3) as threads:
+            for _ in range(3):
+                threads.submit(call)
     else:
         call()
-    worst = next((fault for fault in faults if not fault.startswith("~")), faults[0] if faults else None)
-    return worst if worst is None or worst.startswith("~") else f"{target}: {worst}"
+    found = next(filter(None, faults), None)
+    return found and f"{target}: {found}"
 
 
-def _owner(target: Target) -> Any:
-    module = getattr(_core, target.module) if target.module else _core
-    return getattr(module, target.owner, None) if target.owner else None
-
-
-def _subject(owner: Any, target: Target, random: np.random.Generator, pool: Pool) -> Any:
+def subject_of(target: Target, random: np.random.Generator, pool: Pool) -> Any:
     """What a method is called of: a sound object, a copy, one never initialised, or one of another class."""
-    if target.name == "__init__" or target.is_static:
-        return owner
-    chance = random.random()
-    value = pool.get(target.owner)
+    if not target.owner or target.name == "__init__" or target.is_static:
+        return target.place
+    chance, value = random.random(), pool.get(target.owner)
     if chance < 0.1 or value is None:
-        return raw(owner)
+        return raw(target.place)
     if chance < 0.15:
         return pool[str(random.choice(list(pool)))]
     if chance < 0.4:
@@ -85,14 +70,15 @@ def _subject(owner: Any, target: Target, random: np.random.Generator, pool: Pool
     return value
 
 
-def _arguments(target: Target, random: np.random.Generator, pool: Pool) -> tuple[list[Any], dict[str, Any]]:
+def arguments_of(target: Target, random: np.random.Generator, pool: Pool) -> tuple[list[Any], dict[str, Any]]:
+    """Arguments by position and by name, some of them hostile."""
     positional: list[Any] = []
     named: dict[str, Any] = {}
-    wrong = random.random() < 0.7
+    wrong = 0.5 if random.random() < 0.7 else 0.0
     for parameter in target.parameters:
         if not parameter.required and random.random() < 0.5:
             continue
-        bad = wrong and random.random() < 0.5
+        bad = random.random() < wrong
         value = hostile(random, pool) if bad else sound(parameter.name, parameter.annotation, random, pool)
         if parameter.keyword_only or not parameter.required or named:
             named[parameter.name] = value
@@ -105,63 +91,51 @@ def _arguments(target: Target, random: np.random.Generator, pool: Pool) -> tuple
     return positional, named
 
 
-def _judge(target: Target, subject: Any, positional: list[Any], named: dict[str, Any], alone: bool) -> str | None:
+def fault_of(target: Target, subject: Any, positional: list[Any], named: dict[str, Any], alone: bool) -> str | None:
+    """Make the call and use its result; what is wrong."""
     try:
-        if target.is_property:
-            result = getattr(subject, target.name)
-        elif not target.owner:
-            module = getattr(_core, target.module) if target.module else _core
-            result = getattr(module, target.name)(*positional, **named)
-        elif target.name == "__init__":
-            result = subject(*positional, **named)
-        else:
-            result = getattr(subject, target.name)(*positional, **named)
+        found = subject if target.name == "__init__" else getattr(subject, target.name)
+        result = found if target.is_property else found(*positional, **named)
         taken = taken_for_number(target, positional, named)
-        if alone:  # what comes back must live on when all that it was made of is gone
-            del subject, positional, named
+        if alone:  # the result must live on when all that it was made of is gone
+            del subject, positional, named, found
             gc.collect()
-        _use(result)
+        use(result)
         return taken
     except ERRORS as error:
-        if INSIDES.search(str(error)):
-            return f"{type(error).__name__} shows the insides of a library: {error}"
+        return f"{type(error).__name__} shows the insides of a library: {error}" if INSIDES.search(str(error)) else None
     except BaseException as error:
         return f"{type(error).__name__}: {error}"
-    return None
 
 
 def taken_for_number(target: Target, positional: list[Any], named: dict[str, Any]) -> str | None:
-    """What a call took for a number that is none."""
-    if target.name == "__setstate__":  # of a pickle, which is trusted
-        return None
+    """An argument that a call took for a number and that is none; a pickle is trusted."""
     given = {parameter.name: value for parameter, value in zip(target.parameters, positional, strict=False)} | named
-    for parameter in target.parameters:
+    for parameter in target.parameters if target.name != "__setstate__" else ():
         numeric = NUMERIC.search(parameter.annotation)
-        if numeric and "str" not in parameter.annotation and _no_number(given.get(parameter.name)):
+        if numeric and "str" not in parameter.annotation and is_no_number(given.get(parameter.name)):
             return f"{parameter.name} took {given[parameter.name]!r} for a number"[:200]
     return None
 
 
-def _no_number(value: Any) -> bool:
+def is_no_number(value: Any) -> bool:
+    """Whether a value is, or holds, a truth value or a text."""
     if isinstance(value, np.ndarray):
-        return bool(value.size) and (value.dtype.kind in "bSU" or _no_number(value.tolist()))
+        return bool(value.size) and (value.dtype.kind in "bSU" or is_no_number(value.tolist()))
     if isinstance(value, list | tuple):
-        return any(map(_no_number, value))
+        return any(map(is_no_number, value))
     return isinstance(value, bool | np.bool_ | str | bytes)
 
 
-def _use(result: Any) -> None:
-    """Look at all that came back: every number is read, every member asked."""
+def use(result: Any) -> None:
+    """Read every number and member of a result."""
     if isinstance(result, np.ndarray):
         np.asarray(result, dtype=object).sum() if result.dtype == object else result.tobytes()
-    elif isinstance(result, dict):
-        for value in result.values():
-            _use(value)
-    elif isinstance(result, list | tuple):
-        for value in result[:50]:
-            _use(value)
+    elif isinstance(result, dict | list | tuple):
+        for value in list(result.values() if isinstance(result, dict) else result)[:50]:
+            use(value)
     elif type(result).__module__.startswith("cogging"):
         repr(result)
-        for name in vars(type(result)):
-            if isinstance(vars(type(result))[name], property):
+        for name, member in vars(type(result)).items():
+            if isinstance(member, property):
                 getattr(result, name)

@@ -13,9 +13,9 @@ LINE = re.compile(r"^(?:\d+\. )?(\w+\(.*\) -> .*)$", re.MULTILINE)  # of each ov
 
 
 class Target(NamedTuple):
-    """A call: `owner` is the class, "" of a function; `name` is "__init__" of a constructor."""
+    """A call: `place` is the class, of a function its module; `name` is "__init__" of a constructor."""
 
-    module: str
+    place: Any
     owner: str
     name: str
     parameters: tuple[Parameter, ...]
@@ -23,33 +23,28 @@ class Target(NamedTuple):
     is_static: bool = False
 
     def __str__(self) -> str:
-        return ".".join(part for part in (self.module, self.owner, self.name) if part)
+        return f"{self.owner}.{self.name}".lstrip(".")
 
 
 def targets() -> list[Target]:
     """Every function, constructor, method and property of the core; of an overloaded one each form."""
     found: list[Target] = []
-    for module, place in (("", _core), ("effects", _core.effects)):
-        for name, value in vars(place).items():
+    for module in (_core, _core.effects):
+        for name, value in vars(module).items():
             if not inspect.isclass(value):
-                found += [Target(module, "", name, parameters) for parameters in _forms(value)]
+                found += [Target(module, "", name, parameters) for parameters in forms(value)]
             elif not issubclass(value, BaseException):
-                found += _members(module, value)
+                for word, member in vars(value).items():
+                    if isinstance(member, property):
+                        found.append(Target(value, name, word, (), is_property=True))
+                        continue
+                    static = isinstance(member, staticmethod)
+                    for parameters in forms(getattr(value, word, None)):
+                        found.append(Target(value, name, word, parameters[0 if static else 1 :], is_static=static))
     return found
 
 
-def _members(module: str, kind: type) -> list[Target]:
-    found = []
-    for name, member in vars(kind).items():
-        static = isinstance(member, staticmethod)
-        if isinstance(member, property):
-            found.append(Target(module, kind.__name__, name, (), is_property=True))
-        else:
-            for parameters in _forms(getattr(kind, name, None)):
-                found.append(Target(module, kind.__name__, name, parameters[0 if static else 1 :], is_static=static))
-    return found
-
-
-def _forms(function: Any) -> list[tuple[Parameter, ...]]:
+def forms(function: Any) -> list[tuple[Parameter, ...]]:
+    """Parameters of each overload of a function."""
     lines = LINE.findall(function.__doc__ or "") if callable(function) else []
     return [signature(line)[1] for line in lines if "*args" not in line]

@@ -1,13 +1,12 @@
 """Logs of every format with something wrong in them: each is read as sound numbers, or refused in one line.
 
-Binary formats are read here by the reader itself, without the process of its own that a user has around it: what ends
-this process is tried once more with it (`again`), and must then be one line.
+Binary formats are read here without the process of its own that a user has around the reader, which is quicker; what
+is wrong then is tried again with it (`whole`).
 """
 
 from __future__ import annotations
 
 import functools
-import os
 import random
 import tempfile
 import warnings
@@ -29,88 +28,51 @@ NAMES = ("time", "position", "command")
 @functools.cache
 def sound(kind: str) -> tuple[bytes, ...]:
     """Whole files of a format."""
-    if kind == "csv":
-        rows = zip(*(column.tolist() for column in COLUMNS.values()), strict=True)
-        return ((",".join(COLUMNS) + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows)).encode(),)
     if kind == "matlab":
         return mat_bytes(), mat_bytes(compress=True), mat_bytes({"log": COLUMNS})
     if kind == "hdf5":
         return (hdf5_bytes(),)
-    if kind == "parquet":
-        return (_with_checksums(),)
     with tempfile.TemporaryDirectory() as folder:
-        return (mdf_bytes(Path(folder)),)
-
-
-def _with_checksums() -> bytes:
-    """A log as this package writes it to Parquet."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "log.parquet")
+        if kind == "mdf":
+            return (mdf_bytes(Path(folder)),)
+        path = Path(folder) / f"log{FORMATS[kind]}"
         cogging.Log(**COLUMNS).write(path)
-        with open(path, "rb") as file:
-            return file.read()
+        return (path.read_bytes(),)
 
 
 def run_case(seed: int, kind: str, whole: bool = False) -> str | None:
-    """Read one mutated file; what is wrong with the answer, behind a "~" what is no fault, or None.
-
-    Args:
-        seed: of the mutation.
-        kind: key of FORMATS.
-        whole: read as a user does, binary formats in a process of their own.
-    """
+    """Read one mutated file of a key of FORMATS; what is wrong, "~..." for what is no fault, or None."""
     chance = random.Random(f"{kind} {seed}")
     content = chance.choice(sound(kind))
     content = of_table(content, chance) if kind == "csv" and chance.random() < 0.8 else of_bytes(content, chance)
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, f"log{FORMATS[kind]}")
-        with open(path, "wb") as file:
-            file.write(content)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            found = _read(path, kind, whole)
-            if found and not found.startswith("~") and kind != "csv":
-                found = _read(path, kind, True)  # what a user's way to the file makes of it
-            return found
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        path = Path(folder) / f"log{FORMATS[kind]}"
+        path.write_bytes(content)
+        found = fault_of(str(path), whole or kind == "csv")
+        return fault_of(str(path), True) if found and not found.startswith("~") else found
 
 
-def _read(path: str, kind: str, whole: bool) -> str | None:
+def fault_of(path: str, whole: bool) -> str | None:
+    """What is wrong with how a file is read."""
     try:
-        if kind == "csv" or whole:
+        kind = format_of(path)
+        if whole or kind is None:
             log = cogging.read_log(path)
             found = {name: getattr(log, name) for name in NAMES}
         else:
-            found = _beside(path)
+            columns = isolate._read(kind, _request(path, NAMES, (), None, None, None, False))
+            found = {name: np.asarray(column) for name, column in columns.items()}
     except InputError as refused:
-        return _judged(str(refused))
-    return _nonsense(found, log_made=kind == "csv" or whole)
-
-
-def _beside(path: str) -> dict[str, np.ndarray]:
-    """What the reader of a binary format makes of a file, in this process."""
-    request = _request(path, NAMES, (), None, None, None, False)
-    kind = format_of(path)
-    if kind is None:
-        return {name: np.asarray(column) for name, column in cogging.read_log(path).columns.items() if name in NAMES}
-    return {name: np.asarray(column) for name, column in isolate._read(kind, request).items()}
-
-
-def _judged(text: str) -> str | None:
-    if "\n" in text:
-        return f"not one line: {text[:200]!r}"
-    if "Traceback" in text or len(text) > 4000:
-        return f"no answer for a user: {text[:200]!r}"
-    return None
-
-
-def _nonsense(found: dict[str, np.ndarray], log_made: bool) -> str | None:
-    lengths = {len(column) for column in found.values()}
-    if len(lengths) != 1 or not lengths.pop():
+        text = str(refused)
+        return (
+            f"no line for a user: {text[:200]!r}" if "\n" in text or "Traceback" in text or len(text) > 4000 else None
+        )
+    if len({len(column) for column in found.values()}) != 1 or not all(map(len, found.values())):
         return "columns of different lengths, or none, accepted"
-    for name, column in found.items():
-        if not np.isfinite(column).all():
-            return f"{name}: a number that is not finite accepted"
-    if log_made and (np.diff(found["time"]) <= 0.0).any():
+    if not all(np.isfinite(column).all() for column in found.values()):
+        return "a number that is not finite accepted"
+    if whole and (np.diff(found["time"]) <= 0.0).any():
         return "a time that does not increase accepted"
     same = all(np.array_equal(found[name], COLUMNS[name]) for name in NAMES if name in found)
     return None if same else "~read with other numbers"

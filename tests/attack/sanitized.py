@@ -1,11 +1,10 @@
 """The core and its bindings under the compiler's sanitizers: `python -m tests.attack.sanitized [PART ...]`.
 
-Addresses and undefined behaviour: the module, built with both in a folder of its own and beside a copy of the package,
-runs the drawn calls of the bindings (`calls`) and the tests of the core's rooms (`rooms`); the programs of tests/cpp
-(`programs`), which hold no Python, are checked for leaks too. Threads: batches on 1 to 16 of them (`threads`). Two
-commands run at once; each prints its processor time. Needs a compiler with its sanitizers' libraries, as GCC has them,
-and the build requirements of the package. `--cases N` drawn calls, `--build FOLDER` to keep the builds, `--long` to run
-the tests of tests/slow.txt as well.
+Addresses and undefined behaviour: the module, built with both and put into a copy of the package, runs the drawn calls
+of the bindings (`calls`) and the tests of the core (`rooms`); the programs of tests/cpp (`programs`), which hold no
+Python, are checked for leaks too. Threads: batches on 1 to 16 of them (`threads`). Two commands run at once; each
+prints its processor time. Needs a compiler with its sanitizers' libraries, as GCC has them, and the build requirements
+of the package. `--cases N` drawn calls, `--build FOLDER` keeps the builds, `--long` adds the slow tests.
 """
 
 from __future__ import annotations
@@ -23,11 +22,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-#: Tests of the core, in three processes; `bindings` would ask for the system's limits, and sweeps are Python.
-RUNS = [
-    f"simulation/test_{name}.py" for name in ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
-]
-ROOMS = (("control", "estimation"), ("basis", "plant", "reference"), tuple(RUNS))
+#: Tests of the core in three processes; `bindings` would ask for the system's limits, and sweeps are Python.
+RUNS = ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
+ROOMS = (("control", "estimation"), ("basis", "plant", "reference"), [f"simulation/test_{name}.py" for name in RUNS])
 #: Packs of runs have their tests among the rooms; `lanes` would take two minutes for them.
 PROGRAMS = ("constructors", "numbers", "soak")
 PARTS = ("calls", "rooms", "programs", "threads")
@@ -51,48 +48,39 @@ def main() -> int:
     parser.add_argument("--build", default="")
     parser.add_argument("--long", action="store_true")
     options = parser.parse_args()
-    parts = options.parts or PARTS
-    if unknown := set(parts) - set(PARTS):
+    parts = set(options.parts or PARTS)
+    if unknown := parts - set(PARTS):
         parser.error(f"PART: must be one of {', '.join(PARTS)}, got {', '.join(sorted(unknown))}")
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
-        build = Path(options.build or Path(folder) / "build").resolve()
-        threads = pool.submit(run_threads, build / "threads") if "threads" in parts else None
-        commands = checked_commands(parts, build / "checked", Path(folder), options.cases, options.long)
-        found = commands is None or any(done.result() for done in [pool.submit(run, *one) for one in commands])
-        return int(found or (threads is not None and threads.result()))
+        checked, threads = (
+            Path(options.build or f"{folder}/build").resolve() / name for name in ("checked", "threads")
+        )
+        running = [pool.submit(run_threads, threads)] if "threads" in parts else []
+        in_python = bool({"calls", "rooms"} & parts)
+        programs = PROGRAMS if "programs" in parts else ()
+        targets = [*(["_core"] if in_python else []), *programs]
+        if targets and not build(checked, CHECKED, targets, python=in_python):
+            return 1
+        if in_python:
+            package = Path(folder) / "python"
+            shutil.copytree(ROOT / "python", package, ignore=shutil.ignore_patterns("_core*.so", "__pycache__"))
+            shutil.copy(next(checked.rglob("_core*.so")), package / "cogging")
+            environment = {**IN_PYTHON, "LD_PRELOAD": libraries(), "PYTHONPATH": f"{package}"}
+            pytest = ["pytest", "-q", "-p", "no:cacheprovider", *([] if options.long else ["-m", "not slow"])]
+            calls = ["tests.attack", "bindings", "--cases", str(options.cases), "--processes", "1"]
+            words = [[*pytest, *(f"tests/{room}" for room in rooms)] for rooms in ROOMS if "rooms" in parts]
+            words += [calls] if "calls" in parts else []
+            running += [pool.submit(run, [sys.executable, "-m", *some], environment) for some in words]
+        running += [pool.submit(run, [program(checked, name)], ALONE) for name in programs]
+        return int(not all(one.result() for one in running))
 
 
-def checked_commands(
-    parts: Sequence[str], build: Path, folder: Path, cases: int, long: bool
-) -> list[tuple[str, list[str], Mapping[str, str]]] | None:
-    """Commands under the sanitizers of addresses and undefined behaviour, built first; None where the build failed."""
-    in_python = {"calls", "rooms"} & set(parts)
-    programs = PROGRAMS if "programs" in parts else ()
-    targets = [*(["_core"] if in_python else []), *programs]
-    if targets and not built(build, CHECKED, targets, python=bool(in_python)):
-        return None
-    commands: list[tuple[str, list[str], Mapping[str, str]]] = []
-    if in_python:
-        package = folder / "python"
-        shutil.copytree(ROOT / "python", package, ignore=shutil.ignore_patterns("_core*.so", "__pycache__"))
-        shutil.copy(next(build.rglob("_core*.so")), package / "cogging")
-        environment = {**IN_PYTHON, "LD_PRELOAD": libraries(), "PYTHONPATH": f"{package}"}
-        pytest = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *([] if long else ["-m", "not slow"])]
-        calls = [sys.executable, "-m", "tests.attack", "bindings", "--cases", str(cases), "--processes", "1"]
-        if "rooms" in parts:
-            for rooms in ROOMS:
-                commands.append((f"rooms {rooms[0]} ...", [*pytest, *(f"tests/{room}" for room in rooms)], environment))
-        if "calls" in parts:
-            commands.append(("calls", calls, environment))
-    return commands + [(name, [program(build, name)], ALONE) for name in programs]
+def run_threads(folder: Path) -> bool:
+    """Run batches under the sanitizer of threads; whether nothing was found."""
+    return build(folder, THREADS, ["batches"], python=False) and run([program(folder, "batches")], ALONE)
 
 
-def run_threads(build: Path) -> bool:
-    """Run batches under the sanitizer of threads; whether anything was found."""
-    return not built(build, THREADS, ["batches"], python=False) or run("threads", [program(build, "batches")], ALONE)
-
-
-def built(build: Path, checks: str, targets: Sequence[str], *, python: bool) -> bool:
+def build(folder: Path, checks: str, targets: Sequence[str], *, python: bool) -> bool:
     """Configure and build targets with these checks; whether that succeeded."""
     native = {"x86_64": "v3", "amd64": "v3", "aarch64": "neon", "arm64": "neon"}  # one set: fewer are built sooner
     options = {
@@ -112,43 +100,39 @@ def built(build: Path, checks: str, targets: Sequence[str], *, python: bool) -> 
     if cache := shutil.which("ccache"):
         options["CMAKE_CXX_COMPILER_LAUNCHER"] = cache
     given = [f"-D{name}={value}" for name, value in options.items()]
-    configure = ["cmake", "-S", f"{ROOT}", "-B", f"{build}", "-G", "Ninja", *given]
     parallel = str(os.cpu_count() or 1)  # ninja would start two more, each of which may need 3 GB
-    command = ["cmake", "--build", f"{build}", "--parallel", parallel, "--target", *targets]
-    return not run("", configure) and not run(f"build of {', '.join(targets)}", command)
+    return run(["cmake", "-S", f"{ROOT}", "-B", f"{folder}", "-G", "Ninja", *given], {}) and run(
+        ["cmake", "--build", f"{folder}", "--parallel", parallel, "--target", *targets], {}
+    )
 
 
-def program(build: Path, name: str) -> str:
+def program(folder: Path, name: str) -> str:
     """The path of one of the programs of tests/cpp."""
-    return str(build / "tests" / "cpp" / name)
+    return str(folder / "tests" / "cpp" / name)
 
 
-def run(name: str, command: Sequence[str], environment: Mapping[str, str] | None = None) -> bool:
-    """Run a command to its end and print its name, times and last line; whether it found something."""
-    begun = time.monotonic()
+def run(command: Sequence[str], environment: Mapping[str, str]) -> bool:
+    """Run a command to its end and print its times and last line, all lines where it fails; whether it succeeded."""
+    begin = time.monotonic()
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"  # pip puts cmake and ninja there
-    everything = {**os.environ, "PATH": path, **(environment or {})}
     with tempfile.TemporaryFile() as output:
-        process = subprocess.Popen(command, cwd=ROOT, env=everything, stdout=output, stderr=subprocess.STDOUT)
+        environment = {**os.environ, "PATH": path, **environment}
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=output, stderr=subprocess.STDOUT)
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = status  # it has been waited for
         output.seek(0)
         text = output.read().decode(errors="replace")
-    if name or status:
-        elapsed = time.monotonic() - begun
-        line = f"{name or ' '.join(command)}: {'found something' if status else 'sound'}"
-        print(f"{line}, {used.ru_utime + used.ru_stime:.0f} s of processor, {elapsed:.0f} s", flush=True)
-        print(text if status else "\n".join(text.splitlines()[-1:]), flush=True)
-    return status != 0
+    seconds = f"{used.ru_utime + used.ru_stime:.0f} s of processor, {time.monotonic() - begin:.0f} s"
+    print(f"{' '.join(command)[-100:]}: {'FAILED' if status else 'sound'}, {seconds}", flush=True)
+    print(text if status else "\n".join(text.splitlines()[-1:]), flush=True)
+    return status == 0
 
 
 def libraries() -> str:
     """The sanitizers' libraries and the C++ library whose exceptions they intercept: loaded before Python's own."""
-    found = []
-    for name in ("libasan.so", "libubsan.so", "libstdc++.so.6"):
-        ask = [os.environ.get("CXX", "c++"), f"-print-file-name={name}"]
-        found.append(subprocess.run(ask, capture_output=True, text=True, check=True).stdout.strip())
-    return " ".join(found)
+    names = ("libasan.so", "libubsan.so", "libstdc++.so.6")
+    asked = [[os.environ.get("CXX", "c++"), f"-print-file-name={name}"] for name in names]
+    return " ".join(subprocess.run(one, capture_output=True, text=True, check=True).stdout.strip() for one in asked)
 
 
 if __name__ == "__main__":

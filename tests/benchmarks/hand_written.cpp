@@ -1,11 +1,10 @@
 // The C3 loop of the X axis of Lu et al. 2008, written by hand for this one case: what the core is measured against.
 // The same arithmetic and the same columns as the core, its structure fixed: harmonics 1, 2, 3, 6, 12 in the plant and
 // 1, 2, 3 in the controller, splines of order 3 with 13 control points, one Runge-Kutta step a sample. With LANES
-// defined, so many machines side by side, in the compiler's vector types.
+// defined, so many machines side by side, in a register of the core.
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #ifdef LIBRARY_FUNCTIONS  // the mathematics library's, to see what the core's own sine and arctangent change
 namespace functions {
@@ -16,7 +15,7 @@ inline void sin_cos(double angle, double& sine, double& cosine) {
 }
 }  // namespace functions
 #else
-#include "cogging/elementary.hpp"
+#include "cogging/registers.hpp"
 namespace functions = cogging;
 #endif
 
@@ -87,88 +86,24 @@ Spline spline(double u) {  // position in pitches
 
 #ifdef LANES
 
-typedef double Number __attribute__((vector_size(LANES * sizeof(double))));
-typedef std::int64_t Mask __attribute__((vector_size(LANES * sizeof(double))));
-
-const Mask sign_bit = Mask{} + INT64_MIN;
+using Register = cogging::Register<LANES>;
+using Number = Register::Numbers;
 
 Number all(double value) {
-  return value - Number{};
-}
-
-Number trunc_of(Number a) {
-  // Exact below 2^51; what is rounded here is some 1e6 counts.
-  const Number shift = 6755399441055744.0 - Number{};
-  const Number size = (Number)((Mask)a & ~sign_bit), near = (size + shift) - shift;
-  const Number down = near > size ? near - 1.0 : near;
-  return (Number)((Mask)down | ((Mask)a & sign_bit));
-}
-
-Number clamp_of(Number a, Number low, Number high) {
-  a = low > a ? low : a;
-  return high < a ? high : a;
+  return Register::of(value);
 }
 Number clamp_of(Number a, double low, double high) {
-  return clamp_of(a, all(low), all(high));
+  a = all(low) > a ? all(low) : a;
+  return all(high) < a ? all(high) : a;
 }
-
 Number round_of(Number a) {
-  return trunc_of(a + (Number)((Mask)all(0.49999999999999994) | ((Mask)a & sign_bit)));
+  return Register::round(a);
 }
-
+Number atan_of(Number a) {
+  return Register::atan(a);
+}
 void sin_cos_of(Number angle, Number& sine, Number& cosine) {
-  const Number shifted = angle * 0.63661977236758134308 + 6755399441055744.0, turns = shifted - 6755399441055744.0;
-  const Mask quadrant = (Mask)shifted;
-  const Number r = ((angle - turns * 1.57079632673412561417) - turns * 6.07710050630396597660e-11) -
-                   turns * 2.02226624879595063154e-21;
-  const Number z = r * r, half = 0.5 * z, rest = 1.0 - half;
-  const Number sine_r = r + r * z *
-                                (-1.66666666666666324348e-01 +
-                                 z * (8.33333333332248946124e-03 +
-                                      z * (-1.98412698298579493134e-04 +
-                                           z * (2.75573137070700676789e-06 +
-                                                z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
-  const Number cosine_r =
-      rest + (((1.0 - rest) - half) +
-              z * z *
-                  (4.16666666666666019037e-02 +
-                   z * (-1.38888888888741095749e-03 +
-                        z * (2.48015872894767294178e-05 +
-                             z * (-2.75573143513906633035e-07 +
-                                  z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
-  const Mask odd = (quadrant & 1) != 0;
-  sine = (Number)((Mask)(odd ? cosine_r : sine_r) ^ ((quadrant & 2) << 62));
-  cosine = (Number)((Mask)(odd ? sine_r : cosine_r) ^ (((quadrant + 1) & 2) << 62));
-}
-
-Number atan_of(Number value) {
-  const Number x = (Number)((Mask)value & ~sign_bit), one = 1.0 - Number{}, zero = Number{};
-  const Mask b1 = x >= 0.4375, b2 = x >= 0.6875, b3 = x >= 1.1875, b4 = x >= 2.4375;
-  const Number above = b4 ? -one : b3 ? x - 1.5 : b2 ? x - 1.0 : b1 ? 2.0 * x - 1.0 : x;
-  const Number below = b4 ? x : b3 ? 1.0 + 1.5 * x : b2 ? x + 1.0 : b1 ? 2.0 + x : one;
-  const Number high = b4   ? 1.57079632679489655800e+00 + zero
-                      : b3 ? 9.82793723247329054082e-01 + zero
-                      : b2 ? 7.85398163397448278999e-01 + zero
-                      : b1 ? 4.63647609000806093515e-01 + zero
-                           : zero;
-  const Number low = b4   ? 6.12323399573676603587e-17 + zero
-                     : b3 ? 1.39033110312309984516e-17 + zero
-                     : b2 ? 3.06161699786838301793e-17 + zero
-                     : b1 ? 2.26987774529616870924e-17 + zero
-                          : zero;
-  const Number t = above / below, z = t * t, w = z * z;
-  const Number odd = z * (3.33333333333329318027e-01 +
-                          w * (1.42857142725034663711e-01 +
-                               w * (9.09088713343650656196e-02 +
-                                    w * (6.66107313738753120669e-02 +
-                                         w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
-  const Number even =
-      w *
-      (-1.99999999998764832476e-01 +
-       w * (-1.11111104054623557880e-01 +
-            w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
-  const Number result = high - ((t * (odd + even) - low) - t);
-  return value < 0.0 ? -result : result;
+  Register::sin_cos(angle, sine, cosine);
 }
 
 struct NumberSpline {
@@ -177,18 +112,14 @@ struct NumberSpline {
 
 NumberSpline spline_of(Number u) {
   u = clamp_of(u, 0.0, double(spans));
-  const Number whole = trunc_of(u), first = whole > spans - 1.0 ? all(spans - 1.0) : whole;
-  const Number t = u - first, s = 1.0 - t;
+  const Number first = clamp_of(Register::trunc(u), 0.0, spans - 1.0), t = u - first, s = 1.0 - t;
   return {first, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
 }
 
 // The rows of the table that act; the machines are nearly always within one pitch of the magnets.
 template <int columns>
 const Number* active(const NumberSpline& b, const Number* table, Number* gathered) {
-  const Mask same = b.first == b.first[0];
-  std::int64_t together = -1;
-  for (int i = 0; i < LANES; ++i) together &= same[i];
-  if (together != 0) [[likely]]
+  if (Register::all(b.first == b.first[0])) [[likely]]
     return table + columns * int(b.first[0]);
   for (int i = 0; i < 3 * columns; ++i)
     for (int lane = 0; lane < LANES; ++lane) gathered[i][lane] = table[columns * int(b.first[lane]) + i][lane];

@@ -24,15 +24,12 @@ from cogging.papers.lu2008 import gantry as lu2008
 from cogging_command import run_command
 from tests.benchmarks.lu2008_loop import compiler
 from tests.fixtures.cpp_constants import generator
+from tests.golden.logs import CONTROLLERS as FIELDS
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 FLAGS = ["-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-Wall", "-Wextra"]
 AXIS = comparison.AXIS
-#: Gains that no paper gives: a position loop of 16 Hz around a velocity loop of 54 Hz, and that velocity loop alone.
-LOOPS = {"cascade": {"kp": 100.0, "kv": 40.0}, "speed": {"kp": 40.0, "delay": 0.0005}}
-#: For a controller that is tuned nowhere: values of what is 0 by default, by unit.
-BY_UNIT = {"V/m": 9600.0, "V/(m/s)": 48.0, "V/(m s)": 1e5, "V/(m/s^2)": AXIS.mass, "1/s": 100.0}
 #: Columns of the table: figure and width with its decimals.
 COLUMNS = {
     "mean": "7.1f",
@@ -55,22 +52,13 @@ COLUMNS = {
 
 
 def settings():
-    """Parameters of every controller of the list, by its name."""
+    """Parameters of every controller of the list by its name: its paper's, else those of the golden logs."""
     tuned = comparison.controllers()
     made = {}
     for name, (struct, _) in CONTROLLERS.items():
         found = tuned.get(name) or tuned.get(f"{name} C3")
-        made[name] = struct(**untuned(name, struct)) if found is None else found.parameters
+        made[name] = found.parameters if found else struct(**FIELDS[name])
     return made
-
-
-def untuned(name, struct):
-    """Fields of a controller that no paper tunes."""
-    known = {"sample_rate": lu2008.SAMPLE_RATE, "mass": AXIS.mass, "viscous": AXIS.viscous, "coulomb": AXIS.coulomb}
-    known["coulomb_width"] = lu2008.COULOMB_WIDTH
-    by_unit = {field: BY_UNIT[unit] for field, (unit, _) in struct.FIELDS.items() if unit in BY_UNIT}
-    fields = {field: value for field, value in by_unit.items() if struct().to_dict()[field] == 0.0}
-    return {field: value for field, value in (fields | known | LOOPS.get(name, {})).items() if field in struct.FIELDS}
 
 
 def plant():

@@ -37,13 +37,6 @@ def test_pickles_of_every_protocol():
             assert copy.deepcopy(value) == value
 
 
-@pytest.mark.parametrize("along", [1.0, [1.0], None, "text", b"", {}])
-def test_a_prediction_of_another_kind_is_refused(along):
-    """It ended the process: what keeps a result's parts alive was asked of the mark of a failed conversion."""
-    with pytest.raises(TypeError):
-        POOL["Predictor"].plant_along(along, POOL["Plant"])
-
-
 def test_a_plant_along_a_prediction_lives_as_long_as_it_is_held():
     time = np.linspace(0.0, 0.1, 200)
     plant = POOL["Plant"]
@@ -58,19 +51,6 @@ def test_a_plant_along_a_prediction_lives_as_long_as_it_is_held():
     assert np.abs(first).max() > 0.0
     for one in held[1:]:
         np.testing.assert_array_equal(one.added(effect, sizes), first)
-
-
-@pytest.mark.parametrize("value", [True, np.bool_(False), "3.2", b"3.2", "nan", np.array("-1."), np.array(True)])
-@pytest.mark.parametrize(
-    ("kind", "field"), [("AxisParameters", "mass"), ("PidParameters", "kp"), ("PointToPointParameters", "repeats")]
-)
-def test_truth_values_and_texts_are_no_numbers(kind, field, value):
-    with pytest.raises(TypeError, match=rf"{kind}: {field}: must be a (whole )?number, got "):
-        getattr(cogging._core, kind)(**{field: value})
-
-
-def test_truth_values_stay_what_they_are_where_they_are_asked_for():
-    assert cogging.OutputFeedbackArcParameters(use_u_s2=True).use_u_s2 is True
 
 
 @pytest.mark.parametrize(
@@ -149,12 +129,6 @@ def test_what_is_no_number_is_none_in_a_controllers_step(value):
         assert isinstance(value, np.ndarray) or "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("kind", [float, int, np.float64, np.float32, np.int16, np.array])
-def test_numbers_of_any_kind_are_numbers_in_a_controllers_step(kind):
-    for name in CONTROLLERS:
-        assert [step() for step in steps(name, kind(0))] == [step() for step in steps(name, 0.0)]
-
-
 @pytest.mark.parametrize("kind", [float, np.float32, np.int16, np.uint8, int])
 def test_numbers_of_any_kind_are_numbers(kind):
     values = [kind(1), kind(2)]
@@ -162,41 +136,20 @@ def test_numbers_of_any_kind_are_numbers(kind):
         assert cogging.performance([0.0, 1.0], made, [0.0, 1.0]).error_max == 2.0
         assert cogging.Log(time=[0.0, 1.0], position=made, command=[0.0, 1.0]).position[1] == 2.0
     assert cogging.AxisParameters(mass=kind(2)).mass == 2.0
+    for name in CONTROLLERS:
+        assert [step() for step in steps(name, kind(0))] == [step() for step in steps(name, 0.0)]
 
 
-@pytest.mark.parametrize("field", ["seed", "threads"])
-def test_truth_values_are_no_counts(field):
+def test_truth_values_are_no_counts():
     model, reference = command_files.model(), command_files.REFERENCE
-    calls = [lambda value: cogging.predict_error(model, reference, samples=2, **{field: value})]
-    calls.append(lambda value: cogging.sweep(model, reference, {"axis.mass": [0.1]}, duration=0.01, **{field: value}))
-    if field == "seed":
-        calls.append(lambda value: cogging.simulate(model, reference, seed=value))
-    for call in calls:
-        call(1)
-        call(np.int64(1))
+    for field, call in (
+        ("seed", lambda **count: cogging.simulate(model, reference, **count)),
+        ("seed", lambda **count: cogging.predict_error(model, reference, samples=2, **count)),
+        ("threads", lambda **count: cogging.sweep(model, reference, {"axis.mass": [0.1]}, duration=0.01, **count)),
+    ):
+        call(**{field: np.int64(1)})
         with pytest.raises((TypeError, ValueError), match=rf"{field}: must be a whole number.*, got True"):
-            call(True)
-
-
-@pytest.mark.parametrize(
-    ("section", "key", "value", "told"),
-    [
-        ("axis", "mass", True, "must be a number, got True"),
-        ("axis", "mass", "3.2", "must be a number, got '3.2'"),
-        ("axis", "travel", [False, 0.5], "must be 2 numbers"),
-        ("cogging", "sine", [[True], [0.1]], "must be rows of numbers"),
-        ("cogging", "harmonics", [True, 2], "must be a list of whole numbers"),
-        ("controller", "kp", "9600", "must be a number, got '9600'"),
-        ("simulation", "steps_per_sample", True, "must be a whole number"),
-    ],
-)
-def test_truth_values_and_texts_of_a_model_file_are_no_numbers(section, key, value, told):
-    document = copy.deepcopy(command_files.MODEL) | {"simulation": {"steps_per_sample": 2}}
-    document["cogging"] = {"pitch": 0.05, "harmonics": [1, 2], "sine": [[0.1], [0.1]], "cosine": [[0.0], [0.0]]}
-    assert cogging.Model.from_dict(copy.deepcopy(document)).steps_per_sample == 2
-    document[section][key] = value
-    with pytest.raises(ValueError, match=rf"^{section}.{key}: {told}"):
-        cogging.Model.from_dict(document)
+            call(**{field: True})
 
 
 @pytest.mark.parametrize("in_lanes", [False, True])
@@ -240,7 +193,7 @@ def test_a_time_below_zero_counts_from_its_first_row():
         assert np.abs(shifted - first).max() < 1e-6 * size
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=30)
 @given(seed=st.integers(0, 10_000))
 def test_a_drawn_call_ends_as_it_should(seed):
     """A few of those that the attack makes, in this process; the whole of it watches its processes from outside."""

@@ -45,7 +45,7 @@ def test_no_member_of_an_uninitialised_object_answers():
     for target in methods:
         if target.name in ("__init__", "__setstate__"):
             continue
-        subject, (positional, named) = raw(CLASSES[target.owner]), arguments(target)
+        subject, (positional, named) = raw(target.place), arguments(target)
 
         def ask(target=target, subject=subject, positional=positional, named=named):
             found = getattr(subject, target.name)
@@ -61,12 +61,12 @@ def test_no_function_takes_an_uninitialised_object():
     for target in TARGETS:
         if target.is_property or target.name == "__setstate__":
             continue
-        module = getattr(_core, target.module) if target.module else _core
-        function = getattr(module, target.owner or target.name)
-        if target.owner and target.name != "__init__":
-            if not target.is_static and target.owner not in POOL:
+        subject = target.place
+        if target.owner and target.name != "__init__" and not target.is_static:
+            if target.owner not in POOL:
                 continue
-            function = getattr(function if target.is_static else POOL[target.owner], target.name)
+            subject = POOL[target.owner]
+        function = subject if target.name == "__init__" else getattr(subject, target.name)
         for place in target.parameters:
             owners = tuple(CLASSES[name] for name in KIND.findall(place.annotation) if name in CLASSES)
             for kind in (kind for kind in CLASSES.values() if issubclass(kind, owners)):

@@ -11,10 +11,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -56,49 +56,51 @@ struct Run {
   AnyController<> controller;
 };
 
+// Drag of a user's own, which falls again beyond a speed.
+class EddyDrag final : public OwnLaw {
+ public:
+  double at(double, double velocity, double) const override {
+    return -0.05 * velocity / (1.0 + 16.0 * velocity * velocity);
+  }
+};
+
 // All effects that may share a pack, or one that runs alone: a law of a user's own, shared by all runs; a load behind a
 // coupling; friction that sticks. And a run that cannot be set up.
 enum Kind { packed_run, own_law, flexible, sticking, refused, kinds };
 
-Plant<> plant_of_kind(Kind kind, Machine machine, const Custom<double>& own) {
-  machine.lag = std::max(machine.lag, 5e-4);  // s: steps that a quicker loop cuts are no pack's
-  Plant<> plant = plant_of<double>({machine});
-  std::erase_if(plant.effects, [](const auto& effect) { return std::holds_alternative<Custom<double>>(effect); });
-  if (kind == own_law) plant.effects.emplace_back(own);
-  if (kind == flexible) plant.effects.back() = FlexibleMode<double>{80.0, 0.02, 0.1};
-  if (kind == sticking) plant.axis.coulomb_width = 0.0;
+bool has_state(const Effect<>& effect) {
+  return std::holds_alternative<PreslidingFriction<>>(effect) || std::holds_alternative<Backlash<>>(effect) ||
+         std::holds_alternative<FlexibleMode<>>(effect);
+}
+
+Plant<> plant_of_kind(Kind kind, std::mt19937_64& engine, const Custom<double>& own) {
+  std::vector<Effect<>> effects = every_effect(uniform(engine, 0.9, 1.1));
+  std::erase_if(effects, has_state);
+  if (kind == own_law) effects.emplace_back(own);
+  if (kind == flexible) effects = {FlexibleMode<double>{80.0, 0.02, 0.1}};
+  Plant<> plant = machine(engine, kind == sticking ? 0.0 : uniform(engine, 1e-3, 1e-2), std::move(effects));
   if (kind == refused) plant.axis.mass = -1.0;
   return plant;
 }
 
-void push(Plant<>& plant) {
-  for_each_law(plant.effects, [](ConstantForce<double>& force) { force.level = 1e5; });
-}
-
-template <std::size_t... i>
-std::vector<AnyController<>> controllers(std::index_sequence<i...>) {
-  std::vector<AnyController<>> all;
-  const auto add = [&]<class C>(std::type_identity<C>) {
-    typename C::Parameters parameters;
-    tune(parameters);
-    all.emplace_back(std::in_place_type<C>, parameters);
-  };
-  (add(std::type_identity<std::variant_alternative_t<i, AnyController<>>>()), ...);
-  return all;
+template <class... C>
+std::vector<AnyController<>> controllers(const std::variant<C...>*) {
+  return {tuned<C>()...};
 }
 
 // Of each controller two packs, one with a lane that is pushed out of its travel, and two runs of each other kind.
 std::vector<Run> drawn_runs() {
-  const std::vector<Machine> list = machines(2 * width);
+  std::mt19937_64 engine(1);
   Custom<double> own;
   own.label = "eddy_drag";
   own.force_law = std::make_shared<const EddyDrag>();
   std::vector<Run> runs;
-  for (const auto& controller : controllers(std::make_index_sequence<std::variant_size_v<AnyController<>>>()))
+  for (const auto& controller : controllers(static_cast<const AnyController<>*>(nullptr)))
     for (int kind = 0; kind < kinds; ++kind)
-      for (std::size_t i = 0; i < (kind == packed_run ? list.size() : 2); ++i) {
-        runs.push_back({plant_of_kind(Kind(kind), list[i], own), controller});
-        if (kind == packed_run && i == width + 1) push(runs.back().plant);
+      for (std::size_t i = 0; i < (kind == packed_run ? 2 * width : 2); ++i) {
+        runs.push_back({plant_of_kind(Kind(kind), engine, own), controller});
+        if (kind == packed_run && i == width + 1)
+          for_each_law(runs.back().plant.effects, [](ConstantForce<double>& force) { force.level = 1e5; });
       }
   return runs;
 }

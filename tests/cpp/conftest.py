@@ -24,14 +24,14 @@ class CMake:
     folder: Path
 
     def run(self, *command):
-        """Run a command to its end; gives what it said."""
+        """Run a command to its end and return its output."""
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
         said = done.stdout + done.stderr
         assert done.returncode == 0, f"{' '.join(map(str, command))}\n{said[-4000:]}"
         return said
 
     def build(self, source, name, *options):
-        """Configure and build a project; gives its folder."""
+        """Configure and build a project and return its folder."""
         built = self.folder / name
         self.run(self.cmake, "-S", source, "-B", built, *self.options, *WITHOUT_PYTHON, *options)
         self.run(self.cmake, "--build", built, "--config", "Debug", "--parallel", "2")
@@ -42,12 +42,6 @@ class CMake:
         return shutil.which(name, path=os.pathsep.join([str(folder), str(folder / "Debug")]))
 
 
-def tool(name):
-    """Where a program is: beside this Python first, as pip puts it there."""
-    places = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-    return shutil.which(name, path=places)
-
-
 @pytest.fixture(scope="session")
 def compiler():
     return shutil.which(os.environ.get("CXX", "g++")) or shutil.which("c++")
@@ -55,11 +49,11 @@ def compiler():
 
 @pytest.fixture(scope="session")
 def cmake(compiler, tmp_path_factory):
-    found = [tool(name) for name in ("cmake", "ctest")]
+    places = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])  # pip puts them there
+    found = {name: shutil.which(name, path=places) for name in ("cmake", "ctest", "ninja")}
     options = [f"-DCMAKE_CXX_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"]
-    if ninja := tool("ninja"):
-        options += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={ninja}"]
-    return CMake(*found, options, tmp_path_factory.mktemp("cmake"))
+    options += ["-G", "Ninja", f"-DCMAKE_MAKE_PROGRAM={found['ninja']}"] if found["ninja"] else []
+    return CMake(found["cmake"], found["ctest"], options, tmp_path_factory.mktemp("cmake"))
 
 
 @pytest.fixture(scope="session")

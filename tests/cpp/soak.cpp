@@ -127,6 +127,7 @@ class Judge {
     done_ = true;
     times_[episode.fault].push_back(static_cast<double>(step - within_ + 1 - episode.until) / rate);
   }
+  bool is_recovered() const { return done_; }
   void next(const Episode& last) {
     if (last.fault != none && !done_) ++unrecovered_[last.fault];
     done_ = false, within_ = 0;
@@ -185,8 +186,9 @@ void soak(const std::string& name, const typename C::Parameters& parameters, lon
   if constexpr (LooksAhead<C>) ahead = controller.preview();
   axis.velocity = reference(0.0).velocity;
   for (long step = 0; step < steps; ++step) {
-    if (step >= episode.until + static_cast<long>(patience * rate) ||
-        (episode.fault == none && step >= episode.until)) {
+    const bool is_over =
+        episode.fault == none || judge.is_recovered() || step >= episode.until + static_cast<long>(patience * rate);
+    if (step >= episode.until && is_over) {
       judge.next(episode);
       episode = drawn(random, step, rate);
     }

@@ -17,26 +17,20 @@ SMALLEST = 1e-6  # a smaller number's difference is taken relative to this: 1e-1
 
 
 def leaves(value, path=""):
-    """Yield every number and text with its path, and the length of every list."""
-    if isinstance(value, dict):
-        for key, entry in value.items():
-            yield from leaves(entry, f"{path}/{key}")
-    elif isinstance(value, list):
-        yield f"{path}/length", len(value)
-        for index, entry in enumerate(value):
-            yield from leaves(entry, f"{path}/{index}")
-    else:
-        yield path, value
+    """Every number and text by its path, and the length of every list."""
+    if isinstance(value, dict | list):
+        found = {f"{path}/length": len(value)}
+        for key, entry in value.items() if isinstance(value, dict) else enumerate(value):
+            found |= leaves(entry, f"{path}/{key}")
+        return found
+    return {path: value}
 
 
 def differences(was, now):
-    """Return the values that differ, by path: numbers by more than RELATIVE, other values at all."""
-    before, after = dict(leaves(was)), dict(leaves(json.loads(json.dumps(now))))
-    return {
-        path: (before.get(path), after.get(path))
-        for path in before.keys() | after.keys()
-        if not same(before.get(path, "missing"), after.get(path, "missing"))
-    }
+    """Values that differ, by path: numbers by more than RELATIVE, others at all."""
+    before, after = leaves(was), leaves(json.loads(json.dumps(now)))
+    pairs = {path: (before.get(path, "missing"), after.get(path, "missing")) for path in before.keys() | after.keys()}
+    return {path: pair for path, pair in pairs.items() if not same(*pair)}
 
 
 def same(one, other):
