@@ -13,7 +13,7 @@ FOLDERS = ["table", "basis", "reference", "plant", "control", "simulation", "est
 APART = {"plant": {"reference"}, "control": {"plant"}}
 BASE = "."
 #: What brings objects of Python into the core, and what several bindings share: bindings of no folder.
-OF_THE_USERS = {"own_controller", "own_effect", "instantiated", "parameters"}
+OF_THE_USERS = {"own_controller", "own_effect", "parameters"}
 
 
 def folder_of(path):
