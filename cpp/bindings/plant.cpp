@@ -90,9 +90,7 @@ void bind_laws(const py::object& type, const ListedEffect& effect) {
                                        const Values& time) -> py::object {
     const py::object made = resolved(bound.data_of(self), {});
     const void* const data = made.cast<Self>().data;
-    const std::function<double(double, double, double)> at = [=](double x, double v, double t) {
-      return law(data, x, v, t);
-    };
+    const auto at = [=](double x, double v, double t) { return law(data, x, v, t); };
     return py::vectorize(at)(position, velocity, time);
   };
   const auto at_motion = [&](const char* name, Law law, const char* doc) {
