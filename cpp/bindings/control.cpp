@@ -54,9 +54,8 @@ ListedController listed_controller() {
       },
       [](const void* controller) { return numbers_of(object_at<C>(controller)); },
       [](const void* controller) { return py::cast(object_at<C>(controller).parameters()); },
-      [](const void* controller) {
-        return py::cast(C(object_at<C>(controller)));
-      },  // a copy: a cast finds the object itself
+      // Of a copy: a cast of what an object holds gives that object.
+      [](const void* controller) { return py::cast(C(object_at<C>(controller))); },
       [](const void* controller) { return object_at<C>(controller).sample_rate(); },
       [](const void* controller) -> double { return object_at<C>(controller).samples_refused(); },
       [](const void* controller) { return object_at<C>(controller).estimates(); },
