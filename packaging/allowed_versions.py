@@ -5,7 +5,7 @@ python packaging/allowed_versions.py lowest build/lowest --python 3.10
 build/lowest/bin/python -m pytest -m 'not study and not data and not pages and not root and not notebook'
 
 Lowest are the versions of what the project itself names; what those need in turn is the newest that they allow, as pip
-would bring it today. What the build asks for (scikit-build-core, pybind11, Eigen, CMake, Ninja) is taken alike, in an
+would bring it today. What the build asks for (scikit-build-core, pybind11, CMake, Ninja) is taken alike, in an
 environment of its own. An extra may hold the lowest of another back: asammdf wants numpy 2, so that numpy's own lowest
 version is seen `--without mdf`.
 """

@@ -1,5 +1,5 @@
 # What is compiled into a wheel, with its version and licence, as CycloneDX 1.6 (JSON): the same build gives the same file.
-# Needs eigen_version, pybind11_version, version (of cogging) and bill_of_materials (the file to write). Where
+# Needs pybind11_version, version (of cogging) and bill_of_materials (the file to write). Where
 # COGGING_OWN_RUNTIME says so, the library of FMI units holds static parts of the compiler's runtime.
 function(add_component name its_version licence address what)
   string(JSON component SET "{}" type "\"library\"")
@@ -21,8 +21,6 @@ set(bill "{\"$schema\": \"http://cyclonedx.org/schema/bom-1.6.schema.json\", \"b
 {\"type\": \"library\", \"bom-ref\": \"cogging\", \"name\": \"cogging\", \"version\": \"${version}\",
 \"purl\": \"pkg:pypi/cogging@${version}\", \"licenses\": [{\"license\": {\"id\": \"MIT\"}}]}},
 \"components\": [], \"dependencies\": [{\"ref\": \"cogging\", \"dependsOn\": []}]}")
-add_component(eigen "${eigen_version}" "{\"license\": {\"id\": \"MPL-2.0\"}}" "https://libeigen.gitlab.io"
-              "templates compiled into _core")
 add_component(pybind11 "${pybind11_version}" "{\"license\": {\"id\": \"BSD-3-Clause\"}}"
               "https://github.com/pybind/pybind11" "templates compiled into _core")
 add_component(fdlibm 5.3 "{\"license\": {\"name\": \"fdlibm\", \"url\": \"https://www.netlib.org/fdlibm/readme\"}}"

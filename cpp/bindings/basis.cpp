@@ -6,22 +6,22 @@ using namespace cogging;
 
 namespace {
 
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-std::span<const double> view(const Eigen::VectorXd& values) {
-  return {values.data(), std::size_t(values.size())};
+// A table (positions, columns), written by write(positions, table).
+template <class Write>
+py::array_t<double> table(const Array& positions, int columns, const Write& write) {
+  require(positions.ndim() == 1, "positions", "must be (n,), dimensions", double(positions.ndim()));
+  std::vector<double> values(std::size_t(positions.size()) * std::size_t(columns));
+  write(view(positions), std::span(values));
+  return to_array(std::move(values), {positions.size(), columns});
 }
 
-Rows design_matrix(const BSpline& spline, const Eigen::VectorXd& positions) {
-  Rows matrix(positions.size(), spline.control_points());
-  write_design_matrix(spline, view(positions), {matrix.data(), std::size_t(matrix.size())});
-  return matrix;
+py::array_t<double> design_matrix(const BSpline& spline, const Array& positions) {
+  return table(positions, spline.control_points(),
+               [&](auto at, auto values) { write_design_matrix(spline, at, values); });
 }
 
-Rows regressor(const SplineHarmonics& basis, const Eigen::VectorXd& positions) {
-  Rows matrix(positions.size(), basis.coefficients());
-  write_regressor(basis, view(positions), {matrix.data(), std::size_t(matrix.size())});
-  return matrix;
+py::array_t<double> regressor(const SplineHarmonics& basis, const Array& positions) {
+  return table(positions, basis.coefficients(), [&](auto at, auto values) { write_regressor(basis, at, values); });
 }
 
 BSpline make_spline(std::int64_t order, double origin, double pitch, std::int64_t control_points) {
@@ -40,33 +40,37 @@ SplineHarmonics make_basis(std::optional<double> pitch, std::optional<std::vecto
   return SplineHarmonics::of_periods(*periods, spline);
 }
 
-// Rows of the model file: one a term, one column a control point.
-CoggingModel<> make_model(const SplineHarmonics& basis, const Rows& sine, const Rows& cosine) {
-  const int points = basis.spline().control_points();
-  const auto check = [&](const Rows& rows, const char* name) {
-    if (rows.rows() != basis.terms() || rows.cols() != points)
-      refuse(name, "must have " + format(basis.terms()) + " rows (terms) of " + format(points) + " (control points)",
-             format(double(rows.rows())) + " rows of " + format(double(rows.cols())));
-    for (Eigen::Index i = 0; i < rows.size(); ++i) require_finite(name, rows.data()[i]);
+// Rows of the model file: one a term, one column a control point; a list of numbers has one column.
+CoggingModel<> make_model(const SplineHarmonics& basis, const Array& sine, const Array& cosine) {
+  const py::ssize_t terms = basis.terms(), points = basis.spline().control_points();
+  std::vector<double> coefficients(std::size_t(basis.coefficients()));
+  const auto put = [&](const Array& rows, const char* name, py::ssize_t offset) {
+    const bool table = rows.ndim() == 1 || rows.ndim() == 2;
+    const py::ssize_t height = table ? rows.shape(0) : 0, width = rows.ndim() == 2 ? rows.shape(1) : 1;
+    if (height != terms || width != points)
+      refuse(name,
+             "must have " + format(double(terms)) + " rows (terms) of " + format(double(points)) + " (control points)",
+             format(double(height)) + " rows of " + format(double(width)));
+    for (py::ssize_t i = 0; i < terms; ++i)
+      for (py::ssize_t c = 0; c < points; ++c) {
+        const double value = rows.data()[i * points + c];
+        require_finite(name, value);
+        coefficients[std::size_t(c * basis.columns() + 2 * i + offset)] = value;
+      }
   };
-  check(sine, "sine");
-  check(cosine, "cosine");
-  std::vector<double> coefficients(basis.coefficients());
-  for (int c = 0; c < points; ++c)
-    for (int i = 0; i < basis.terms(); ++i) {
-      coefficients[c * basis.columns() + 2 * i] = sine(i, c);
-      coefficients[c * basis.columns() + 2 * i + 1] = cosine(i, c);
-    }
+  put(sine, "sine", 0);
+  put(cosine, "cosine", 1);
   return {basis, coefficients};
 }
 
-Rows amplitudes(const CoggingModel<>& model, int offset) {
+py::array_t<double> amplitudes(const CoggingModel<>& model, py::ssize_t offset) {
   const SplineHarmonics& basis = model.basis();
-  Rows rows(basis.terms(), basis.spline().control_points());
-  for (Eigen::Index c = 0; c < rows.cols(); ++c)
-    for (Eigen::Index i = 0; i < rows.rows(); ++i)
-      rows(i, c) = model.coefficients()[c * basis.columns() + 2 * i + offset];
-  return rows;
+  const py::ssize_t terms = basis.terms(), points = basis.spline().control_points();
+  std::vector<double> rows;
+  for (py::ssize_t i = 0; i < terms; ++i)
+    for (py::ssize_t c = 0; c < points; ++c)
+      rows.push_back(model.coefficients()[std::size_t(c * basis.columns() + 2 * i + offset)]);
+  return to_array(std::move(rows), {terms, points});
 }
 
 }  // namespace

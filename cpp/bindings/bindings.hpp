@@ -1,7 +1,6 @@
 #pragma once
 // What the binding files share: parameter structs and arrays, bound from what the core says of itself.
 
-#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -13,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -74,6 +74,10 @@ inline py::array_t<double> to_array(std::vector<double>&& values, std::vector<py
 
 inline std::vector<double> to_vector(const Array& array) {
   return {array.data(), array.data() + array.size()};
+}
+
+inline std::span<const double> view(const Array& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
 /// What a constructor takes for a member: counts in 64 bits, so that one that is too large is told by name.
@@ -193,20 +197,7 @@ py::object bind_parameters_of(py::module_& module) {
   return bind_parameters<Struct>(module, name, doc);
 }
 
-/// What every class of a list says of itself, and its place in it and in the module's part of that name.
-template <class Listed>
-void enlist(py::module_& module, const char* part, py::dict& list, py::object bound) {
-  py::module_ names = module.attr(part);
-  const std::string name = class_name(Listed::name);
-  bound.attr("NAME") = std::string(Listed::name);
-  names.attr(name.c_str()) = bound;
-  names.attr("__all__").cast<py::list>().append(name);
-  if constexpr (requires { typename Listed::Parameters; }) {
-    const py::object parameters = bind_parameters_of<Listed>(module);
-    bound.attr("PARAMETERS") = parameters;
-    const std::string struct_name = parameters.attr("__name__").cast<std::string>();
-    if (!py::hasattr(names, struct_name.c_str())) names.attr("__all__").cast<py::list>().append(struct_name);
-    names.attr(struct_name.c_str()) = parameters;
-  }
-  list[py::str(std::string(Listed::name))] = bound;
-}
+/// What every class of a list says of itself, its place in it and in the module's part of that name, and its
+/// parameters, if it has any.
+void enlist(py::module_& module, const char* part, py::dict& list, std::string_view name, const py::object& bound,
+            const py::object& parameters = py::none());

@@ -1,4 +1,4 @@
-#include "bindings.hpp"
+#include "bound_class.hpp"
 #include "cogging/control/compiled.hpp"
 #include "cogging/control/desired_compensation_condition.hpp"
 #include "cogging/control/list.hpp"
@@ -27,66 +27,148 @@ ReferencePoint point(const RealPoint& of) {
   return {of[0].value, of[1].value, of[2].value};
 }
 
-// What one controller has and no other.
-template <class C>
-void bind_special(py::class_<C>&) {}
+// A controller of the list, whatever its type.
+struct ListedController {
+  void* (*make)(const py::handle& parameters);
+  void* (*restored)(const py::handle& parameters, const std::vector<double>& numbers);  // with the numbers of its state
+  std::vector<double> (*numbers)(const void* controller);
+  py::object (*parameters)(const void* controller);
+  py::object (*copy)(const void* controller);
+  double (*sample_rate)(const void* controller);
+  double (*samples_refused)(const void* controller);
+  std::span<const double> (*estimates)(const void* controller);
+  double (*command)(void* controller, const ReferencePoint& reference, const ReferencePoint& ahead, double reading);
+  void (*update)(void* controller, double applied);
+  double (*preview)(const void* controller) = nullptr;  // of one that looks ahead
+};
 
-void bind_special(py::class_<OutputFeedbackArc<>>& bound);
+template <class C>
+ListedController listed_controller() {
+  using Parameters = typename C::Parameters;
+  ListedController listed{
+      [](const py::handle& parameters) -> void* { return new C(parameters.cast<const Parameters&>()); },
+      [](const py::handle& parameters, const std::vector<double>& numbers) -> void* {
+        auto controller = std::make_unique<C>(parameters.cast<const Parameters&>());
+        set_numbers(*controller, numbers);
+        return controller.release();
+      },
+      [](const void* controller) { return numbers_of(object_at<C>(controller)); },
+      [](const void* controller) { return py::cast(object_at<C>(controller).parameters()); },
+      // Of a copy: a cast of what an object holds gives that object.
+      [](const void* controller) { return py::cast(C(object_at<C>(controller))); },
+      [](const void* controller) { return object_at<C>(controller).sample_rate(); },
+      [](const void* controller) -> double { return object_at<C>(controller).samples_refused(); },
+      [](const void* controller) { return object_at<C>(controller).estimates(); },
+      [](void* controller, const ReferencePoint& reference, [[maybe_unused]] const ReferencePoint& ahead,
+         double reading) {
+        if constexpr (LooksAhead<C>)
+          return static_cast<C*>(controller)->command(reference, ahead, reading);
+        else
+          return static_cast<C*>(controller)->command(reference, reading);
+      },
+      [](void* controller, double applied) { static_cast<C*>(controller)->update(applied); }};
+  if constexpr (LooksAhead<C>)
+    listed.preview = [](const void* controller) { return object_at<C>(controller).preview(); };
+  return listed;
+}
+
+#define COGGING_POINT "typing.Annotated[collections.abc.Sequence[float], \"FixedSize(3)\"]"
+
+void bind_command(const BoundClass& bound, const ListedController& listed) {
+  const auto command = listed.command;
+  if (listed.preview != nullptr) {
+    bound.def_property("preview", "float", "how far ahead the second reference is, s", listed.preview);
+    bound.def(
+        "command", ", *, reference: " COGGING_POINT ", ahead: " COGGING_POINT ", reading: float) -> float",
+        "The command (V) of this sample from the reference now and `preview` s ahead (each m, m/s, m/s^2) and encoder "
+        "reading (m).",
+        [bound, command](const Self& self, const RealPoint& reference, const RealPoint& ahead, Real reading) {
+          return command(bound.data_of(self), point(reference), point(ahead), reading.value);
+        },
+        py::kw_only(), py::arg("reference"), py::arg("ahead"), py::arg("reading"));
+    return;
+  }
+  const std::string doc =
+      ", reading: float) -> float\n\n"
+      "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).\n";
+  bound.def_documented(
+      "command",
+      "command(*args, **kwargs)\nOverloaded function.\n\n1. command(self: " + bound.name() +
+          ", *, reference: float, reference_velocity: float = 0.0, reference_acceleration: float = 0.0" + doc,
+      [bound, command](const Self& self, Real position, Real velocity, Real acceleration, Real reading) {
+        return command(bound.data_of(self), point({position, velocity, acceleration}), {}, reading.value);
+      },
+      py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0, py::arg("reference_acceleration") = 0.0,
+      py::arg("reading"));
+  bound.def_documented(
+      "command", "2. command(self: " + bound.name() + ", reference: " COGGING_POINT + doc,
+      [bound, command](const Self& self, const RealPoint& reference, Real reading) {
+        return command(bound.data_of(self), point(reference), {}, reading.value);
+      },
+      py::arg("reference"), py::arg("reading"));
+}
+
+void bind_listed(const py::object& type, const std::string& parameters, const ListedController& listed) {
+  const BoundClass bound(type);
+  bound.def(
+      "__init__", ", parameters: " + parameters + ") -> None", "",
+      [make = listed.make](py::detail::value_and_holder& self, const py::object& given) {
+        try {
+          self.value_ptr() = make(given);
+        } catch (const py::cast_error&) {  // ends as any call that no signature takes (module.cpp)
+          throw py::type_error("__init__(): incompatible constructor arguments: parameters");
+        }
+      },
+      py::detail::is_new_style_constructor(), py::arg("parameters"));
+  bound.def_property("parameters", parameters, "", listed.parameters);
+  bound.def_property("sample_rate", "float", "Hz", [get = listed.sample_rate](const void* c) { return get(c); });
+  bound.def_property("estimates", "numpy.typing.NDArray[numpy.float64]",
+                     "What it believes now, (p,): a copy; empty for a controller that does not adapt.",
+                     [get = listed.estimates](const void* controller) {
+                       const std::span<const double> estimates = get(controller);
+                       return to_array({estimates.begin(), estimates.end()});
+                     });
+  bound.def_property("samples_refused", "int",
+                     "How many samples were refused so far, for a reading or a reference that is not finite.",
+                     [get = listed.samples_refused](const void* c) { return whole_part<std::uint64_t>(get(c)); });
+  bound.def(
+      "update", ", applied: float) -> None",
+      "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, "
+      "cut at the limit.",
+      [bound, update = listed.update](const Self& self, Real applied) { update(bound.data_of(self), applied.value); },
+      py::arg("applied"));
+  const auto copy = [bound, copy = listed.copy](const Self& self) { return copy(bound.data_of(self)); };
+  bound.def("copy", ") -> " + bound.name(), "A controller in the same state.", copy);
+  bound.def("__copy__", ") -> " + bound.name(), "", copy);
+  bound.def(
+      "__deepcopy__", ", memo: dict) -> " + bound.name(), "",
+      [copy](const Self& self, const py::dict&) { return copy(self); }, py::arg("memo"));
+  bound.def("__getstate__", ", /) -> tuple[" + parameters + ", list[float]]", "", [bound, listed](const Self& self) {
+    const void* controller = bound.data_of(self);
+    return py::make_tuple(listed.parameters(controller), listed.numbers(controller));
+  });
+  bound.def(
+      "__setstate__", ", arg0: tuple) -> None", "",
+      [restored = listed.restored](py::detail::value_and_holder& self, const py::tuple& kept) {
+        self.value_ptr() = restored(kept[0], kept[1].cast<std::vector<double>>());
+      },
+      py::detail::is_new_style_constructor());
+  bind_command(bound, listed);
+}
+
+void bind_output_feedback(py::class_<OutputFeedbackArc<>>& bound);
 
 template <class C>
 void bind_controller(py::module_& module, py::dict& controllers) {
-  bind_parameters_of<C>(module);
-  py::class_<C> bound(module, class_name(C::name).c_str(),
-                      (std::string(C::description) + refusal + controller_example(class_name(C::name))).c_str());
-  bound.def(py::init<const typename C::Parameters&>(), py::arg("parameters"))
-      .def_property_readonly("parameters", &C::parameters, py::return_value_policy::copy)
-      .def_property_readonly("sample_rate", &C::sample_rate, "Hz")
-      .def_property_readonly(
-          "estimates",
-          [](const C& c) { return to_array(std::vector<double>(c.estimates().begin(), c.estimates().end())); },
-          "What it believes now, (p,): a copy; empty for a controller that does not adapt.")
-      .def_property_readonly(
-          "samples_refused", [](const C& c) { return whole_part<std::uint64_t>(c.samples_refused()); },
-          "How many samples were refused so far, for a reading or a reference that is not finite.")
-      .def(
-          "update", [](C& c, Real applied) { c.update(applied.value); }, py::arg("applied"),
-          "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its "
-          "own, cut at the limit.")
-      .def(
-          "copy", [](const C& c) { return c; }, "A controller in the same state.")
-      .def("__copy__", [](const C& c) { return c; })
-      .def("__deepcopy__", [](const C& c, const py::dict&) { return c; }, py::arg("memo"));
-  bind_state(bound);
-  constexpr const char* command_doc =
-      "The command (V) of this sample from reference (m, m/s, m/s^2) and encoder reading (m).";
-  if constexpr (LooksAhead<C>) {
-    bound.def_property_readonly("preview", &C::preview, "how far ahead the second reference is, s");
-    bound.def(
-        "command",
-        [](C& c, const RealPoint& reference, const RealPoint& ahead, Real reading) {
-          return c.command(point(reference), point(ahead), reading.value);
-        },
-        py::kw_only(), py::arg("reference"), py::arg("ahead"), py::arg("reading"),
-        "The command (V) of this sample from the reference now and `preview` s ahead (each m, m/s, m/s^2) and encoder "
-        "reading (m).");
-  } else {
-    bound.def(
-        "command",
-        [](C& c, Real position, Real velocity, Real acceleration, Real reading) {
-          return c.command(point({position, velocity, acceleration}), reading.value);
-        },
-        py::kw_only(), py::arg("reference"), py::arg("reference_velocity") = 0.0,
-        py::arg("reference_acceleration") = 0.0, py::arg("reading"), command_doc);
-    bound.def(
-        "command",
-        [](C& c, const RealPoint& reference, Real reading) { return c.command(point(reference), reading.value); },
-        py::arg("reference"), py::arg("reading"), command_doc);
-  }
-  bind_special(bound);
-  enlist<C>(module, "controllers", controllers, bound);
+  const std::string name = class_name(C::name);
+  const py::object parameters = bind_parameters_of<C>(module);
+  py::class_<C> bound(module, name.c_str(), (std::string(C::description) + refusal + controller_example(name)).c_str());
+  bind_listed(bound, BoundClass(parameters).name(), listed_controller<C>());
+  if constexpr (std::is_same_v<C, OutputFeedbackArc<>>) bind_output_feedback(bound);
+  enlist(module, "controllers", controllers, C::name, bound, parameters);
 }
 
-void bind_special(py::class_<OutputFeedbackArc<>>& bound) {
+void bind_output_feedback(py::class_<OutputFeedbackArc<>>& bound) {
   using Ofarc = OutputFeedbackArc<>;
   bound.def_property_readonly("z_1", &Ofarc::z_1, "y - q_d of the last sample, m")
       .def_property_readonly("z_2", &Ofarc::z_2, "lambda_2 - alpha_1 of the last sample")
@@ -130,7 +212,7 @@ void bind_control(py::module_& module) {
          double cogging_slope) {
         const QuadraticForm form = desired_compensation_matrix(feedback_gain, error_gain, mass, viscous, coulomb,
                                                                friction_slope, cogging_slope);
-        return Eigen::Matrix2d{{form.pp, form.pe}, {form.pe, form.ee}};
+        return to_array({form.pp, form.pe, form.pe, form.ee}, {2, 2});
       },
       py::kw_only(), py::arg("feedback_gain"), py::arg("error_gain"), py::arg("mass"), py::arg("viscous"),
       py::arg("coulomb"), py::arg("friction_slope"), py::arg("cogging_slope"),

@@ -1,10 +1,11 @@
 #pragma once
 // Controllers are kept and copied with all that they have learned.
 
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
-#include "bindings.hpp"
+#include "cogging/require.hpp"
 
 /// Calls visit(number) for every number of a controller's state, in order.
 template <class State, class Visitor>
@@ -25,22 +26,12 @@ std::vector<double> numbers_of(C controller) {
   return numbers;
 }
 
-/// Pickle of a controller: its parameters and the numbers of its state.
 template <class C>
-void bind_state(py::class_<C>& bound) {
-  using Parameters = typename C::Parameters;
-  bound.def(
-      py::pickle([](const C& controller) { return py::make_tuple(controller.parameters(), numbers_of(controller)); },
-                 [](const py::tuple& kept) {
-                   C controller(kept[0].cast<Parameters>());
-                   const auto numbers = kept[1].cast<std::vector<double>>();
-                   if (numbers.size() != numbers_of(controller).size())
-                     cogging::refuse("state", "must be that of a controller of this version",
-                                     cogging::format(double(numbers.size())) + " numbers");
-                   auto next = numbers.begin();
-                   for_each_number(controller, [&](auto& number) {
-                     number = static_cast<std::remove_reference_t<decltype(number)>>(*next++);
-                   });
-                   return controller;
-                 }));
+void set_numbers(C& controller, const std::vector<double>& numbers) {
+  if (numbers.size() != numbers_of(controller).size())
+    cogging::refuse("state", "must be that of a controller of this version",
+                    cogging::format(double(numbers.size())) + " numbers");
+  auto next = numbers.begin();
+  for_each_number(controller,
+                  [&](auto& number) { number = static_cast<std::remove_reference_t<decltype(number)>>(*next++); });
 }

@@ -14,10 +14,6 @@ using namespace cogging;
 
 namespace {
 
-std::span<const double> view(const Array& array) {
-  return {array.data(), static_cast<std::size_t>(array.size())};
-}
-
 // A table of a predictor, (count, n), made without the GIL by make(stop request).
 template <class Make>
 py::array_t<double> rows_of(const Predictor& predictor, std::size_t count, const Make& make) {

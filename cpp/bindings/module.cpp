@@ -21,7 +21,7 @@ void refuse_uninitialised_objects(const py::module_& module) {
   }
 }
 
-void tell_of_memory(std::exception_ptr thrown) {
+void translate_memory_errors(std::exception_ptr thrown) {
   constexpr const char* text = "more memory was asked for than there is: fewer rows, points or runs must be enough";
   try {
     std::rethrow_exception(thrown);
@@ -75,14 +75,14 @@ void name_plain_types(const py::module_& module) {
 // A call that no signature takes is answered by pybind11 in many lines of C++ types. It is answered in one instead, by
 // cogging.calls, which reads the signature; every other error passes as it is.
 template <class... Self>
-py::cpp_function told_in_one_line(const py::object& bound, const std::string& name, const Self&... self) {
+py::cpp_function explained_in_one_line(const py::object& bound, const std::string& name, const Self&... self) {
   const std::string doc = bound.attr("__doc__").cast<std::string>();
   const std::string untaken = bound.attr("__name__").cast<std::string>() + "(): incompatible ";  // pybind11's words
   const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
     if (std::any_of(given.begin(), given.end(), [](const auto& one) { return may_hold_no_number(one); }) ||
         std::any_of(named.begin(), named.end(), [](const auto& one) { return may_hold_no_number(one.second); })) {
       const py::object line =
-          called(py::module_::import("cogging.calls").attr("told_of_no_number"), py::make_tuple(doc, given, named));
+          called(py::module_::import("cogging.calls").attr("explain_non_number"), py::make_tuple(doc, given, named));
       if (!line.is_none()) throw py::type_error(line.cast<std::string>());
     }
     try {
@@ -91,8 +91,9 @@ py::cpp_function told_in_one_line(const py::object& bound, const std::string& na
       if (!error.matches(PyExc_TypeError)) throw;
       const auto text = py::str(error.value()).cast<std::string>();
       if (!text.starts_with(untaken)) throw;
-      const auto line = called(py::module_::import("cogging.calls").attr("told"), py::make_tuple(doc, given, named))
-                            .cast<std::string>();
+      const auto line =
+          called(py::module_::import("cogging.calls").attr("explain_mismatch"), py::make_tuple(doc, given, named))
+              .cast<std::string>();
       throw py::type_error(line);
     }
   };
@@ -101,14 +102,14 @@ py::cpp_function told_in_one_line(const py::object& bound, const std::string& na
   return py::cpp_function(call, py::name(name.c_str()), doc.c_str(), self...);
 }
 
-void tell_calls_in_one_line(const py::module_& module) {
+void explain_calls_in_one_line(const py::module_& module) {
   for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
     const py::object bound = py::reinterpret_borrow<py::object>(value);
     if (PyType_Check(bound.ptr())) {
       if (!py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(bound.ptr()))) continue;
       const py::object init = bound.attr("__dict__").attr("get")("__init__");
       if (!init.is_none() && !init.attr("__doc__").is_none())
-        py::setattr(bound, "__init__", told_in_one_line(init, "construct", py::is_method(bound)));
+        py::setattr(bound, "__init__", explained_in_one_line(init, "construct", py::is_method(bound)));
       for (const auto& [own, method] : py::dict(bound.attr("__dict__"))) {
         const auto called = own.cast<std::string>();
         if (called.starts_with("_") || !PyInstanceMethod_Check(method.ptr())) continue;
@@ -116,10 +117,10 @@ void tell_calls_in_one_line(const py::module_& module) {
         const py::object doc = inner.attr("__doc__");
         if (!doc.is_none() &&
             doc.cast<std::string>().find("Array") != std::string::npos)  // numpy makes those of anything
-          py::setattr(bound, called.c_str(), told_in_one_line(inner, called, py::is_method(bound)));
+          py::setattr(bound, called.c_str(), explained_in_one_line(inner, called, py::is_method(bound)));
       }
     } else if (PyCFunction_Check(bound.ptr())) {
-      py::setattr(module, py::str(name), told_in_one_line(bound, py::str(name), py::scope(module)));
+      py::setattr(module, py::str(name), explained_in_one_line(bound, py::str(name), py::scope(module)));
     }
   }
 }
@@ -129,7 +130,7 @@ void tell_calls_in_one_line(const py::module_& module) {
 PYBIND11_MODULE(core_of_main, module) {
   module.doc() = "The core of cogging: cogging model, references, plant, controllers and simulation, in C++.";
   py::register_exception<cogging::DivergedError>(module, "DivergedError", PyExc_RuntimeError);
-  py::register_local_exception_translator(tell_of_memory);
+  py::register_local_exception_translator(translate_memory_errors);
   bind_basis(module);
   bind_reference(module);
   bind_plant(module);
@@ -141,7 +142,7 @@ PYBIND11_MODULE(core_of_main, module) {
   bind_table(module);
   for (const py::module_& part : {module, py::module_(module.attr("effects"))}) {
     name_plain_types(part);
-    tell_calls_in_one_line(part);
+    explain_calls_in_one_line(part);
     refuse_uninitialised_objects(part);
   }
 }

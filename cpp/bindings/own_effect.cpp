@@ -233,7 +233,6 @@ Raises:
           "values_along",
           [](const Custom<>& self, const std::string& hook, const Array& position, const Array& velocity,
              const Array& time) {
-            const auto view = [](const Array& a) { return std::span<const double>(a.data(), std::size_t(a.size())); };
             require(velocity.size() == position.size() && time.size() == position.size(), "position",
                     "must be as long as velocity and time", double(position.size()));
             return to_array(self.along(hook_of(hook), {view(position), view(velocity), view(time)}));

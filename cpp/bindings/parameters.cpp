@@ -1,15 +1,9 @@
-#include "bindings.hpp"
+#include "bound_class.hpp"
 
 namespace {
 
-// Where the data lie of a struct that Python holds; refuses what is none.
-const char* data_of(const py::handle& self, const py::detail::type_info* type) {
-  py::detail::type_caster_generic caster(type);
-  if (!caster.load(self, false) || caster.value == nullptr) throw py::type_error("incompatible function arguments");
-  return static_cast<const char*>(caster.value);
-}
-
-py::dict values_of(const BoundStruct& bound, const char* place) {
+py::dict values_of(const BoundStruct& bound, const void* data) {
+  const char* const place = static_cast<const char*>(data);
   py::dict values;
   for (const BoundField& field : bound.fields) values[py::str(field.name)] = field.get(place + field.offset);
   return values;
@@ -42,45 +36,61 @@ std::string doc_of(const std::string& doc, const BoundStruct& bound) {
   return text + "\nRaises:\n    ValueError: a value breaks its rule; the message names field, rule and value.";
 }
 
+BoundClass::BoundClass(const py::object& type)
+    : type_(type),
+      info_(py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()))),
+      name_(type.attr("__module__").cast<std::string>() + "." + type.attr("__qualname__").cast<std::string>()) {}
+
+void* BoundClass::data_of(const Self& self) const {
+  if (self.type != info_)
+    throw py::type_error("self: must be a " + name_ + ", got a " + Py_TYPE(self.object.ptr())->tp_name);
+  return self.data;
+}
+
 void bind_fields(const py::object& type, const BoundStruct& all) {
   const auto bound = std::make_shared<const BoundStruct>(all);
-  const auto* info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(type.ptr()));
-  const std::string name =
-      type.attr("__module__").cast<std::string>() + "." + type.attr("__qualname__").cast<std::string>();
-  py::options options;
-  options.disable_function_signatures();  // they stand in the docs here, since the functions do not know the types
-  const auto method = [&](const char* called, const std::string& signature, auto function, const auto&... extra) {
-    py::setattr(
-        type, called,
-        py::cpp_function(function, py::name(called), py::is_method(type), (called + signature).c_str(), extra...));
-  };
-
-  std::string signature = "(self: " + name;
+  const BoundClass self_class(type);
+  std::string signature;
   py::dict described;
-  const py::object property = py::module_::import("builtins").attr("property");
   for (const BoundField& field : bound->fields) {
     signature += (described.empty() ? ", *, " : ", ") + field.name + ": " + field.given + " = " +
                  py::repr(field.usual).cast<std::string>();
     described[py::str(field.name)] = py::make_tuple(field.unit, field.meaning);
-    const py::cpp_function read(
-        [bound, info, &field](const py::object& self) { return field.get(data_of(self, info) + field.offset); },
-        ("(self: " + name + ") -> " + field.kept).c_str());
     const std::string text = field.meaning + (field.unit.empty() ? "" : ", " + field.unit);
-    py::setattr(type, field.name.c_str(), property(read, py::none(), py::none(), text));
+    self_class.def_property(field.name.c_str(), field.kept, text, [bound, &field](const void* data) {
+      return field.get(static_cast<const char*>(data) + field.offset);
+    });
   }
   type.attr("FIELDS") = described;
-  method(
-      "__init__", signature + ") -> None\n",
+  self_class.def(
+      "__init__", signature + ") -> None", "",
       [bound](py::detail::value_and_holder& self, const py::kwargs& given) {
         self.value_ptr() = bound->make([&](void* place) { fill(*bound, static_cast<char*>(place), given); });
       },
       py::detail::is_new_style_constructor());
-  method("to_dict", "(self: " + name + ") -> dict\n\nAll fields by name.\n",
-         [bound, info](const py::object& self) { return values_of(*bound, data_of(self, info)); });
-  method("replace", "(self: " + name + ", **kwargs) -> " + name + "\n\nA copy with the given fields changed.\n",
-         [bound, info](const py::object& self, const py::kwargs& changes) {
-           py::dict values = values_of(*bound, data_of(self, info));
-           for (const auto& change : changes) values[change.first] = change.second;
-           return py::type::of(self)(**values);
-         });
+  self_class.def("to_dict", ") -> dict", "All fields by name.",
+                 [bound, self_class](const Self& self) { return values_of(*bound, self_class.data_of(self)); });
+  self_class.def("replace", ", **kwargs) -> " + self_class.name(), "A copy with the given fields changed.",
+                 [bound, self_class](const Self& self, const py::kwargs& changes) {
+                   py::dict values = values_of(*bound, self_class.data_of(self));
+                   for (const auto& change : changes) values[change.first] = change.second;
+                   return py::type::of(self.object)(**values);
+                 });
+}
+
+void enlist(py::module_& module, const char* part, py::dict& list, std::string_view name, const py::object& bound,
+            const py::object& parameters) {
+  const py::module_ names = module.attr(part);
+  const auto add = [&](const py::object& one) {
+    const py::object called = one.attr("__name__");
+    if (!py::hasattr(names, called)) names.attr("__all__").attr("append")(called);
+    py::setattr(names, called, one);
+  };
+  bound.attr("NAME") = std::string(name);
+  add(bound);
+  if (!parameters.is_none()) {
+    bound.attr("PARAMETERS") = parameters;
+    add(parameters);
+  }
+  list[py::str(std::string(name))] = bound;
 }

@@ -1,5 +1,6 @@
 #include "cogging/plant/plant.hpp"
-#include "bindings.hpp"
+
+#include "bound_class.hpp"
 #include "cogging/plant/amplifier.hpp"
 #include "instantiated.hpp"
 #include "own_effect.hpp"
@@ -8,22 +9,60 @@ using namespace cogging;
 
 namespace {
 
-// Which of the plant's questions it answers.
+using Values = py::array_t<double, py::array::forcecast>;
+
+// One law of an effect, whatever its type: of a position (or of a command), a velocity and a time.
+using Law = double (*)(const void* effect, double position, double velocity, double time);
+
+// An effect of the list, whatever its type.
+struct ListedEffect {
+  std::string name, law;
+  BoundStruct parameters;
+  py::object (*resolved)(const void* effect, const PlantContext& plant);  // a copy that knows the plant
+  Kinds kinds{};
+  std::vector<const char*> hooks{};  // the plant's questions that it answers
+  Law force = nullptr, friction_level = nullptr, command_gain = nullptr, shape_command = nullptr, reading = nullptr;
+};
+
 template <class E>
-py::tuple hooks_of() {
-  py::list hooks;
-  const auto add = [&](bool has, const char* name) {
-    if (has) hooks.append(name);
-  };
-  add(HasForce<E, double>, "force");
-  add(HasFrictionLevel<E, double>, "friction_level");
-  add(HasCommandGain<E, double>, "command_gain");
-  add(HasShapeCommand<E, double>, "shape_command");
-  add(HasCommandDelay<E>, "command_delay");
-  add(HasLag<E>, "lag");
-  add(HasReading<E, double>, "reading");
-  add(HasBristle<E> || HasCoupling<E>, "state");
-  return py::tuple(hooks);
+ListedEffect listed_effect() {
+  ListedEffect effect{std::string(E::name), std::string(E::law), bound_struct<E>(),
+                      [](const void* given, const PlantContext& plant) {
+                        E made = object_at<E>(given);
+                        if constexpr (HasBind<E>) made.bind(plant);
+                        return py::cast(std::move(made));
+                      }};
+  if constexpr (HasKinds<E>) effect.kinds = E::kinds();
+  if constexpr (HasForce<E, double>) {
+    effect.hooks.push_back("force");
+    effect.force = [](const void* e, double x, double v, double t) {
+      return object_at<E>(e).force(Motion<double>{x, v, sign(v), t});
+    };
+  }
+  if constexpr (HasFrictionLevel<E, double>) {
+    effect.hooks.push_back("friction_level");
+    effect.friction_level = [](const void* e, double x, double v, double t) {
+      return object_at<E>(e).friction_level(Motion<double>{x, v, sign(v), t});
+    };
+  }
+  if constexpr (HasCommandGain<E, double>) {
+    effect.hooks.push_back("command_gain");
+    effect.command_gain = [](const void* e, double x, double, double t) { return object_at<E>(e).command_gain(x, t); };
+  }
+  if constexpr (HasShapeCommand<E, double>) {
+    effect.hooks.push_back("shape_command");
+    effect.shape_command = [](const void* e, double command, double, double) {
+      return object_at<E>(e).shape_command(command);
+    };
+  }
+  if constexpr (HasCommandDelay<E>) effect.hooks.push_back("command_delay");
+  if constexpr (HasLag<E>) effect.hooks.push_back("lag");
+  if constexpr (HasReading<E, double>) {
+    effect.hooks.push_back("reading");
+    effect.reading = [](const void* e, double x, double, double) { return x + object_at<E>(e).reading_error(x); };
+  }
+  if constexpr (HasState<E>) effect.hooks.push_back("state");
+  return effect;
 }
 
 py::dict roles_of(const BoundStruct& effect) {
@@ -43,113 +82,80 @@ py::dict roles_of(const BoundStruct& effect) {
   return roles;
 }
 
-template <class E>
-py::tuple kinds_of() {
-  py::list kinds;
-  if constexpr (HasKinds<E>)
-    for (const Kind& kind : E::kinds()) kinds.append(py::cast(kind));
-  return py::tuple(kinds);
-}
-
-// The effect in a plant, or by itself where there is none.
-template <class E>
-E resolved(E effect, const PlantContext& plant = {}) {
-  if constexpr (HasBind<E>) effect.bind(plant);
-  return effect;
-}
-
-using Values = py::array_t<double, py::array::forcecast>;
-using Law = std::function<double(double, double, double)>;
-
-// Of a law that does not ask for it.
-Values nothing() {
-  return Values(py::float_(0.0));
-}
-
-// A law at positions, velocities and times.
-py::object along(const Law& law, const Values& position, const Values& velocity, const Values& time) {
-  return py::vectorize(law)(position, velocity, time);
-}
-
-template <class E>
-void bind_laws(py::class_<E>& bound) {
-  const auto by_motion = [&](const char* name, auto law, const char* doc) {
+// The methods of a class of effects: its laws at arrays, and `resolved`.
+void bind_laws(const py::object& type, const ListedEffect& effect) {
+  const BoundClass bound(type);
+  const auto resolved = effect.resolved;
+  const auto along = [bound, resolved](const Self& self, Law law, const Values& position, const Values& velocity,
+                                       const Values& time) -> py::object {
+    const py::object made = resolved(bound.data_of(self), {});
+    const void* const data = made.cast<Self>().data;
+    const auto at = [=](double x, double v, double t) { return law(data, x, v, t); };
+    return py::vectorize(at)(position, velocity, time);
+  };
+  const auto at_motion = [&](const char* name, Law law, const char* doc) {
+    if (law == nullptr) return;
     bound.def(
         name,
-        [law](const E& effect, const Values& position, const Values& velocity, const Values& time) {
-          const E made = resolved(effect);
-          return along([&](double x, double v, double t) { return law(made, Motion<double>{x, v, sign(v), t}); },
-                       position, velocity, time);
+        ", *, position: numpy.typing.ArrayLike = 0.0, velocity: numpy.typing.ArrayLike = 0.0, "
+        "time: numpy.typing.ArrayLike = 0.0) -> object",
+        doc,
+        [along, law](const Self& self, const Values& position, const Values& velocity, const Values& time) {
+          return along(self, law, position, velocity, time);
         },
-        py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0, doc);
+        py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0);
   };
-  if constexpr (HasForce<E, double>)
-    by_motion(
-        "force_at", [](const E& effect, const Motion<double>& motion) { return effect.force(motion); },
-        "Force (V) at positions (m), velocities (m/s) and times (s).");
-  if constexpr (HasFrictionLevel<E, double>)
-    by_motion(
-        "friction_level_at",
-        [](const E& effect, const Motion<double>& motion) { return effect.friction_level(motion); },
-        "Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).");
-  if constexpr (HasCommandGain<E, double>)
+  const auto at_one = [&](const char* name, Law law, const std::string& argument, const char* doc) {
+    if (law == nullptr) return;
     bound.def(
-        "gain_at",
-        [](const E& effect, const Values& position, const Values& time) {
-          return along([&](double x, double, double t) { return effect.command_gain(x, t); }, position, nothing(),
-                       time);
+        name, ", " + argument + ": numpy.typing.ArrayLike) -> object", doc,
+        [along, law](const Self& self, const Values& values) {
+          return along(self, law, values, Values(py::float_(0.0)), Values(py::float_(0.0)));
         },
-        py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0,
-        "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).");
-  if constexpr (HasShapeCommand<E, double>)
+        py::arg(argument.c_str()));
+  };
+  at_motion("force_at", effect.force, "Force (V) at positions (m), velocities (m/s) and times (s).");
+  at_motion("friction_level_at", effect.friction_level,
+            "Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).");
+  if (effect.command_gain != nullptr)
     bound.def(
-        "shape_at",
-        [](const E& effect, const Values& command) {
-          return along([&](double u, double, double) { return effect.shape_command(u); }, command, nothing(),
-                       nothing());
+        "gain_at", ", *, position: numpy.typing.ArrayLike = 0.0, time: numpy.typing.ArrayLike = 0.0) -> object",
+        "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).",
+        [along, law = effect.command_gain](const Self& self, const Values& position, const Values& time) {
+          return along(self, law, position, Values(py::float_(0.0)), time);
         },
-        py::arg("command"), "What the amplifier makes of commands, V.");
-  if constexpr (HasReading<E, double>)
-    bound.def(
-        "reading_at",
-        [](const E& effect, const Values& position) {
-          return along([&](double x, double, double) { return x + effect.reading_error(x); }, position, nothing(),
-                       nothing());
-        },
-        py::arg("position"), "What the encoder reads at positions, m, before noise and rounding.");
-}
-
-template <class E>
-void bind_listed(py::module_& module, py::dict& effects) {
-  const std::string doc = "Effect `" + std::string(E::name) + "`: " + std::string(E::law) + ".";
-  const BoundStruct fields = bound_struct<E>();
-  auto bound = bind_parameters<E>(module, class_name(E::name), doc, fields);
-  bound.attr("NAME") = std::string(E::name);
-  bound.attr("LAW") = std::string(E::law);
-  bound.attr("HOOKS") = hooks_of<E>();
-  bound.attr("ROLES") = roles_of(fields);
-  bound.attr("KINDS") = kinds_of<E>();
-  bind_laws<E>(bound);
+        py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0);
+  at_one("shape_at", effect.shape_command, "command", "What the amplifier makes of commands, V.");
+  at_one("reading_at", effect.reading, "position",
+         "What the encoder reads at positions, m, before noise and rounding.");
   bound.def(
       "resolved",
-      [](const E& effect, const AxisParameters<>& axis, const std::optional<CoggingModel<>>& cogging) {
-        return resolved(effect, context_of(axis, cogging.value_or(CoggingModel<>())));
-      },
-      py::arg("axis"), py::arg("cogging") = py::none(),
+      ", axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> " + bound.name(),
       "A copy whose fields that stand for those of the plant (travel, knots) are filled in.\n\n"
-      "Raises:\n    ValueError: the plant lacks what it needs.");
-  effects[py::str(std::string(E::name))] = bound;
+      "Raises:\n    ValueError: the plant lacks what it needs.",
+      [bound, resolved](const Self& self, const AxisParameters<>& axis, const std::optional<CoggingModel<>>& cogging) {
+        return resolved(bound.data_of(self), context_of(axis, cogging.value_or(CoggingModel<>())));
+      },
+      py::arg("axis"), py::arg("cogging") = py::none());
+}
+
+void bind_listed(py::dict& effects, const py::object& type, const ListedEffect& effect) {
+  type.attr("NAME") = effect.name;
+  type.attr("LAW") = effect.law;
+  type.attr("HOOKS") = py::tuple(py::cast(effect.hooks));
+  type.attr("ROLES") = roles_of(effect.parameters);
+  type.attr("KINDS") = py::tuple(py::cast(effect.kinds));
+  bind_laws(type, effect);
+  effects[py::str(effect.name)] = type;
 }
 
 template <class E>
 void bind_effect(py::module_& module, py::dict& effects) {
-  if constexpr (!ChoosesHooks<E>)
-    bind_listed<E>(module, effects);  // of others each says itself what it is: own_effect.cpp
-}
-
-template <class... E>
-void bind_effects(py::module_& module, py::dict& effects, const std::variant<E...>*) {
-  (bind_effect<E>(module, effects), ...);
+  if constexpr (!ChoosesHooks<E>) {  // of others each says itself what it is: own_effect.cpp
+    const ListedEffect effect = listed_effect<E>();
+    const std::string doc = "Effect `" + effect.name + "`: " + effect.law + ".";
+    bind_listed(effects, bind_parameters<E>(module, class_name(effect.name), doc, effect.parameters), effect);
+  }
 }
 
 }  // namespace
@@ -178,7 +184,7 @@ void bind_plant(py::module_& module) {
   bind_parameters<Turn>(submodule, "Turn", "A wave of exactly one turn of a rotary axis; the field's name.");
   bind_own_effect(submodule);
   py::dict effects;
-  bind_effects(submodule, effects, static_cast<const Effect<>*>(nullptr));
+  Alternatives<Effect<>>::for_each([&]<class E>() { bind_effect<E>(submodule, effects); });
   module.attr("EFFECTS") = effects;
 
   py::class_<Plant<>>(module, "Plant", R"(A whole machine: axis, cogging, effects, encoder and noise.

@@ -55,7 +55,8 @@ void bind_special(py::class_<Sampled, Reference>& bound) {
 
 template <class R>
 void bind_motion(py::module_& module, py::dict& references) {
-  if constexpr (requires { typename R::Parameters; }) bind_parameters_of<R>(module);
+  py::object parameters = py::none();
+  if constexpr (requires { typename R::Parameters; }) parameters = bind_parameters_of<R>(module);
   const std::string name = class_name(R::name);
   std::string doc(R::description);
   if constexpr (requires { typename R::Parameters; })
@@ -70,7 +71,7 @@ void bind_motion(py::module_& module, py::dict& references) {
     bound.def(py::init<const typename R::Parameters&>(), py::arg("parameters"))
         .def_property_readonly("parameters", &R::parameters);
   bind_special(bound);
-  enlist<R>(module, "references", references, bound);
+  enlist(module, "references", references, R::name, bound, parameters);
 }
 
 }  // namespace

@@ -177,7 +177,6 @@ Example:
   module.def(
       "performance",
       [](const Array& time, const Array& error, const Array& command, double start, double stop, double final_window) {
-        const auto view = [](const Array& a) { return std::span<const double>(a.data(), std::size_t(a.size())); };
         return performance(view(time), view(error), view(command), {start, stop, final_window});
       },
       py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(),

@@ -10,6 +10,7 @@
 #include "cogging/plant/plant.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "held_commands.hpp"
+#include "instantiated.hpp"
 
 namespace cogging::fmi {
 

@@ -121,7 +121,7 @@ def check_constructor(kind: type[C]) -> type[C]:
     return kind
 
 
-# Functions of the core: the bindings call `told` and `told_of_no_number` ----------------------------------------------
+# Functions of the core: the bindings call `explain_mismatch` and `explain_non_number` --------------------------------
 
 
 class Parameter(NamedTuple):
@@ -178,7 +178,7 @@ def _arguments(callee: _Callee, given: Sequence[Any], named: Mapping[str, Any]) 
     return {**dict(zip(callee.by_position, given[callee.has_self :], strict=False)), **named}
 
 
-def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
+def explain_mismatch(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     """Return in one line why a call does not match the signature of a function of the core.
 
     Args:
@@ -209,7 +209,7 @@ def told(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     return f"{name}: these arguments do not go together: {', '.join(arguments) or 'none'}"
 
 
-def told_of_no_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
+def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
     """Return in one line which argument has a truth value or a text where a number belongs; None if none has."""
     callee = _callee(doc)
     for word, value in _arguments(callee, given, named).items():

@@ -93,10 +93,9 @@ def build(folder: Path, checks: str, targets: Sequence[str], *, python: bool) ->
         "COGGING_INSTRUCTION_SETS": native.get(platform.machine().lower(), ""),
     }
     if python:
-        eigen = next((place for path in sys.path if (place := Path(path) / "cmeel.prefix").exists()), "")
         ask = [sys.executable, "-m", "pybind11", "--cmakedir"]
         bindings = subprocess.run(ask, capture_output=True, text=True, check=True).stdout.strip()
-        options |= {"CMAKE_PREFIX_PATH": f"{eigen};{bindings}", "Python_EXECUTABLE": sys.executable}
+        options |= {"CMAKE_PREFIX_PATH": bindings, "Python_EXECUTABLE": sys.executable}
     if cache := shutil.which("ccache"):
         options["CMAKE_CXX_COMPILER_LAUNCHER"] = cache
     given = [f"-D{name}={value}" for name, value in options.items()]

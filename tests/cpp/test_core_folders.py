@@ -10,7 +10,7 @@ FOLDERS = ["table", "basis", "reference", "plant", "control", "simulation", "est
 #: Physics of the machine and laws of control do not know each other.
 APART = {"plant": {"reference"}, "control": {"plant"}}
 #: Bindings of no folder: objects of Python within the core, and what several bindings share.
-OTHER_BINDINGS = {"own_controller", "own_effect", "instantiated", "parameters", "module"}
+OTHER_BINDINGS = {"own_controller", "own_effect", "parameters", "module"}
 
 
 def test_a_folder_includes_only_from_those_before_it():

@@ -13,7 +13,7 @@
 
 #include "../bindings.hpp"
 #include "../controller_state.hpp"
-#include "../instantiated.hpp"
+#include "instantiated.hpp"
 #include "../own_controller.hpp"
 #include "../without_gil.hpp"
 #include "cogging/memory.hpp"

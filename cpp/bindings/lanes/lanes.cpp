@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "../instantiated.hpp"
+#include "instantiated.hpp"
 
 using namespace cogging;
 

@@ -123,7 +123,7 @@ class SampleGuard {
 
  private:
   template <class Law>
-  COGGING_NOINLINE Scalar interrupted(const Mask& taken, const Scalar& reading, const Law& law) noexcept {
+  COGGING_COLD Scalar interrupted(const Mask& taken, const Scalar& reading, const Law& law) noexcept {
     const Scalar taken_count = select(taken, Scalar(1.0), Scalar(0.0));
     last_ = limited(last_);
     if (largest(taken_count) > 0.0)

@@ -2,6 +2,8 @@
 // Every effect that a plant may have: one line each.
 
 #include <concepts>
+#include <cstddef>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -65,15 +67,31 @@ using Effect = std::variant<ConstantForce<Scalar>,              // offset, tilt
                             Custom<Scalar>                      // of the user's own
                             >;
 
+namespace detail {
+
+template <std::size_t place, class AnyEffect, class Visitor>
+COGGING_INLINE void visit_at(AnyEffect& effect, const Visitor& visitor) {
+  if constexpr (std::invocable<const Visitor&, decltype(std::get<place>(effect))>)
+    if (auto* const law = std::get_if<place>(&effect)) visitor(*law);
+}
+
+}  // namespace detail
+
 /// Calls visitor(law) where the law of the effect is one that the visitor takes: its parameter names the hook, as in
 /// `[&](const HasForce<Scalar> auto& law) { ... }`.
 template <class AnyEffect, class Visitor>
 COGGING_INLINE void visit_law(AnyEffect& effect, const Visitor& visitor) {
-  std::visit(
-      [&](auto& law) {
-        if constexpr (std::invocable<const Visitor&, decltype(law)>) visitor(law);
-      },
-      effect);
+  [&]<std::size_t... place>(std::index_sequence<place...>) COGGING_INLINE_LAMBDA {
+    // Few are asked for one by one: std::visit would have a function for each effect of the list.
+    if constexpr ((std::size_t{std::invocable<const Visitor&, decltype(std::get<place>(effect))>} + ...) <= 4)
+      (detail::visit_at<place>(effect, visitor), ...);
+    else
+      std::visit(
+          [&](auto& law) {
+            if constexpr (std::invocable<const Visitor&, decltype(law)>) visitor(law);
+          },
+          effect);
+  }(std::make_index_sequence<std::variant_size_v<AnyEffect>>());
 }
 
 /// The same for each of the effects, in their order.

@@ -1,7 +1,6 @@
 #pragma once
-// What many files of the module need of the core and one of them compiles: instantiated.cpp.
+// The axis of one run, which the Python module and the units of FMI both move: compiled once, in instantiated.cpp.
 
-#include "cogging/control/list.hpp"
 #include "cogging/plant/amplifier.hpp"
 #include "cogging/plant/axis.hpp"
 
