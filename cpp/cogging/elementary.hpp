@@ -62,8 +62,9 @@ COGGING_INLINE void quarter_sin_cos(double angle, double turns, double& sine, do
   const double r = ((angle - turns * half_pi[0]) - turns * half_pi[1]) - turns * half_pi[2];
   const double z = r * r, half = 0.5 * z, rest = 1.0 - half;
   const Pair squares{z, z};
-  const Pair parts = (Pair{r, z} * squares) *
-                     six_terms(squares, [](int i) COGGING_INLINE_LAMBDA { return Pair{sine_terms[i], cosine_terms[i]}; });
+  const Pair parts = (Pair{r, z} * squares) * six_terms(squares, [](int i) COGGING_INLINE_LAMBDA {
+                       return Pair{sine_terms[i], cosine_terms[i]};
+                     });
   sine = r + parts[0];
   cosine = rest + (((1.0 - rest) - half) + parts[1]);
 }

@@ -119,23 +119,8 @@ Number round_of(Number a) {
 void sin_cos_of(Number angle, Number& sine, Number& cosine) {
   const Number shifted = angle * 0.63661977236758134308 + 6755399441055744.0, turns = shifted - 6755399441055744.0;
   const Mask quadrant = (Mask)shifted;
-  const Number r = ((angle - turns * 1.57079632673412561417) - turns * 6.07710050630396597660e-11) -
-                   turns * 2.02226624879595063154e-21;
-  const Number z = r * r, half = 0.5 * z, rest = 1.0 - half;
-  const Number sine_r = r + r * z *
-                                (-1.66666666666666324348e-01 +
-                                 z * (8.33333333332248946124e-03 +
-                                      z * (-1.98412698298579493134e-04 +
-                                           z * (2.75573137070700676789e-06 +
-                                                z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
-  const Number cosine_r =
-      rest + (((1.0 - rest) - half) +
-              z * z *
-                  (4.16666666666666019037e-02 +
-                   z * (-1.38888888888741095749e-03 +
-                        z * (2.48015872894767294178e-05 +
-                             z * (-2.75573143513906633035e-07 +
-                                  z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
+  Number sine_r, cosine_r;
+  functions::elementary::quarter_sin_cos(angle, turns, sine_r, cosine_r);
   const Mask odd = (quadrant & 1) != 0;
   sine = (Number)((Mask)(odd ? cosine_r : sine_r) ^ ((quadrant & 2) << 62));
   cosine = (Number)((Mask)(odd ? sine_r : cosine_r) ^ (((quadrant + 1) & 2) << 62));
@@ -156,18 +141,8 @@ Number atan_of(Number value) {
                      : b2 ? 3.06161699786838301793e-17 + zero
                      : b1 ? 2.26987774529616870924e-17 + zero
                           : zero;
-  const Number t = above / below, z = t * t, w = z * z;
-  const Number odd = z * (3.33333333333329318027e-01 +
-                          w * (1.42857142725034663711e-01 +
-                               w * (9.09088713343650656196e-02 +
-                                    w * (6.66107313738753120669e-02 +
-                                         w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
-  const Number even =
-      w *
-      (-1.99999999998764832476e-01 +
-       w * (-1.11111104054623557880e-01 +
-            w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
-  const Number result = high - ((t * (odd + even) - low) - t);
+  const Number t = above / below;
+  const Number result = high - ((t * functions::elementary::atan_series(t) - low) - t);
   return value < 0.0 ? -result : result;
 }
 
