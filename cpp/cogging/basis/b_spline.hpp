@@ -75,6 +75,11 @@ class BSpline {
   /// The same within with_order.
   template <class Order, class Scalar>
   COGGING_INLINE void evaluate(Order order, const Scalar& position, Active<Scalar>& active) const {
+    if (constant()) {
+      active.first = {};
+      active.weight[0] = 1.0;
+      return;
+    }
     const Scalar t = locate(position, active.first);
     fill(order, t, active.weight);
   }

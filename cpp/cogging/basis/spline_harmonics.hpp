@@ -111,6 +111,41 @@ class SplineHarmonics {
     });
   }
 
+  /// Adds `step` times S_r(x) to the coefficients, each kept within the bounds.
+  template <class Scalar>
+  void move(Scalar* coefficients, const Active<Scalar>& active, const Scalar& step, double minimum,
+            double maximum) const {
+    spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
+      std::array<Scalar, BSpline::order_max> steps;
+      for (int j = 0; j < order; ++j) steps[j] = step * active.spline.weight[j];
+      const int columns = this->columns();
+#if defined(__GNUC__)
+      if constexpr (std::is_same_v<Scalar, double>) {
+        const Pair lower{minimum, minimum}, upper{maximum, maximum};
+        double* row = coefficients + active.spline.first * columns;
+        for (int q = 0; q < columns; q += 2) {
+          const Pair harmonic = pair_at(active.harmonic.data() + q);
+          for (int j = 0; j < order; ++j) {
+            const Pair moved = pair_at(row + j * columns + q) + steps[j] * harmonic;
+            const Pair raised = lower > moved ? lower : moved;
+            const Pair kept = upper < raised ? upper : raised;
+            std::memcpy(row + j * columns + q, &kept, sizeof(kept));
+          }
+        }
+        return;
+      }
+#endif
+      with_index(active.spline.first * columns, [&](const auto& start) COGGING_INLINE_LAMBDA {
+        for (int j = 0; j < order; ++j)
+          for (int q = 0; q < columns; ++q) {
+            Scalar* place = coefficients + j * columns + q;
+            const Scalar moved = gather(place, start) + steps[j] * active.harmonic[q];
+            scatter(place, start, clamp(moved, Scalar(minimum), Scalar(maximum)));
+          }
+      });
+    });
+  }
+
   /// d/dx of value.
   template <class Scalar>
   Scalar slope(const Scalar& position, const Scalar* coefficients) const {
@@ -147,6 +182,20 @@ class SplineHarmonics {
     return pair;
   }
 #endif
+
+  // By one store where they are read by one load: a load waits for two stores until both have left the processor.
+  template <class Scalar>
+  COGGING_INLINE static void put(Scalar* place, const Scalar& sine, const Scalar& cosine) {
+#if defined(__GNUC__)
+    if constexpr (std::is_same_v<Scalar, double>) {
+      const Pair pair{sine, cosine};
+      std::memcpy(place, &pair, sizeof(pair));
+      return;
+    }
+#endif
+    place[0] = sine;
+    place[1] = cosine;
+  }
 
   // sum_q (sum_j weight_j A_jq) harmonic_q over the active control points j and the columns q.
   template <class Order, class Scalar, class Index>
@@ -191,8 +240,7 @@ class SplineHarmonics {
     Scalar sine, cosine;
     sin_cos(position * wavenumber_, sine, cosine);
     std::ptrdiff_t last = first_power_;
-    harmonic[last] = sine;
-    harmonic[last + 1] = cosine;
+    put(harmonic.data() + last, sine, cosine);
     for (const auto& [factor, place] : products_) {
       const Scalar s = sine, c = cosine;
       if (factor == last) {
@@ -203,8 +251,7 @@ class SplineHarmonics {
         cosine = c * harmonic[factor + 1] - s * harmonic[factor];
       }
       last = place;
-      harmonic[last] = sine;
-      harmonic[last + 1] = cosine;
+      put(harmonic.data() + last, sine, cosine);
     }
   }
 

@@ -213,16 +213,7 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
     adapt_plain(3, q.disturbance_adaptation, q.disturbance_bounds, p);
     if (basis_.empty() || q.cogging_adaptation == 0.0) return;
     const Scalar step = -q.cogging_adaptation * sample_time_ * p;
-    const Scalar minimum = q.cogging_bounds[0], maximum = q.cogging_bounds[1];
-    const int columns = basis_.columns();
-    with_index(active_.spline.first * columns, [&](const auto& start) {
-      for (int j = 0; j < basis_.spline().order(); ++j) {
-        Scalar* row = estimates_.data() + plain + j * columns;
-        const Scalar row_step = step * active_.spline.weight[j];
-        for (int c = 0; c < columns; ++c)
-          scatter(row + c, start, adapt(gather(row + c, start), row_step * active_.harmonic[c], minimum, maximum));
-      }
-    });
+    basis_.move(estimates_.data() + plain, active_, step, q.cogging_bounds[0], q.cogging_bounds[1]);
   }
 
  private:

@@ -144,9 +144,10 @@ class Axis {
     if (has_states_ || sticks_) {
       advance_other(state, drive, time, h);
     } else {
-      const AxisState<Scalar> start = state;
+      const Scalar position = state.position, velocity = state.velocity;
       const Scalar excess = move(state, drive, time, 0.0, h);
-      if (!all(excess <= 0.0)) move_in_pieces(state, start, excess, drive, time, h);
+      if (!all(excess <= 0.0)) [[unlikely]]
+        move_in_pieces(state, position, velocity, excess, drive, time, h);
     }
     state.speed_max = larger(state.speed_max, abs(state.velocity));
   }
@@ -263,8 +264,10 @@ class Axis {
   }
 
   // From the start again, for each lane whose whole step was not accurate; what the others do is left.
-  COGGING_NOINLINE void move_in_pieces(AxisState<Scalar>& state, const AxisState<Scalar>& start, const Scalar& excess,
-                                       const Drive<Scalar>& drive, double time, double h) const {
+  COGGING_NOINLINE void move_in_pieces(AxisState<Scalar>& state, const Scalar& position, const Scalar& velocity,
+                                       const Scalar& excess, const Drive<Scalar>& drive, double time, double h) const {
+    AxisState<Scalar> start = state;
+    start.position = position, start.velocity = velocity;
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i) {
       if (lane(excess, i) <= 0.0) continue;
       AxisState<Scalar> end = start;

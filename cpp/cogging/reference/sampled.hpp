@@ -53,6 +53,7 @@ Raises:
     if (time < time_.front()) return {position_.front(), 0.0, 0.0};
     if (time > time_.back()) return {position_.back(), 0.0, 0.0};
     const std::size_t i = interval(time);
+    if (time == time_[i]) return sample(i);
     const double h = time_[i + 1] - time_[i], s = (time - time_[i]) / h;
     const double rise = (position_[i + 1] - position_[i]) / h;
     const double curve = velocity_[i] + velocity_[i + 1] - 2.0 * rise;

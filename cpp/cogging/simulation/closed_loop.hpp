@@ -95,6 +95,10 @@ COGGING_INLINE void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, 
   }
   Drive<Scalar> drive = amplifier.held();
   drive.force = force;
+  if (steps == 1) {
+    axis.advance(state, drive, time, time_next - time);
+    return;
+  }
   const double h = (time_next - time) / steps;
   for (int step = 0; step < steps; ++step) axis.advance(state, drive, time + step * h, h);
 }
