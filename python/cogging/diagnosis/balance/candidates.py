@@ -114,8 +114,13 @@ class Found:
     refine: Refine | None = None
 
     def laws(self, amplitudes: FloatArray) -> tuple[Effect, ...]:
-        """Return the effects with these amplitudes; empty without a law."""
-        made = None if self.effect is None or self.columns is None else self.effect(amplitudes)
+        """Return the effects with these amplitudes; empty without a law, or where the law excludes them."""
+        if self.effect is None or self.columns is None:
+            return ()
+        try:
+            made = self.effect(amplitudes)
+        except ValueError:  # a mass ratio below zero, say: beside other effects, this one is not there
+            return ()
         return () if made is None else made if isinstance(made, tuple) else (made,)
 
     @property

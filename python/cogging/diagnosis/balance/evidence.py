@@ -872,11 +872,13 @@ def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: 
         sigma = sizes.get(quantity, 0.3 * abs(value))
     if sigma == 0.0:
         return
+    # without a reference, the acceleration that is known without noise lacks the fast motion
+    instruments = [None if b.reference is None else a for b, a in zip(balances, evidence.accelerations, strict=True)]
     try:
         pair = [with_values(evidence.model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
         rows = [
             -(b.residual(pair[0], d, a) - b.residual(pair[1], d, a)) / (2e-2 * sigma)
-            for b, d, a in zip(balances, evidence.drives, evidence.accelerations, strict=True)
+            for b, d, a in zip(balances, evidence.drives, instruments, strict=True)
         ]
     except ValueError:  # the effect rejects the value
         return
