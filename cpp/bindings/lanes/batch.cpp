@@ -13,12 +13,12 @@
 
 #include "../bindings.hpp"
 #include "../controller_state.hpp"
-#include "instantiated.hpp"
 #include "../own_controller.hpp"
 #include "../without_gil.hpp"
 #include "cogging/memory.hpp"
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/shared_rows.hpp"
+#include "instantiated.hpp"
 #include "jobs.hpp"
 #include "lanes.hpp"
 
