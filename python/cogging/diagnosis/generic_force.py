@@ -15,7 +15,9 @@ from cogging.diagnosis.yardstick import Discrepancy
 BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13, "time": 13}
 LAGS = tuple(2**k for k in range(9))  # rows by which the acceleration is delayed, for actuator dynamics
 FOLDS, BLOCKS = 5, 20  # folds of the cross-validation; blocks of a log that are dealt to them in turn
-RIDGES = np.asarray(10.0 ** (0.5 * np.arange(-8, 5)), dtype=np.float64)  # ridge parameters, relative to a column's power
+RIDGES = np.asarray(
+    10.0 ** (0.5 * np.arange(-8, 5)), dtype=np.float64
+)  # ridge parameters, relative to a column's power
 LASTING = 0.05  # of the power: where another coordinate predicts more, time is listed after it
 APART = 0.01  # of the range: minimum distance of nodes
 LEAST = 1e-9  # of the largest column's power: minimum power of a column

@@ -72,7 +72,7 @@ def next_step(result: Diagnosis, files: GivenFiles | None = None) -> NextStep:
         return NextStep("mend", words, _diagnose(files, name, value) if value else "")
     if result.verdict == "no_gap":
         words = "Keep the model and use it to predict the tracking error. Effects below the detection limits may "
-        words += "exist: cogging experiment computes a motion that shows smaller ones."
+        words += "exist: cogging experiment makes a motion that shows smaller ones."
         return NextStep("use", words, _predict(files.patched or files.model))
     if result.verdict == "named":
         return _adopt(files, confirmed, "Write the patched model")
@@ -118,7 +118,7 @@ def _tell_apart(result: Diagnosis, files: GivenFiles) -> NextStep:
     if any(effect.alternatives for effect in result.effects):
         words = "Record a motion that distinguishes the candidates"
     if not files.result:
-        words += ". Write the result to a file: cogging experiment computes the motion from it."
+        words += ". Write the result to a file: cogging experiment makes a motion within the limits of the machine."
         return NextStep("write_result", words, _diagnose(files, "--json", "RESULT.json"))
     words += ", and diagnose both logs together."
     return NextStep("tell_apart", words, _experiment(files, "--result", files.result))
@@ -126,7 +126,7 @@ def _tell_apart(result: Diagnosis, files: GivenFiles) -> NextStep:
 
 def _move_more(files: GivenFiles, words: str = "") -> NextStep:
     words += "Move the axis over its travel in both directions at several speeds for at least ten seconds. "
-    words += "cogging experiment computes such a motion within the limits of the machine."
+    words += "cogging experiment makes such a motion within the limits of the machine."
     return NextStep("move", words, _experiment(files))
 
 

@@ -122,7 +122,7 @@ def full_text(result: Diagnosis) -> str:
         lines += [title, *(f"  {line}" for line in more)] if more else []
     if result.separating_experiment:
         lines.append(f"motion that distinguishes them: {result.separating_experiment}")
-        lines.append("  (cogging experiment computes a motion within the limits of your machine)")
+        lines.append("  (cogging experiment makes a motion within the limits of your machine)")
     lines += limit_lines(result.limits)
     lines += [f"note: {note}" for note in result.notes]
     return "\n".join(lines)
