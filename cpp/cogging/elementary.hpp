@@ -16,7 +16,6 @@
 #include <limits>
 
 #include "cogging/inlining.hpp"
-#include "cogging/register_types.hpp"
 
 namespace cogging {
 
@@ -29,46 +28,26 @@ inline constexpr double round_shift = 6755399441055744.0, two_over_pi = 0.636619
 /// pi/2 in three parts of 33 bits: products with a whole number below 2^20 are exact.
 inline constexpr double half_pi[] = {1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624879595063154e-21};
 
-/// Coefficients by powers of the square of the angle: of sine = r + r^3 (...), cosine = 1 - r^2 / 2 + r^4 (...).
-inline constexpr double sine_terms[] = {-1.66666666666666324348e-01, 8.33333333332248946124e-03,
-                                        -1.98412698298579493134e-04, 2.75573137070700676789e-06,
-                                        -2.50507602534068634195e-08, 1.58969099521155010221e-10};
-inline constexpr double cosine_terms[] = {4.16666666666666019037e-02, -1.38888888888741095749e-03,
-                                          2.48015872894767294178e-05, -2.75573143513906633035e-07,
-                                          2.08757232129817482790e-09, -1.13596475577881948265e-11};
-
-/// A polynomial of six terms in z, by pairs of terms: fewer operations wait for each other than in Horner's order.
-template <class Number, class Term>
-COGGING_INLINE Number six_terms(const Number& z, const Term& term) {
-  const Number square = z * z;
-  return (term(0) + z * term(1)) + square * ((term(2) + z * term(3)) + square * (term(4) + z * term(5)));
-}
-
 /// Sine and cosine of angle - turns * pi / 2, at most some pi / 4.
 template <class Number>
 COGGING_INLINE void quarter_sin_cos(const Number& angle, const Number& turns, Number& sine, Number& cosine) {
   const Number r = ((angle - turns * half_pi[0]) - turns * half_pi[1]) - turns * half_pi[2];
-  const Number z = r * r, half = 0.5 * z, rest = 1.0 - half;
-  const Number odd = (r * z) * six_terms(z, [](int i) { return sine_terms[i]; });
-  const Number even = (z * z) * six_terms(z, [](int i) { return cosine_terms[i]; });
-  sine = r + odd;
-  cosine = rest + (((1.0 - rest) - half) + even);
+  const Number z = r * r;
+  sine = r + r * z *
+                 (-1.66666666666666324348e-01 +
+                  z * (8.33333333332248946124e-03 +
+                       z * (-1.98412698298579493134e-04 +
+                            z * (2.75573137070700676789e-06 +
+                                 z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
+  const Number half = 0.5 * z, rest = 1.0 - half;
+  cosine = rest + (((1.0 - rest) - half) +
+                   z * z *
+                       (4.16666666666666019037e-02 +
+                        z * (-1.38888888888741095749e-03 +
+                             z * (2.48015872894767294178e-05 +
+                                  z * (-2.75573143513906633035e-07 +
+                                       z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
 }
-
-#if defined(__GNUC__)
-/// The same of one number, with both polynomials side by side in one register.
-COGGING_INLINE void quarter_sin_cos(double angle, double turns, double& sine, double& cosine) {
-  using Pair = RegisterTypes<2>::Numbers;
-  const double r = ((angle - turns * half_pi[0]) - turns * half_pi[1]) - turns * half_pi[2];
-  const double z = r * r, half = 0.5 * z, rest = 1.0 - half;
-  const Pair squares{z, z};
-  const Pair parts = (Pair{r, z} * squares) * six_terms(squares, [](int i) COGGING_INLINE_LAMBDA {
-                       return Pair{sine_terms[i], cosine_terms[i]};
-                     });
-  sine = r + parts[0];
-  cosine = rest + (((1.0 - rest) - half) + parts[1]);
-}
-#endif
 
 /// atan(x) = high + low + atan(t): high and low of the intervals from 7/16, 11/16, 19/16 and 39/16 on.
 inline constexpr double atan_high[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01,
@@ -79,13 +58,17 @@ inline constexpr double atan_low[] = {2.26987774529616870924e-17, 3.061616997868
 /// 1 - atan(t) / t for |t| < 7/16.
 template <class Number>
 COGGING_INLINE Number atan_series(const Number& t) {
-  constexpr double odd_terms[] = {3.33333333333329318027e-01, 1.42857142725034663711e-01, 9.09088713343650656196e-02,
-                                  6.66107313738753120669e-02, 4.97687799461593236017e-02, 1.62858201153657823623e-02};
-  const Number z = t * t, w = z * z, square = w * w;
-  const Number odd = z * six_terms(w, [&](int i) { return odd_terms[i]; });
-  const Number even = w * ((-1.99999999998764832476e-01 + w * -1.11111104054623557880e-01) +
-                           square * ((-7.69187620504482999495e-02 + w * -5.83357013379057348645e-02) +
-                                     square * -3.65315727442169155270e-02));
+  const Number z = t * t, w = z * z;
+  const Number odd = z * (3.33333333333329318027e-01 +
+                          w * (1.42857142725034663711e-01 +
+                               w * (9.09088713343650656196e-02 +
+                                    w * (6.66107313738753120669e-02 +
+                                         w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
+  const Number even =
+      w *
+      (-1.99999999998764832476e-01 +
+       w * (-1.11111104054623557880e-01 +
+            w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
   return odd + even;
 }
 
