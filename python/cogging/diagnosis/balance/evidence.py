@@ -108,8 +108,7 @@ class Maximum:
         x: whitened and scaled columns, (p, n).
         prior: standard deviation and mean of each scaled amplitude.
         size: scale of each column, (p,).
-        none: fit without the added columns, the likelier of `same` and that behind its own filter.
-        same: fit to the same rows without the added columns.
+        none: fit to the same rows without the added columns.
         inflation: largest ratio of the variance of a score to that of independent rows.
         explained: part of each row that the added columns explain, in standard deviations, (n,).
     """
@@ -128,7 +127,6 @@ class Maximum:
     prior: tuple[FloatArray, FloatArray] = field(init=False)
     size: FloatArray = field(init=False)
     none: Maximum = field(init=False)
-    same: Maximum = field(init=False)
     inflation: float = field(init=False, default=1.0)
     explained: FloatArray = field(init=False)
 
@@ -410,7 +408,7 @@ class Evidence:
         none = likeliest(x[:n], best.r, sigma[:n], target[:n])
         none.unit = best.unit
         none.cost += best.unit.sum()
-        best.same, best.none = none, none if none.cost < self.null.cost else self.null
+        best.none = none if none.cost < self.null.cost else self.null
         near = (x[:n] * best.weight) @ x[n:].T
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
@@ -566,9 +564,12 @@ class Evidence:
 
         if not np.isfinite(end):
             return -np.inf, np.inf
-        middle = float(minimize_scalar(excess, bounds=(-end, end), method="bounded").x)
-        low, high = (brentq(excess, middle, 1.01 * side) for side in (-end, end))
-        return min(low, 0.0), max(high, 0.0)
+        middle = minimize_scalar(excess, bounds=(-end, end), method="bounded")
+        ends = [
+            side if middle.fun >= 0.0 or excess(side) <= 0.0 else float(brentq(excess, middle.x, side))
+            for side in (-end, end)
+        ]
+        return min(ends[0], 0.0), max(ends[1], 0.0)
 
     def friction_gain(self) -> float:
         """Return the gain in 2 ln likelihood of the mixture of friction laws over the model's own law."""
