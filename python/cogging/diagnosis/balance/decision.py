@@ -299,6 +299,8 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
     ratio = (best.none.cost - best.cost) / best.inflation
     by_row = (best.none.by_row() - best.by_row()) / best.inflation
+    # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
+    of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in evidence.counted[:given])
     return Contender(
@@ -307,7 +309,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         score_of(ratio, max(f.k, 1), f.N, len(edges)),
         best.inflation,
         np.add.reduceat(by_row, edges),
-        (float(by_row[:first].sum()), float(by_row[first:].sum())),
+        (float(of_log[:first].sum()), float(of_log[first:].sum())),
         (float(expected[:first].sum()), float(expected[first:].sum())),
     )
 

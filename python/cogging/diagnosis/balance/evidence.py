@@ -108,7 +108,8 @@ class Maximum:
         x: whitened and scaled columns, (p, n).
         prior: standard deviation and mean of each scaled amplitude.
         size: scale of each column, (p,).
-        none: fit to the same rows without the added columns.
+        none: fit without the added columns, the likelier of `same` and that behind its own filter.
+        same: fit to the same rows without the added columns.
         inflation: largest ratio of the variance of a score to that of independent rows.
         explained: part of each row that the added columns explain, in standard deviations, (n,).
     """
@@ -127,6 +128,7 @@ class Maximum:
     prior: tuple[FloatArray, FloatArray] = field(init=False)
     size: FloatArray = field(init=False)
     none: Maximum = field(init=False)
+    same: Maximum = field(init=False)
     inflation: float = field(init=False, default=1.0)
     explained: FloatArray = field(init=False)
 
@@ -408,7 +410,7 @@ class Evidence:
         none = likeliest(x[:n], best.r, sigma[:n], target[:n])
         none.unit = best.unit
         none.cost += best.unit.sum()
-        best.none = none if none.cost < self.null.cost else self.null
+        best.same, best.none = none, none if none.cost < self.null.cost else self.null
         near = (x[:n] * best.weight) @ x[n:].T
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
