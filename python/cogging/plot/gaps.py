@@ -236,7 +236,7 @@ def ledger(diagnosis: Any, *, ax: Any = None) -> Axes:
         colour, hatch = KINDS[kind]
         axes.barh(row, width, left=start, color=colour, hatch=hatch, edgecolor=FITTED, linewidth=0.6, height=0.7)
         end = max(start, start + width)
-        text = f"{width:.1f} %" if abs(width) >= 0.1 or width == 0.0 else f"{'-' * (width < 0.0)}< 0.1 %"
+        text = f"{width:.1f} %" if abs(width) >= 0.1 or width == 0.0 else f"{'-' if width < 0.0 else ''}< 0.1 %"
         axes.annotate(text, (end, row), xytext=(4, 0), textcoords="offset points", va="center")
         start += width
     axes.set_yticks(place, [named(name) for name, _, _ in parts])
