@@ -136,7 +136,7 @@ def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: An
             axes.plot(ends, [row, row], color=MEASURED, linewidth=3.0, solid_capstyle="butt")
         if np.isfinite(one.median):
             axes.plot([float(scale(one.median))], [row], "o", color=FITTED, markersize=5)
-    labels = [named(one.name) + f" ({one.diverged:.0%} diverged)" * (one.diverged > 0.0) for one in controllers]
+    labels = [named(one.name) + f" ({one.diverged:.0%} diverged)" * bool(one.diverged) for one in controllers]
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.4, -0.6)
     values = np.concatenate([one.values[np.isfinite(one.values) & (one.values > 0.0)] for one in found])
