@@ -551,7 +551,7 @@ class Evidence:
         rows = np.array([*held, *own], dtype=np.intp)
         root, y = reduced(fit.gram, fit.gram @ fit.w, rows)
         y = y - root[:, :count] @ (fit.w[rows[:count]] + np.asarray(moved) * fit.size[rows[:count]])
-        left = nnls(root[:, count:], y)[1] if len(own) else float(np.linalg.norm(y))
+        left = nnls(root[:, count:], y, maxiter=100 * len(own))[1] if len(own) else float(np.linalg.norm(y))
         return float(left**2 / (fit.variance * self.alike))
 
     def interval(self, k: int) -> tuple[float, float]:
