@@ -1,4 +1,4 @@
-"""Noisy stamps of an even clock are told from rows that were taken as unevenly as they are stamped."""
+"""Noisy time stamps of a uniform clock, and rows that were really sampled at uneven times: which is which."""
 
 from dataclasses import replace
 
