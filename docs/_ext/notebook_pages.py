@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from api_pages import put
-from docutils import nodes
 from PIL import Image
 
 WIDTH = 640  # pixels of a thumbnail
@@ -69,6 +68,8 @@ def first_picture(notebook: dict[str, Any]) -> bytes | None:
 
 def name_pictures(doctree: Any) -> None:
     """Give each figure of a notebook an alternative text: the heading above it."""
+    from docutils import nodes  # where only the cards are tested, sphinx is not installed
+
     for picture in doctree.findall(nodes.image):
         if not picture.get("alt"):
             section = picture
