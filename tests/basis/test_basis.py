@@ -54,7 +54,7 @@ def plain_model(model, x, derivative=False):
 
 
 @pytest.mark.parametrize(("origin", "pitch"), KNOTS)
-@pytest.mark.parametrize("order", [*range(1, 7), 11, 16])
+@pytest.mark.parametrize("order", [*range(1, 5), 7, 16])
 def test_design_matrix_is_scipys_and_the_printed_recursion(order, origin, pitch):
     for control_points in {max(order, 2), order + 1, order + 10}:
         spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=control_points)
@@ -67,12 +67,12 @@ def test_design_matrix_is_scipys_and_the_printed_recursion(order, origin, pitch)
             x = np.concatenate([x, t[order - 1 : control_points + 1]]).clip(origin, end)
         expected = ScipySpline.design_matrix(x, t, order - 1).toarray()
         np.testing.assert_allclose(spline.design_matrix(x), expected, rtol=0, atol=1e-12)
-        if order <= 6:
+        if order <= 4:
             printed = [printed_recursion(x[:50], j, order, t) for j in range(control_points)]
             np.testing.assert_allclose(spline.design_matrix(x[:50]), np.transpose(printed), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("order", range(1, 7))
+@pytest.mark.parametrize("order", [1, 2, 4])
 def test_beyond_the_knots_the_end_value_is_held(order):
     spline = cogging.BSpline(order=order, origin=-0.2, pitch=0.1, control_points=order + 3)
     ends = spline.design_matrix(np.array([spline.origin, spline.end]))
@@ -88,7 +88,7 @@ def test_beyond_the_knots_the_end_value_is_held(order):
 
 # Harmonics -------------------------------------------------------------------------------------------------
 
-TERMS = [{"harmonics": [1]}, {"harmonics": [12, 1, 6, 3, 2]}, {"harmonics": [5, 47]}, {"periods": [0.0731, 0.05]}]
+TERMS = [{"harmonics": [12, 1, 6, 3, 2]}, {"periods": [0.0731, 0.05]}]
 
 
 @pytest.mark.parametrize("terms", TERMS, ids=str)

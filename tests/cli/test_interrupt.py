@@ -1,7 +1,6 @@
 """Ctrl-C and SIGTERM: the caller gets its KeyboardInterrupt out of the core's loops; the command ends in one line.
 
-Half a second is what is promised, and what was measured (docs/evidence.md). These tests run on machines that are shared
-and may be busy with anything: they allow three times that, for the best of three tries; the loops took 4 to 20 s.
+docs/evidence.md promises half a second; on a busy machine these tests allow three times that, in the best of three.
 """
 
 import contextlib
@@ -61,7 +60,6 @@ def predict_along_a_log():
 #: Each runs for seconds if nothing ends it.
 LOOPS = {
     "one run": run,
-    "a batch on four threads": lambda: batch(8, 4),
     "a batch whose first thread ends first": lambda: batch(3, 2),
     "a batch in lanes": lambda: batch(16, width=0.01),
     "a sweep on the threads of an executor": sweep_on_threads,
@@ -150,7 +148,6 @@ def test_a_handler_that_returns_changes_nothing_and_what_it_raises_is_raised():
 
 CONSOLE = ["-c", "import sys; from cogging_command import main; sys.exit(main())"]
 SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out/log.csv"]
-AUDIT = ["audit", "log.mat"]
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +155,6 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("interrupt")
     (folder / "model.toml").write_text(MODEL)
     (folder / "ref.toml").write_text(REFERENCE + "dwell = 0.1\nrepeats = 120\n")
-    cogging.Log(time=TIME, position=np.cos(TIME), command=np.sin(TIME)).write(folder / "log.mat")
     for name in ("out", "temporary"):
         (folder / name).mkdir()
     return folder
@@ -183,15 +179,8 @@ def handles_signals(process):
     if not status.exists():
         time.sleep(0.3)
         return True
-    caught = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
+    (caught,) = (line for line in status.read_text().splitlines() if line.startswith("SigCgt"))
     return bool(int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1)
-
-
-def runs(child):
-    try:
-        return Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def end(process, number):
@@ -202,9 +191,8 @@ def end(process, number):
     return process.returncode, error, time.perf_counter() - sent
 
 
-#: Command, signal, and seconds after the command handles signals: while a log is written, in its imports, at work.
-SHOTS = [(CONSOLE + SIMULATE, "SIGTERM", None), (CONSOLE + AUDIT, "SIGHUP", 0.1)]
-SHOTS += [(["-m", "cogging", *SIMULATE], "SIGINT", 1.0)]
+#: Command, signal, and seconds after the command handles signals: while a log is written, and at work.
+SHOTS = [(CONSOLE + SIMULATE, "SIGTERM", None), (["-m", "cogging", *SIMULATE], "SIGINT", 1.0)]
 
 
 @pytest.mark.parametrize(("call", "name", "after"), SHOTS)
@@ -225,8 +213,7 @@ def test_the_command_answers_a_signal_in_one_line_and_leaves_no_file(call, name,
             for path in left:
                 path.unlink()
             continue
-        assert left == []
-        assert status == 128 + number
+        assert (status, left) == (128 + number, [])
         assert error.startswith("cogging: "), error
         assert error.count("\n") == 1, error
         if took < WITHIN:
@@ -238,25 +225,21 @@ SWEEP = """
 model = "model.toml"
 reference = "ref.toml"
 method = "random"
-runs = 4000
+runs = 40000
+duration = 5.0
 [vary]
 "axis.mass" = {from = 0.11, to = 0.13}
 """
 
 
-@pytest.mark.parametrize("call", ["sweep sweep.toml --out swept/runs.csv", "reproduce malaize2009 --out swept"])
-def test_a_long_command_answers_soon_and_leaves_whole_files(call, folder):
-    """Nothing, or finished pieces of a sweep."""
+def test_a_long_command_answers_soon_and_leaves_whole_pieces(folder):
     (folder / "sweep.toml").write_text(SWEEP)
-    (folder / "swept").mkdir(exist_ok=True)
+    (folder / "swept").mkdir()
     for _ in range(TRIES):
-        process = start(folder, CONSOLE + call.split())
-        wait_until(lambda process=process: handles_signals(process), process)
-        time.sleep(2.0)
-        assert process.poll() is None
+        process = start(folder, [*CONSOLE, "sweep", "sweep.toml", "--out", "swept/runs.csv"])
+        assert wait_until(lambda: list(folder.glob("swept/*/*.npz")), process)
         status, error, took = end(process, signal.SIGINT)
         assert (status, error.count("\n")) == (130, 1), error
-        assert list((folder / "temporary").iterdir()) == []
         for path in (folder / "swept").rglob("*"):
             assert path.suffix in (".npz", ".pieces") or path.name == "sweep.json", "no result, and no part of one"
             if path.suffix == ".npz":
@@ -265,17 +248,6 @@ def test_a_long_command_answers_soon_and_leaves_whole_files(call, folder):
         if took < WITHIN:
             break
     assert took < WITHIN
-
-
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found in /proc")
-def test_a_reader_process_ends_with_the_command(folder):
-    process = start(folder, CONSOLE + AUDIT)
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    assert wait_until(lambda: children.exists() and children.read_text().split(), process)
-    child = children.read_text().split()[0]
-    status, error, _ = end(process, signal.SIGHUP)
-    assert (status, error.count("\n")) == (129, 1), error
-    assert soon(lambda: not runs(child))
 
 
 PROGRAM = "import sys, time\nfrom cogging_command import run_command\n"
@@ -290,45 +262,49 @@ def run():
 sys.exit(run_command(run))
 """
 
-#: Where the exception of a signal is swallowed or changed; and the status.
+#: Where the exception of a signal is swallowed or changed.
 SWALLOWED = {
-    "a callback": (
-        "import weakref\nclass Thing: pass\n"
-        "def run():\n thing = Thing()\n gone = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM))\n"
-        " del thing\n time.sleep(60)\nsys.exit(run_command(run))\n",
-        143,
-    ),
-    "an import that fails": (
-        "from cogging_command import main\nclass Finder:\n def find_spec(self, name, path=None, target=None):\n"
-        "  if name == 'cogging.cli.main':\n   try: os.kill(os.getpid(), signal.SIGTERM)\n"
-        "   except KeyboardInterrupt: pass\n   raise ImportError('initialization failed')\n"
-        "sys.meta_path.insert(0, Finder())\nsys.exit(main())\n",
-        143,
-    ),
+    "a callback": """
+import weakref
+class Thing: pass
+def run():
+    thing = Thing()
+    gone = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM))
+    del thing
+    time.sleep(60)
+sys.exit(run_command(run))
+""",
+    "an import that fails": """
+from cogging_command import main
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == 'cogging.cli.main':
+            try: os.kill(os.getpid(), signal.SIGTERM)
+            except KeyboardInterrupt: pass
+            raise ImportError('initialization failed')
+sys.meta_path.insert(0, Finder())
+sys.exit(main())
+""",
 }
 
 
 @pytest.mark.parametrize("where", SWALLOWED)
 def test_a_signal_whose_exception_is_swallowed_still_ends_the_command(where, folder):
-    program, expected = SWALLOWED[where]
-    (folder / "program.py").write_text(f"{PROGRAM}import os, signal\n{program}")
-    done = subprocess.run([sys.executable, "-m", "program"], cwd=folder, capture_output=True, text=True, timeout=120)
-    assert (done.returncode, done.stderr.count("\n")) == (expected, 1), done.stderr
+    process = start(folder, ["-c", f"{PROGRAM}import os, signal\n{SWALLOWED[where]}"])
+    error = process.communicate(timeout=60)[1]
+    assert (process.returncode, error.count("\n")) == (143, 1), error
 
 
 def test_what_is_cleared_up_is_waited_for_but_a_second_signal_kills(folder):
-    process = start(folder, ["-c", CLEARS_UP])
-    assert process.stdout.readline() == "begun\n"
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=60)[0] == "cleared up\n"
-    assert process.returncode == 130
-    process = start(folder, ["-c", CLEARS_UP])
-    assert process.stdout.readline() == "begun\n"
-    process.send_signal(signal.SIGINT)
-    time.sleep(0.1)
-    process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=60)
-    assert process.returncode == -signal.SIGTERM
+    for second, status, printed in ((None, 130, "cleared up\n"), (signal.SIGTERM, -signal.SIGTERM, "")):
+        process = start(folder, ["-c", CLEARS_UP])
+        assert process.stdout.readline() == "begun\n"
+        process.send_signal(signal.SIGINT)
+        if second:
+            time.sleep(0.1)
+            process.send_signal(second)
+        assert process.communicate(timeout=60)[0] == printed
+        assert process.returncode == status
 
 
 def test_an_ignored_signal_stays_ignored(folder):

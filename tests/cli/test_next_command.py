@@ -28,15 +28,8 @@ pytestmark = pytest.mark.skipif(
 
 SILENT = ("schema", "completion", "help")  # what they print is not for a person, or is itself the advice
 #: What stands in the folder for each file that only a user has.
-OWN = {
-    "LOG.csv": "log.csv",
-    "OTHER_LOG.csv": "other.csv",
-    "NEW_LOG.csv": "log.csv",
-    "MODEL.toml": "model.toml",
-    "REF.toml": "ref.toml",
-    "LIMITS.toml": "limits.toml",
-    "TUNE.toml": "tune.toml",
-}
+OWN = {"OTHER_LOG.csv": "other.csv", "NEW_LOG.csv": "log.csv", "LOG.csv": "log.csv"}
+OWN |= {f"{name.upper()}.toml": f"{name}.toml" for name in ("model", "ref", "limits", "tune")}
 
 
 @pytest.fixture(scope="module")
@@ -127,12 +120,10 @@ VERDICTS = [
     ("named", "", PLANT, f"{CALL} --out model_patched.toml"),
     ("named", "--out new.toml", PLANT, f"{CALL} --confirm OTHER_LOG.csv --out new.toml"),
     ("named", "--out new.toml --confirm other.csv", PLANT, "predict new.toml --reference REF.toml"),
-    ("named", "--confirm other.csv", PLANT, f"{CALL} --confirm other.csv --out model_patched.toml"),
     ("named", "--out new.toml --confirm other.csv", UNSURE, EXPERIMENT.format("new.toml")),
     ("unlisted", "", PLANT, f"{CALL} --out model_patched.toml --empirical"),
-    ("unlisted", "--out a.toml", PLANT, f"{CALL} --out a.toml --empirical"),
     ("unlisted", "--out a.toml --empirical", PLANT, f"{CALL} --confirm OTHER_LOG.csv --out a.toml --empirical"),
-    ("ambiguous", "", PLANT, f"{CALL} --json result_2.json"),
+    ("ambiguous", "", PLANT, f"{CALL} --json result_2.json"),  # result.json is there already
     ("ambiguous", "--json r.json", PLANT, EXPERIMENT.format("model.toml --result r.json --logs log.csv")),
     ("no_gap", "", PLANT, "predict model.toml --reference REF.toml"),
     ("controller_mismatch", "--scale command=1", PLANT, "audit log.csv --model model.toml --scale command=1"),
@@ -142,7 +133,6 @@ VERDICTS = [
 
 @pytest.mark.parametrize(("verdict", "options", "model", "expected"), VERDICTS)
 def test_what_is_next_after_each_verdict(verdict, options, model, expected, folder, capsys, diagnosed):
-    """result.json is there already: a free name is proposed."""
     diagnosed(verdict=verdict, model=model)
     following = run([*CALL.split(), *options.split()], capsys)
     assert following == expected.split()
@@ -168,7 +158,7 @@ def test_one_of_several_logs_confirms(folder, capsys, diagnosed):
     assert len(options["confirm"][0]) == 900
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_misread_column_is_read_right_by_the_next_command(seed, folder, capsys, diagnosed):
     """Whatever was given before, for all files or for this one, and whatever the file is called."""
     draw = random.Random(seed)
@@ -200,7 +190,7 @@ def test_words_come_back_from_the_shell(shell, encoding, monkeypatch):
     draw = random.Random(encoding)
     letters = " '\"\\$`!*?[]{}()<>|&;~#%^\n\t\r\x07\x1b\x7f\u00e9\u4e2d\u202e\U0001f600\udcffa0"
     names = [name for name in NAMES if "\0" not in name and "\ud800" not in name]
-    names += ["".join(draw.choices(letters, k=draw.randrange(1, 12))) for _ in range(150)]
+    names += ["".join(draw.choices(letters, k=draw.randrange(1, 12))) for _ in range(60)]
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding=encoding))
     line = command_line(names)
     assert line.isprintable()
@@ -224,7 +214,7 @@ def check_chain(seed, folder, capsys, monkeypatch):
     unit = draw.choice([1.0, 0.5, 1e-3])
     machine = command_files.model().replace(effects=draw.choice(LACKING))
     for path, velocity in ((name, 0.5), ("other.csv", 0.35)):
-        log = cogging.simulate(machine, {**command_files.REFERENCE, "velocity": velocity, "repeats": 2}, seed=seed)
+        log = cogging.simulate(machine, {**command_files.REFERENCE, "velocity": velocity, "repeats": 1}, seed=seed)
         columns = {"time": log.time, "qm": log.position, "vir": log.command / unit, "reference": log.reference}
         command_files.table(folder / path, columns)
     diagnose_once(monkeypatch)
@@ -241,9 +231,7 @@ def check_chain(seed, folder, capsys, monkeypatch):
     assert "--confirm" in calls[-1]
     patched = calls[-1][calls[-1].index("--out") + 1]
     better = cogging.Model.read(patched)
-    assert better.axis != command_files.model().axis or list(map(type, better.effects)) == list(
-        map(type, machine.effects)
-    )
+    assert better.axis != command_files.model().axis or [*map(type, better.effects)] == [*map(type, machine.effects)]
     assert last[:2] == ["predict", patched]
 
 

@@ -1,6 +1,5 @@
 """Input that cannot be used ends in one line, whatever the names, the terminal, the reader and the file are like."""
 
-import json
 import logging
 import os
 import re
@@ -17,6 +16,7 @@ from tests.fixtures.files import MODEL, REFERENCE
 from tests.fixtures.hostile_answers import answered, faults, place
 
 SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
+COMMAND = [sys.executable, "-m", "cogging.cli.main"]
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def folder(tmp_path, monkeypatch):
 # Hostile calls: status 0, or status 2 and one line; nothing else reaches the terminal ---------------------------------
 
 #: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands.
-CALLS = {"model": 10, "option": 15, "signal": 4, "name": 10, "reference": 6, "header": 4, "document": 8, "sidecar": 4}
+CALLS = {"model": 6, "option": 10, "signal": 3, "name": 6, "reference": 4, "header": 3, "document": 5, "sidecar": 3}
 
 
 @pytest.mark.parametrize("kind", hostile_calls.KINDS)
@@ -62,22 +62,19 @@ def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch):
 
 def process(arguments, folder, **options):
     """Run the command in a new process without this one's settings."""
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LC_", "LANG"))}
-    kept = {"PYTHONPATH": os.environ["PYTHONPATH"]} if "PYTHONPATH" in os.environ else {}
-    words = [sys.executable, "-m", "cogging.cli.main", *arguments]
+    left_out = [name for name in os.environ if name.startswith(("PYTHON", "LC_", "LANG")) and name != "PYTHONPATH"]
+    environment = {name: value for name, value in os.environ.items() if name not in left_out}
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
-    return subprocess.run(words, cwd=folder, env=environment | kept, check=False, timeout=120, **streams)
+    return subprocess.run([*COMMAND, *arguments], cwd=folder, env=environment, check=False, timeout=120, **streams)
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-def test_a_name_in_letters_that_the_terminal_lacks(encoding, folder, monkeypatch):
+def test_a_name_in_letters_that_the_terminal_lacks(folder, monkeypatch):
     named = "caf\u00e9 \u4e2d \u00b5.csv"
     (folder / named).write_bytes(hostile_calls.LOG)
-    with open(folder / "printed", "w", encoding=encoding) as out:
+    with open(folder / "printed", "w", encoding="latin-1") as out:
         monkeypatch.setattr(sys, "stdout", out)
         assert main(["audit", named]) == 0
-    shown = "caf\\xe9 \\u4e2d \\xb5.csv" if encoding == "ascii" else "caf\u00e9 \\u4e2d \u00b5.csv"
-    assert (folder / "printed").read_text(encoding=encoding).splitlines()[0] == shown
+    assert (folder / "printed").read_text(encoding="latin-1").splitlines()[0] == "caf\u00e9 \\u4e2d \u00b5.csv"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names are texts there")
@@ -89,8 +86,7 @@ def test_a_name_that_is_no_utf_8(folder):
     done = process(call, folder)
     assert (done.returncode, done.stderr) == (0, b"")
     assert rb"caf\xe9.csv" in done.stdout
-    document = json.loads((folder / os.fsdecode(b"\xff.json")).read_text())
-    assert r"caf\xe9.csv" in json.dumps(document, ensure_ascii=False).replace("\\\\", "\\")
+    assert r"caf\\xe9.csv" in (folder / os.fsdecode(b"\xff.json")).read_text()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes of another kind")
@@ -107,15 +103,12 @@ def test_a_reader_that_has_gone(folder):
 @pytest.mark.skipif(os.name == "nt", reason="a shell of another kind")
 def test_streams_that_are_closed(folder):
     """As a service may start it: a text has nowhere to go, and the files are written; a result for a program fails."""
-    command = f"{sys.executable} -m cogging.cli.main"
-    call = "identify log.csv --model model.toml --free axis.mass --out out.toml"
-    assert subprocess.run(f"{command} {call} >&- 2>&-", shell=True, cwd=folder, check=False).returncode == 0
-    assert cogging.Model.read(folder / "out.toml").intervals["axis.mass"][0] > 0.0
-    call = " ".join([*SIMULATE, "--json", "-"])
-    done = subprocess.run(f"{command} {call} >&-", shell=True, cwd=folder, stderr=subprocess.PIPE, check=False)
+    call = " ".join([*COMMAND, *SIMULATE])
+    done = subprocess.run(f"{call} --json - >&-", shell=True, cwd=folder, stderr=subprocess.PIPE, check=False)
     line = b"cogging: standard output: must be open for what is asked, got a closed one\n"
-    assert (done.returncode, done.stderr) == (2, line)
-    assert not (folder / "out.csv").exists()
+    assert (done.returncode, done.stderr, (folder / "out.csv").exists()) == (2, line, False)
+    assert subprocess.run(f"{call} >&- 2>&-", shell=True, cwd=folder, check=False).returncode == 0
+    assert len(cogging.read_log(folder / "out.csv")) > 100
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device")
@@ -132,9 +125,9 @@ def test_a_current_folder_that_was_deleted_is_named(tmp_path, monkeypatch, capsy
     monkeypatch.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
     assert main(["init", "run.csv"]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("cogging: the current folder: must be there, got one that was deleted")
-    assert error.count("\n") == 1
+    assert re.fullmatch(
+        "cogging: the current folder: must be there, got one that was deleted.*\n", capsys.readouterr().err
+    )
 
 
 # Files ----------------------------------------------------------------------------------------------------------------
@@ -153,7 +146,6 @@ DOCUMENTS = {
     "mass = 1.0\ntravel = [0.0, 1e309]": "line 3: axis.travel: must be .* 64 bits hold, got 1e309",
     "mass = 1e300": r"line 2: axis.mass: must be at most 1e\+30 in size, got 1e\+300",
     "mass = " + "[" * 5000 + "]" * 5000: "must be TOML: tables and lists must be nested at most 32",
-    "mass = " + "{a=" * 5000 + "1" + "}" * 5000: "must be TOML: tables and lists must be nested at most 32",
     "a" + ".a" * 20000 + " = 1": "must be TOML: a key must have at most 32 dots",
     'mass = 1.0\n[[effects]]\nname = ["cable_spring"]': r"effects.name: must be one of .*, got \['",
     "mass = 1.0\n[controller]\ntype = { a = 1 }": r"controller.type: .*, got \{'a': 1\}",

@@ -17,14 +17,11 @@ MASS = '[vary]\n"axis.mass" = [0.1, 0.12]\n'
 #: Beginnings of a sweep file, and the error after the name of the file.
 FIELDS = [
     ("", "model: must be given, got nothing"),
-    ("model = ", "must be TOML: "),
     (FILES, "vary: must be given, got nothing"),
     (f'{FILES}metod = "grid"\n{MASS}', "line 3: metod: is unknown; did you mean method?"),
-    (f'model = 3\nreference = "move.toml"\n{MASS}', "line 1: model: must be a text, got 3"),
     (f'model = "no.toml"\nreference = "move.toml"\n{MASS}', "line 1: model: must be a file .* got 'no.toml'"),
     (f'model = "model.toml"\nreference = "no.toml"\n{MASS}', "line 2: reference: must be a file .* got 'no.toml'"),
     (f"{FILES}vary = 3\n", 'line 3: vary: must be a section or "bounds", got 3'),
-    (f"{FILES}[vary]\n", "vary: must give at least one number"),
     (f'{FILES}vary = "bounds"\n', "vary.axis.mass: must have values, or from, to and points, on a grid"),
     (f"{FILES}start = 1.0\nstop = 0.5\n{MASS}", "line 3: start: must be below stop = 0.5, got 1.0"),
     (f"{FILES}start = 0.2\n{MASS}", "no run could begin: start, stop: must hold at least 2 rows"),
@@ -32,16 +29,11 @@ FIELDS = [
 ]
 #: Values of the fields of a run, in line 3.
 VALUES = {
-    "method = 3": "method: must be a text, got 3",
     'method = "gird"': "method: must be one of grid, random, latin_hypercube, sobol, got 'g",
     "runs = 0": "runs: must be from 1 to 100000000, got 0",
-    "runs = 1.5": "runs: must be a whole number, got 1.5",
     "seed = -1": "seed: must be from 0 to 4611686018427387904, got -1",
-    'duration = "long"': "duration: must be a number, got 'long'",
     "duration = -1.0": "duration: must be finite and at least 0, got -1.0",
-    "start = nan": "start: must be a number, got nan",
     "final_window = 0": "final_window: must be above 0, got 0",
-    'reductions = "error_max"': "reductions: must be a list of names, got 'error_max'",
     'reductions = ["eror_max"]': "reductions: 'eror_max' is unknown; did you mean error_max?",
     'reductions = ["error_quantile(2)"]': "reductions: error_.*: must be from 0 to 1, got 2",
     'reductions = ["command_max", "command_max"]': "reductions: .* twice",
@@ -50,19 +42,13 @@ VALUES = {
 VARIED = [
     ("axis.mas", "[1]", "is not a number of this run; did you mean axis.mass?"),
     ("axis.mass", "[]", "values: must hold at least one number, got none"),
-    ("axis.mass", "[nan]", "values: must be numbers .* got [nan]"),
-    ("axis.mass", "0.1", 'must be a list, a table or "bounds", got 0.1'),
-    ("axis.mass", "{}", "must be values, or from and to, or mean and deviation, got {}"),
     ("axis.mass", "{from = 1, to = 1}", "from: must be below to = 1, got 1"),
-    ("axis.mass", '{from = "a", to = 1}', "from: must be a number .* got 'a'"),
-    ("axis.mass", "{from = 0.1, to = 1}", "must have values, or from, to and points, on"),
     ("axis.mass", "{from = 0.1, to = 1, points = 1}", "points: must be a whole .* got 1"),
     ("axis.mass", '{from = 0, to = 1, points = 2, scale = "log"}', "from: must be above 0"),
     ("axis.mass", '{from = 1, to = 2, points = 2, scale = "lin"}', "scale: .* got 'lin'"),
     ("axis.mass", "{mean = 1, deviation = -1}", "deviation: must be at least 0, got -1"),
     ("axis.coulomb", '"bounds"', "must have a finite interval .* got [0.0, inf]"),
     ("seed", "[1, 1.5]", "must be whole numbers from 0 to 9007199254740992, got 1.5"),
-    ("seed", "{from = 0, to = 9, points = 10}", "must be a list of whole numbers, got"),
     ("axis.mass", "[0.11]\naxis.mass = [0.13, 0.14]", "must be given once, got "),
 ]
 FAULTY = [
@@ -99,7 +85,7 @@ def test_each_rule_is_one_line_and_nothing_is_written(text, answer, folder, caps
     assert sorted(folder.iterdir()) == before
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_sweep_file_with_anything_in_it_is_no_traceback(seed, folder, capsys):
     """One value of a good file at random is another's, or of another kind: done, or one line."""
     rng = random.Random(seed)

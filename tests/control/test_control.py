@@ -208,7 +208,7 @@ def test_the_law_is_the_paper_step_by_step(law, desired):
     """And estimates stay within their bounds with gains by which one Euler step overshoots them by far."""
     rng = np.random.default_rng(20)
     moved, touched = np.zeros(5), 0
-    for machine in range(24):
+    for machine in range(16):
         q, overshoots = random_parameters(rng), machine % 4 == 0
         if overshoots:
             q |= {name: float(10 ** rng.uniform(1, 6)) for name in q if name.endswith("_adaptation")}
@@ -237,7 +237,7 @@ def test_the_law_is_the_paper_step_by_step(law, desired):
         moved[:4] += change[:4] > 1e-3
         moved[4] += (change[4:] > 1e-3).any()
     assert (moved >= 2).all()  # every kind of parameter was adapted
-    assert touched > 500
+    assert touched > 300
 
 
 @given(
@@ -257,7 +257,7 @@ def test_the_robust_term_satisfies_20_and_30(law, desired):
     """p (u_s2 - phi^T theta_tilde + d) <= epsilon for every theta and d in the bounds, and p u_s2 <= 0."""
     rng = np.random.default_rng(22)
     closest = -math.inf
-    for machine in range(25):
+    for machine in range(12):
         off = {name + "_adaptation": 0.0 for name in (*NAMES, "cogging")}
         q = random_parameters(rng, **off)
         epsilon, delta = float(10 ** rng.uniform(-4, 1)), float(rng.choice([0.0, rng.uniform(0, 2)]))

@@ -80,17 +80,16 @@ def test_the_package_is_asked_where_no_folder_has_them(tmp_path, monkeypatch):
         emps.files(tmp_path / "nowhere")  # who names a folder means it
 
 
-@pytest.mark.parametrize("error", [OSError("no network\nat all"), Exception("5 attempts")])
-def test_a_download_that_fails_is_one_line(error, tmp_path, monkeypatch):
+def test_a_download_that_fails_is_one_line(tmp_path, monkeypatch):
     def fail():
-        raise error
+        raise OSError("no network\nat all")
 
     replace_package(monkeypatch, fail)
     monkeypatch.delenv("COGGING_DATA", raising=False)
     with pytest.raises(InputError, match=r"public at nonlinearbenchmark\.org .*cite") as caught:
         emps.read()
     assert str(caught.value).isprintable()
-    assert f"nonlinear-benchmarks could not fetch it: {type(error).__name__}: {str(error)[:3]}" in str(caught.value)
+    assert "nonlinear-benchmarks could not fetch it: OSError: no network" in str(caught.value)
     replace_package(monkeypatch, lambda: [str(tmp_path / f"{name}.mat") for name in emps.FILES])
     with pytest.raises(InputError, match=f"DATA_EMPS.mat: must be in {tmp_path}, is not; public at nonlin"):
         emps.read()

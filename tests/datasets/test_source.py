@@ -7,7 +7,6 @@ import pytest
 
 from cogging import InputError
 from cogging.datasets import emps, laas, odrive, tro2021
-from cogging.datasets.laas import RotaryLog
 from tests.fixtures.covering import covering
 from tests.fixtures.measured import FOLDER
 
@@ -30,11 +29,11 @@ def _no_package(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("case", "how"), covering(range(len(CALLS)), ["nothing", "empty", "folder", "file", "named", "variable"])
+    ("case", "how"), covering(range(len(CALLS)), ["nothing", "empty", "folder", "file", "variable"])
 )
 def test_without_data_one_line_says_where_to_get_them(case, how, tmp_path, monkeypatch):
     data, call = CALLS[case]
-    folder = {"folder": tmp_path, "file": tmp_path / "a.txt", "named": tmp_path / "nowhere"}.get(how)
+    folder = {"folder": tmp_path, "file": tmp_path / "a.txt"}.get(how)
     (tmp_path / "a.txt").write_text("no folder")
     if how in ("empty", "variable"):
         monkeypatch.setenv("COGGING_DATA", str(tmp_path) if how == "variable" else "")
@@ -119,15 +118,6 @@ def test_a_broken_file_of_laas_is_named(tmp_path):
         laas.read("acc_current", tmp_path)
 
 
-def test_a_part_of_a_rotary_log_and_the_log_of_an_axis():
-    rng = np.random.default_rng(5)
-    time = np.cumsum(rng.uniform(1e-4, 1e-2, 500))
-    rows = RotaryLog(time, *rng.normal(size=(3, 500)))
-    log = rows.between(time[100], time[300]).log()
-    assert len(log) == 200
-    np.testing.assert_array_equal([log.command, log.position], [rows.current[100:300], rows.position[100:300]])
-
-
 @pytest.mark.data
 @pytest.mark.parametrize("name", laas.FILES)
 def test_laas_itself(name):
@@ -176,9 +166,7 @@ def test_every_run_of_tro2021_and_its_mean(tmp_path, below):
     ("text", "what"),
     [
         ("", "must have a row of units"),
-        ("ms;rpm;%\n", "rows: must be at least 1"),
         ("ms;rpm;%\n0;1;2\n40;one;2\n", "line 3: must be three finite numbers, got '40;one;2'"),
-        ("ms;rpm;%\n0;1;nan\n", "line 2: must be three finite"),
         ("ms;rpm;%\n0;1;2\n40;1;2\n", "rows: must be more than 20, got 2"),
     ],
 )

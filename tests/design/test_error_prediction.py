@@ -49,18 +49,15 @@ def machine_with(values):
 
 def test_intervals_hold_the_errors_of_machines_drawn_elsewhere():
     """In 20 predictions of 40 machines against 200 others: 95 % within, and half of them below the median."""
-    rng, truths = np.random.default_rng(11), []
-    while len(truths) < 200:
-        values = rng.normal((0.12, 0.166, 0.15, 0.1), np.array(list(WIDTHS.values())) / 1.96)
-        if min(values[:3]) >= 0.0:
-            log = cogging.simulate(machine_with(values), REFERENCE, seed=int(rng.integers(2**40)))
-            truths.append(np.sqrt(np.mean(log.error[log.time >= 0.5 - 1e-9] ** 2)))
-    truths, inside, below = np.array(truths), [], []
+    rng, truths, inside, below = np.random.default_rng(11), [], [], []
+    for values in np.abs(rng.normal((0.12, 0.166, 0.15, 0.1), np.array(list(WIDTHS.values())) / 1.96, (200, 4))):
+        log = cogging.simulate(machine_with(values), REFERENCE, seed=int(rng.integers(2**40)))
+        truths.append(np.sqrt(np.mean(log.error[log.time >= 0.5 - 1e-9] ** 2)))
     for seed in range(20):
         found = own(machine(), samples=40, seed=seed).rms
         low, high = found.interval
-        inside.append(np.mean((truths >= low) & (truths <= high)))
-        below.append(np.mean(truths < found.median))
+        inside.append(np.mean((low <= np.array(truths)) & (np.array(truths) <= high)))
+        below.append(np.mean(np.array(truths) < found.median))
     # sigma: sqrt(0.95 0.05 / 200) of the machines and sqrt(0.95 0.05 / 42 / 20) of the predictions.
     assert abs(np.mean(inside) - 0.95) < 3 * math.hypot(0.0154, 0.0075)
     # A median of 40 varies by sqrt(0.25 / 40), that of 20 of them together by less than a quarter of it.
@@ -93,11 +90,11 @@ def test_seeds_threads_samples_and_rows_at_a_time(monkeypatch):
 def test_each_sample_is_the_run_of_its_machine(duration):
     """What is kept of it makes the machine anew, and its run gives its indexes to the last bit."""
     controllers = {"own": machine().make_controller(), "weak": cogging.Pid(machine().controller.replace(kp=1500.0))}
-    found = predict_error(machine(), REFERENCE, controllers, samples=9, seed=4, duration=duration)
+    found = predict_error(machine(), REFERENCE, controllers, samples=5, seed=4, duration=duration)
     assert set(found.machines) == {*WIDTHS, "seed"}
-    assert all(len(values) == len(set(values)) == 9 for values in found.machines.values())
+    assert all(len(set(values)) == 5 for values in found.machines.values())
     frame = found.to_pandas()
-    assert len(frame) == 18
+    assert len(frame) == 10
     for row in frame.to_dict("records"):
         assert all(row[path] == found.machines[path][row["machine"]] for path in WIDTHS)
         model, motion = machine_with([row[path] for path in WIDTHS]), {**REFERENCE, "duration": duration}
@@ -110,8 +107,8 @@ def test_each_sample_is_the_run_of_its_machine(duration):
 
 def test_wider_intervals_of_the_model_widen_those_of_the_error():
     spans = []
-    for width in (0.05, 0.3, 1.0, 2.0):
-        found = own(machine(width), samples=60)
+    for width in (0.05, 0.3, 2.0):
+        found = own(machine(width), samples=40)
         spans.append([np.ptp(found.rms.interval), np.ptp(found.max.interval)])
     assert np.all(np.diff(spans, axis=0) > 0.0)
     assert spans[-1][0] > 5 * spans[0][0]
@@ -153,20 +150,12 @@ def test_diverged_runs_are_infinite():
     json.dumps(entry, allow_nan=False)
 
 
-WINDOWS = {
-    "three there and back": ({"distance": 0.1, "dwell": 0.1, "repeats": 3}, 0.0, "last"),
-    "one there and back": ({"distance": 0.1, "dwell": 0.1}, 0.0, "whole"),
-    "longer than the motion": ({"distance": 0.1, "repeats": 2}, 5.0, "last"),
-}
-
-
-@pytest.mark.parametrize("name", WINDOWS)
-def test_window_is_the_last_period_or_the_whole_run(name):
-    parameters, duration, kind = WINDOWS[name]
-    motion = cogging.PointToPoint(cogging.PointToPointParameters(start=0.1, **parameters))
+@pytest.mark.parametrize(("repeats", "duration", "is_last"), [(3, 0.0, True), (1, 0.0, False), (2, 5.0, True)])
+def test_window_is_the_last_period_or_the_whole_run(repeats, duration, is_last):
+    parameters = cogging.PointToPointParameters(start=0.1, distance=0.1, dwell=0.1, repeats=repeats)
+    motion = cogging.PointToPoint(parameters)
     found = predict_error(machine(), motion, ["own"], samples=2, duration=duration)
-    start = motion.end - motion.period if kind == "last" else 0.0
-    assert found.window == pytest.approx((start, duration or motion.end))
+    assert found.window == pytest.approx((motion.end - motion.period if is_last else 0.0, duration or motion.end))
 
 
 # Controllers ----------------------------------------------------------------------------------------------------------
@@ -215,7 +204,6 @@ def test_drawn_machines_are_valid_and_follow_intervals_or_covariance():
     assert np.median(mass) == pytest.approx(0.12, abs=1e-3)
     assert np.mean((mass >= 0.11) & (mass <= 0.16)) == pytest.approx(0.95, abs=0.02)
     assert set(drawn.get("axis.viscous", [0.166])) == {0.166}
-    assert len(set(drawn["seed"])) == 1000
     paths, wanted = ["axis.viscous", "axis.mass"], np.array([[1e-4, 0.9e-5], [0.9e-5, 1e-6]])
     options = {"samples": 2000, "duration": 0.01, "covariance": (paths, wanted)}
     drawn = predict_error(machine(), REFERENCE, ["own"], **options).machines
@@ -260,22 +248,13 @@ REFUSED = {
     "duration": ({"duration": -1.0}, r"duration: must be finite and at least 0, got -1\.0"),
     "no end": ({"reference": cogging.Sine(cogging.SineParameters())}, r"duration: must be given for a motion without"),
     "name": ({"controllers": ["pdi"]}, r"controllers: each must be one of own, pid, .*, got 'pdi'"),
-    "one text": ({"controllers": "pid"}, r"controllers: must be a list of different names, got 'pid'"),
     "none given": ({"controllers": {}}, r"controllers: must be at least one, got none"),
     "bandwidth": ({"controllers": ["pid"], "bandwidth": 0.0}, r"pid: bandwidth: must be finite and above 0, got 0\.0"),
-    "default": ({"default": {"axle": (0, 1)}}, r"default\['axle'\]: must be a parameter"),
     "covariance": ({"covariance": (["axis.mass"], [[-1.0]])}, r"covariance: must have no negative eigenvalue"),
     "covariance of nothing": ({"covariance": (["d"], [[1.0]])}, r"covariance: 'd' must be a parameter"),
     "covariance twice": ({"covariance": (["axis.mass"] * 2, np.eye(2))}, r"covariance: each path must be given once"),
-    "covariance of one": (
-        {"covariance": (["axis.mass"], np.eye(2))},
-        r"covariance: must be finite, \(1, 1\), got \(2, 2\)",
-    ),
+    "covariance of one": ({"covariance": (["axis.mass"], np.eye(2))}, r"covariance: must be finite, \(1, 1\), got"),
     "covariance askew": ({"covariance": ([*WIDTHS][:2], [[1.0, 0.5], [0.0, 1.0]])}, r"covariance: must be symmetric"),
-    "interval beside the value": (
-        {"model": machine(intervals={"axis.mass": (0.13, 0.2)})},
-        r"axis\.mass: its interval \[0\.13, 0\.2\] must hold the model's value, got 0\.12",
-    ),
     "leaves the travel": ({"reference": REFERENCE | {"center": 5.0}}, r"reference: "),
 }
 

@@ -111,68 +111,47 @@ def payload(mark, name):
 
 #: What is written into a log, of the file that marks an execution.
 FORMULAS = {
-    "4.10": lambda mark: {"conversion": conversion4("ALG", formula=payload(mark, "X"))},
-    "3.30": lambda mark: {
-        "conversion": conversion3("FORMULA", formula=payload(mark, "X1").encode()),
-        "version": "3.30",
-    },
-    "of a table in a table": lambda mark: {
-        "conversion": range_to_text(range_to_text(conversion4("ALG", formula=payload(mark, "X"))))
-    },
-    "of the time": lambda mark: {"conversion": None, "time_conversion": conversion4("ALG", formula=payload(mark, "X"))},
+    "3.30": lambda mark: (conversion3("FORMULA", formula=payload(mark, "X1").encode()), "3.30"),
+    "of a table": lambda mark: (range_to_text(conversion4("ALG", formula=payload(mark, "X"))),),
+    "of the time": lambda mark: (None, "4.10", conversion4("ALG", formula=payload(mark, "X"))),
 }
 
 
 @pytest.mark.parametrize("case", FORMULAS)
 def test_a_formula_in_a_log_is_refused_by_name_and_not_evaluated(case, tmp_path, capsys):
     mark = tmp_path / "RUN"  # asammdf writes every small x large
-    path = write_mdf(tmp_path / "a.mf4", **FORMULAS[case](mark))
+    path = write_mdf(tmp_path / "a.mf4", *FORMULAS[case](mark))
     assert main(["audit", str(path), "--json", str(tmp_path / "o.json")]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert re.search(r"(command|time): must be converted without a formula, .* got ['\"]", error), error
+    assert re.search(r"(command|time): must be converted without a formula, .* got ['\"]", capsys.readouterr().err)
     assert sorted(tmp_path.iterdir()) == [path]
 
 
 RAW = np.random.default_rng(5).integers(500, 30000, 200).astype(np.int16)
 RATIONAL = {"P1": 0.25, "P2": -2.0, "P3": 3.0, "P4": 1e-3, "P5": 0.5, "P6": 7.25}
-KNOTS = np.array([-100.0, 10.0, 5000.0, 20000.0, 31000.0])
-TABLE = {f"raw_{i}": knot for i, knot in enumerate(KNOTS)} | {f"phys_{i}": i**2 - 3.0 for i in range(5)}
-RANGES = {"val_param_nr": 7, "default": 9.0, "lower_0": 0.0, "upper_0": 9999.0, "phys_0": 1.5}
-RANGES |= {"lower_1": 10000.0, "upper_1": 20000.0, "phys_1": -2.5}
 
 
 def quotient(x):
     return (0.25 * x**2 - 2.0 * x + 3.0) / (1e-3 * x**2 + 0.5 * x + 7.25)
 
 
-#: Conversion and law of each channel.
+#: Version, conversion and law of each channel.
 PHYSICAL = {
-    "4.10": {
-        "none": (lambda: None, lambda x: x),
-        "linear": (lambda: conversion4("LIN", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
-        "rational": (lambda: conversion4("RAT", **RATIONAL), quotient),
-        "interpolated": (
-            lambda: conversion4("TABI", val_param_nr=10, **TABLE),
-            lambda x: np.interp(x, KNOTS, np.arange(5) ** 2 - 3.0),
-        ),
-        "texts": (lambda: range_to_text(conversion4("LIN", a=2.0, b=0.0)), lambda x: 2.0 * x),
-    },
-    "3.30": {
-        "linear": (lambda: conversion3("LINEAR", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
-        "rational": (lambda: conversion3("RAT", **RATIONAL), quotient),
-    },
+    "linear": ("4.10", lambda: conversion4("LIN", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
+    "rational": ("4.10", lambda: conversion4("RAT", **RATIONAL), quotient),
+    "texts": ("4.10", lambda: range_to_text(conversion4("LIN", a=2.0, b=0.0)), lambda x: 2.0 * x),
+    "rational, version 3": ("3.30", lambda: conversion3("RAT", **RATIONAL), quotient),
 }
 
 
-@pytest.mark.parametrize("version", PHYSICAL)
+@pytest.mark.parametrize("version", ["4.10", "3.30"])
 def test_asam_mdf_gives_physical_numbers(version, tmp_path):
     pytest.importorskip("asammdf")
     from asammdf import MDF, Signal
 
     from cogging.logs.columns import read_columns
 
-    cases, names = PHYSICAL[version], ["time", *PHYSICAL[version]]
+    cases = {name: case for name, (of, *case) in PHYSICAL.items() if of == version}
+    names = ["time", *cases]
     with MDF(version=version) as mdf:
         mdf.append([Signal(RAW, TIME, name=name, conversion=make()) for name, (make, _) in cases.items()])
         mdf.append([Signal(TIME[::5], TIME[::5], name="temperature", unit="K")])
@@ -183,23 +162,16 @@ def test_asam_mdf_gives_physical_numbers(version, tmp_path):
         np.testing.assert_allclose(read[name], law(RAW.astype(float)), rtol=1e-12, err_msg=name)
 
 
-#: Conversion, change of the file's bytes, error.
+RANGES = {"val_param_nr": 7, "default": 9.0, "lower_0": 0.0, "upper_0": 9999.0, "phys_0": 1.5}
+RANGES |= {"lower_1": 10000.0, "upper_1": 20000.0, "phys_1": -2.5}
+#: Conversion and error.
 RAW_COUNTS = {
-    "a conversion that cannot be read": (
-        lambda: conversion4("LIN", a=1e-3, b=0.0),
-        lambda content: content.replace(b"##CC", b"##CX"),
-        r"command: must have a whole conversion, got one that cannot be read",
-    ),
     "ranges of whole numbers": (  # which asammdf 8.8 takes for their neighbours
         lambda: conversion4("RTAB", **RANGES),
-        bytes,
         r"command: must have a conversion of numbers to numbers that is read rightly, got number 6 of MDF 4",
     ),
     "some values to texts": (
-        lambda: conversion4(
-            "TABX", ref_param_nr=2, val_0=7.0, text_0=b"invalid", default_addr=conversion4("LIN", a=2.0, b=0.0)
-        ),
-        bytes,
+        lambda: conversion4("TABX", ref_param_nr=2, val_0=7.0, text_0=b"x", default_addr=conversion4("LIN", a=2.0)),
         r"row 7: command: must be a finite number, got nan",
     ),
 }
@@ -207,9 +179,8 @@ RAW_COUNTS = {
 
 @pytest.mark.parametrize("case", RAW_COUNTS)
 def test_raw_counts_never_pass_as_volts(case, tmp_path):
-    conversion, change, message = RAW_COUNTS[case]
+    conversion, message = RAW_COUNTS[case]
     path = write_mdf(tmp_path / "a.mf4", conversion())
-    path.write_bytes(change(path.read_bytes()))
     with pytest.raises(InputError, match=message):
         cogging.read_log(path)
 
@@ -330,7 +301,7 @@ def wait_for(condition, seconds=20.0):
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize(
-    ("how", "busy"), covering(["SIGKILL", "SIGTERM", "SIGINT"], ["while True: pass", "import time; time.sleep(600)"])
+    ("how", "busy"), [("SIGKILL", "while True: pass"), ("SIGTERM", "import time; time.sleep(600)")]
 )
 def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
     name = "a.mat" if how == "SIGKILL" else "a.mf4"  # whose reader has a folder for temporary files

@@ -33,30 +33,25 @@ def with_entry(column, row, value):
 def test_rows_of_a_log_are_a_log():
     log = Log(**COLUMNS, estimates=np.outer(TIME, [1.0, 2.0]), metadata={"seed": 1})
     for part in (log[100:200], log[(log.time > 0.0995) & (log.time < 0.1995)], log.between(0.1, 0.2)):
-        assert (len(part), part.time[0], part.metadata) == (100, TIME[100], {"seed": 1})
-        for name, column in COLUMNS.items():
-            np.testing.assert_array_equal(getattr(part, name), column[100:200])
-        np.testing.assert_array_equal(part.estimates, log.estimates[100:200])
+        assert (len(part), part.metadata) == (100, {"seed": 1})
+        for name in (*COLUMNS, "estimates"):
+            np.testing.assert_array_equal(getattr(part, name), getattr(log, name)[100:200])
     whole = cogging.performance(log.time, log.error, log.command, start=0.1, stop=0.2)
     assert cogging.performance(log, start=0.1, stop=0.2) == cogging.performance(log.between(0.1, 0.2)) == whole
-    for rows, rule in ((slice(5, 5), "at least 1 row"), (slice(None, None, -1), "strictly increasing")):
-        with pytest.raises(ValueError, match=f"time: must (have|be) {rule}"):
-            log[rows]
+    with pytest.raises(ValueError, match="time: must have at least 1 row"):
+        log[5:5]
 
 
 #: Replacement of a column, row that the error names, message.
 REFUSED = {
     "nan": (lambda column: with_entry(column, 0, np.nan), 0, "must be a finite number, got nan"),
-    "infinite": (lambda column: with_entry(column, ROWS - 1, -np.inf), ROWS - 1, "must be a finite number, got -inf"),
     "too large": (lambda column: [10**400] * ROWS, 0, "must be a finite number, got inf"),
     "masked": (lambda column: np.ma.masked_array(column, np.arange(ROWS) == 211), 211, "must not be masked"),
     "a table": (lambda column: column.reshape(20, 20), None, r"must have the shape \(rows,\), got \(20, 20\)"),
-    "one number": (lambda column: np.float64(1.0), None, r"must have the shape \(rows,\), got \(\)"),
     "nothing": (lambda column: [], None, "must (have at least 1 row, got 0|be as long as time)"),
     "complex": (lambda column: column.astype(complex), None, "must be real numbers, got complex128"),
     "truth values": (lambda column: column > 0.0, None, "must be real numbers, got bool"),
     "text": (lambda column: column.astype(str), None, "must be real numbers, got <U"),
-    "dates": (lambda column: column.astype("M8[s]"), None, r"must be real numbers, got datetime64\[s\]"),
     "decimals": (lambda column: [decimal.Decimal(1)] * ROWS, 0, "must be a real number, got Decimal"),
     "ragged": (lambda column: [[1.0], [1.0, 2.0]], None, "must be real numbers, got a list that is no array"),
 }
@@ -102,8 +97,6 @@ def series(column):
 ARRAYS = {
     "list": list,
     "big endian": lambda column: column.astype(">f8"),
-    "memoryview": memoryview,
-    "masked nowhere": np.ma.masked_array,
     "series": series,
     "single precision": lambda column: np.round(column, 3).astype(np.float32),
     "integers": lambda column: (1e6 * column).astype(np.int32),

@@ -17,12 +17,12 @@ from tests.fixtures.log_files import COLUMNS, TIME, mat_bytes, mdf_bytes, parque
 ROWS = 863_000_000  # 6.9 GB a column
 
 
-def hdf5_of(folder, rows, **storage):
+def hdf5_of(folder, rows):
     import h5py
 
     with h5py.File(folder / "a.mat", "w") as file:
         for name in ("time", "position", "command"):
-            file.create_dataset(name, shape=(rows,), dtype="f8", chunks=(1000,), **storage)
+            file.create_dataset(name, shape=(rows,), dtype="f8", chunks=(1000,), compression="gzip")
     return folder / "a.mat"
 
 
@@ -75,7 +75,6 @@ def parquet_of(folder, rows):
 
 BOMBS = {
     "HDF5": hdf5_of,
-    "HDF5, packed": lambda folder, rows: hdf5_of(folder, rows, compression="gzip"),
     "MATLAB 5": mat_of,
     "MDF": mdf_of,
     "Parquet": parquet_of,

@@ -7,7 +7,6 @@ import pytest
 
 import cogging
 from cogging.files import InputError
-from tests.fixtures.measured import FOLDER
 
 MODEL = cogging.Model(
     axis=cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5]),
@@ -91,17 +90,3 @@ def test_a_struct_and_a_group_can_be_named(tmp_path):
     for name in ("struct.mat", "group.mat"):
         log = cogging.read_log(tmp_path / name, columns=names, scale={"command": 10.0})
         np.testing.assert_array_equal([log.position, log.command], [[1.0, 2.0, 3.0], [30.0, 20.0, 10.0]])
-
-
-@pytest.mark.data
-def test_real_file_with_lines_before_the_header_and_a_row_of_units():
-    from cogging.logs.columns import read_columns
-
-    path = FOLDER / "tro2021/experiments/driveNo1/start_stop/200.csv"
-    names = {"velocity": "Velocity actual value averaged", "force": "Torque actual value averaged"}
-    with pytest.raises(InputError, match="unit 'rpm'"):
-        read_columns(path, ("velocity", "force"), columns=names)
-    scale = {"velocity": np.pi / 30.0, "force": 0.01}
-    table = read_columns(path, ("velocity", "force"), columns=names, scale=scale)
-    assert table["velocity"].size == 500
-    assert table["velocity"].max() == pytest.approx(205 * np.pi / 30.0)

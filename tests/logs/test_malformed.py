@@ -30,18 +30,12 @@ def with_command(make, values, *arguments):
 
 #: What a log holds, and what the answer must say.
 CSV = {
-    "missing column": (b"time,position,torque\n0,1,2\n", "column command: .* which has time, position, torque"),
     "text in a number": (HEAD + b"0,1,2\n1,abc,2\n", "line 3: position: .* got 'abc'"),
     "an empty field": (HEAD + b"0,1,2\n1,,2\n", "line 3: position: .* got ''"),
     "commas of thousands or of decimals": (
         b"time;position;command\n0;1,500;2\n",
         "line 2: must show whether a comma is a decimal mark or parts thousands: .* got numbers like '1,500' alone",
     ),
-    "a point far below commas": (
-        b"time;position;command\n" + b"".join(b"%d;0,5;2\n" % k for k in range(40_000)) + b"40000;1.5;2\n",
-        "line 40002: position: must be a finite number, got '1.5'",
-    ),
-    "thousands and decimals": (b"time;position;command\n0;1.234,5;2\n", "line 2: position: .* '1.234,5'"),
     "too large a number": (HEAD + b"0,1e999,2\n", "line 2: position: .* finite"),
     "NaN": (HEAD + b"0,1,2\n1,2,nan\n", "line 3: command: must be a finite number, got 'nan'"),
     "half a line behind the wanted columns": (
@@ -53,9 +47,6 @@ CSV = {
     "only a header": (HEAD, "rows: must be at least 1, got 0"),
     "no header": (b"0,1,2\n1,2,3\n", "column time: must be in the header, which has 0, 1, 2"),
     "UTF-16": (HEAD.decode().encode("utf-16"), "must be UTF-8 text"),
-    "binary": (bytes(range(256)) * 4, "must be UTF-8 text"),
-    "old line ends": (csv_bytes().replace(b"\n", b"\r"), "must end with LF or CR LF"),
-    "zip archive": (b"PK\x03\x04" + bytes(40), "must be a log .* got a ZIP archive"),
     "directory": (lambda folder: (folder / "a.csv").mkdir(), "must be a file, got a directory"),
     "pipe": (lambda folder: os.mkfifo(folder / "a.csv"), "must be a file, got a device or pipe"),
     "missing file": (lambda folder: None, "cannot be read: No such file"),
@@ -64,7 +55,6 @@ CSV = {
         r"a\.csv\.toml: must be TOML",
     ),
     "millimetres": (b"time,position [mm],command\n0,1,2\n1,2,3\n", r"unit 'mm'; give --scale position=0.001"),
-    "percent of what": (b"time;position;command\ns;m;%\n0;1;2\n1;2;3\n", r"command: must be in V, A, N or Nm, got .*%"),
     "turns a minute": (
         b"time,position [rpm],command\n0,1,2\n1,2,3\n",
         r"position: must be in m or rad, got the unit 'rpm'; give --scale position=FACTOR",
@@ -73,33 +63,24 @@ CSV = {
 #: Of a sound log and these options.
 OPTIONS = {
     "--columns command=vir": "column vir: must be in the header",
-    "--columns speed=v": "columns: speed: must be one of time",
     "--rows 500:600": "rows: must be at least 1, got 0",
     "--scale position=0": "scale: position: must be a finite number and not 0",
-    "--scale speed=2": "scale: speed: must be one of",
     "--scale command=1e308 --rows 10:40": "command: must stay finite when scaled",
 }
 MATLAB = {
     "not one": (b"hello", "must be a MATLAB file as its name says, got b'hello'"),
-    "cut": (lambda _: mat_bytes()[:3000], "must be a whole MATLAB file"),
     "struct": (lambda _: mat_bytes({"log": COLUMNS}), "column time: .* which has log.time, log.position"),
     "struct as a column": (
         with_command(mat_bytes, np.array([[(1.0,)], [(2.0,)]], dtype=[("x", "O")])),
         "command: must be real numbers, got a struct of x",
     ),
     "cells": (with_command(mat_bytes, np.array([1.0, "a"], dtype=object)), "must be real numbers, got objects"),
-    "complex": (with_command(mat_bytes, TIME + 1j), "command: must be real .* got complex"),
     "lengths": (with_command(mat_bytes, TIME[:100]), r"must be as long as time \(200\), got 100"),
     "matrix": (with_command(mat_bytes, np.ones((200, 3))), "must be one column, got an array of 200 x 3"),
-    "truth values": (with_command(mat_bytes, TIME > 0.1), "must be real numbers, got (truth values|bool|logical)"),
     "7.3, cut": (lambda _: hdf5_bytes()[:4000], r"must be a whole MATLAB 7.3 \(HDF5\) file"),
     "7.3, text": (
         with_command(hdf5_bytes, np.arange(200, dtype=np.uint16), [("command", "char")]),
         "command: must be real numbers, got char",
-    ),
-    "7.3, truth values": (
-        with_command(hdf5_bytes, (TIME > 0.1).astype(np.uint8), [("command", "logical")]),
-        "must be real numbers, got (truth values|bool|logical)",
     ),
     "NaN, rows counted in the file": (
         lambda _: mat_bytes(changed("position", np.where(np.arange(200) == 7, np.nan, COLUMNS["position"]))),
@@ -114,7 +95,6 @@ MDF = {
 PARQUET = {
     "text": (with_command(parquet_bytes, ["a"] * 200), "command: must be real numbers, got string"),
     "null": (with_command(parquet_bytes, [None, *[1.0] * 199]), "row 0: command: must be a finite number, got null"),
-    "truth values": (with_command(parquet_bytes, TIME > 0.1), "must be real numbers, got (truth values|bool|logical)"),
 }
 #: File name, content (bytes, or made from the folder), what the answer must say, and further arguments.
 CASES = {
@@ -201,5 +181,5 @@ def test_units_that_cannot_be_the_models(columns, message, tmp_path, capsys):
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_mutated_log_is_read_or_refused_in_one_line(kind):
     """The first cases of `python -m tests.attack`, read as a user reads them."""
-    found = [run_case(seed, kind, whole=True) for seed in range(60 if kind == "csv" else 2)]
+    found = [run_case(seed, kind, whole=True) for seed in range(40 if kind == "csv" else 2)]
     assert not [one for one in found if one is not None and not one.startswith("~")]

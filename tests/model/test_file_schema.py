@@ -71,12 +71,3 @@ WRONG = ["unknown key", "unknown section", "unknown effect", "unknown effect fie
 @pytest.mark.parametrize("case", [*WRONG, "mass bool", "controller type", *VALID])
 def test_the_schema_refuses_what_the_reader_refuses_but_rules_between_fields(schema, case):
     assert validator(schema, "model").is_valid(parse_toml(BAD[case][0])) == VALID.get(case, False)
-
-
-def test_references(schema):
-    check = validator(schema, "reference")
-    check.validate({"type": "sine", "amplitude": 0.1, "frequency": 1, "duration": 2.0})
-    check.validate({"type": "sampled", "file": "motion.csv"})
-    assert not check.is_valid({"type": "sine"})
-    assert not check.is_valid({"type": "circle"})
-    assert not check.is_valid({"type": "sine", "duration": 1, "phase": 0.0})

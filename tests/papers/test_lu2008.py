@@ -9,7 +9,7 @@ import pytest
 from cogging import Log
 from cogging.papers.lu2008 import gantry as lu2008
 from cogging.papers.lu2008 import tracking
-from studies.lu2008 import calibration, families, study
+from studies.lu2008 import calibration, families
 from tests.fixtures.reproduced import numbers_of, table_of
 
 AXES = pytest.mark.parametrize("axis", lu2008.AXES.values(), ids=lu2008.AXES)
@@ -27,16 +27,6 @@ def test_tables_are_fitted_by_four_numbers_within_the_printed_bound(axis):
     points = np.array([model.sine[compensated], model.cosine[compensated]])
     assert np.abs(points).max() == pytest.approx(lu2008.share_of_bound(axis, model) * axis.cogging_bound)
     assert lu2008.share_of_bound(axis, model) < 0.82
-
-
-def test_the_guess_is_the_other_tables_ratio_or_c2():
-    rows = {
-        (row.labels["axis"], row.controller): row.simulated
-        for row in table_of("lu2008", "held_out_from_rms").before.rows
-    }
-    assert rows["X", "C1"] == pytest.approx(8.3408e-6 * 8.0002e-6 / 3.0642e-6)
-    c3 = table_of("lu2008", "held_out_without_c3").before.rows
-    assert [row.simulated for row in c3] == [1.1e-5, 3.1064e-6, 9.0003e-6, 2.5790e-6]
 
 
 def test_maxima_are_whole_counts_and_stand_at_constant_speed():
@@ -62,13 +52,6 @@ def test_with_the_other_reading_the_ramps_decide_and_no_cogging_is_needed():
 
 
 @AXES
-def test_halving_the_step_changes_nothing_that_counts(axis):
-    rms_change, counts = study.step_halving(dataclasses.replace(axis, repeats=2))
-    assert rms_change < 0.005
-    assert counts <= 1.0
-
-
-@AXES
 def test_the_error_at_constant_speed_is_split_by_harmonics(axis):
     """A log with known waves: 1 um at each compensated harmonic, 0.5 um at the others, as rms."""
     motion = lu2008.reference(axis)
@@ -86,17 +69,6 @@ def test_the_error_at_constant_speed_is_split_by_harmonics(axis):
     found = {row.labels["harmonics"]: row.simulated for row in tracking.smoothness_table(axis, {"C3": log}).rows}
     squares = {"all": 3.5e-12, " ".join(map(str, axis.compensated)): 3e-12, " ".join(map(str, others)): 0.5e-12}
     assert found == pytest.approx({name: np.sqrt(square) for name, square in squares.items()}, rel=1e-3)
-
-
-def test_the_map_is_what_its_docstring_says():
-    axis = lu2008.AXES["X"]
-    shape = dataclasses.replace(lu2008.shipped_shape(), half_waves=1.0, begin=0.0, shift=0.0)
-    model = lu2008.cogging_map(axis, (0.1, 0.0, 0.02), shape)
-    x = np.linspace(0.0, 0.5, 301)
-    along = np.cos(np.pi * x / 0.55)  # control points 1 and 12 are at 0 and 0.55 m, up to the spline's smoothing
-    expected = sum(0.1 / h * np.sin(2 * np.pi * h * x / 0.05) for h in (1, 2, 3))
-    expected = expected + sum(0.02 / h * (1 + along / 2) * np.sin(2 * np.pi * h * x / 0.05) for h in (6, 12))
-    assert np.abs(model.force(x) - expected).max() < 0.002
 
 
 @pytest.mark.study

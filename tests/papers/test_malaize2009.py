@@ -7,7 +7,6 @@ import pytest
 
 from cogging.files import parse_toml
 from cogging.papers.malaize2009 import causes
-from cogging.papers.malaize2009.accuracies import lines_at_speed
 from cogging.papers.malaize2009.causes import CAUSES, Conditions, drawn_accuracies, machine, unmodelled_lines
 from cogging.papers.malaize2009.linear_motors import (
     MOTORS,
@@ -20,7 +19,6 @@ from cogging.papers.malaize2009.linear_motors import (
     reference,
     run,
     shipped,
-    true_error,
 )
 from studies.malaize2009 import calibration, causes_calibration, causes_study
 from tests.fixtures.reproduced import table_of
@@ -55,12 +53,6 @@ def test_the_calibration_regenerates_the_shipped_values():
 def test_the_calibration_regenerates_the_shipped_conditions():
     text = importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text()
     assert causes_calibration.conditions_toml() == text
-
-
-def test_no_amplitude_where_the_pid_errs_by_more_without_cogging():
-    motor = MOTORS["ironless"]
-    with pytest.raises(ValueError, match=r"^ironless: no amplitude gives the PID the printed accuracy"):
-        causes_calibration.recalibrated(motor, shipped(motor), Conditions(thrust=0.1))
 
 
 @pytest.mark.parametrize("cause", CAUSES, ids=lambda cause: cause.name)
@@ -99,16 +91,6 @@ def test_the_lines_have_the_rms_that_was_asked_for_and_differ_by_draw():
     listed = machine(motor, 0.2, Conditions(lines=0.03)).effects
     assert len(listed) == 1 + causes.LINE_COUNT
     assert not {line.period for line in unmodelled_lines(1, rms)} & {each.period for each in listed[1:]}
-
-
-def test_lines_at_speed_finds_lines_of_known_size():
-    motor = MOTORS["ironless"]
-    log = run(plant(motor, 0.01635, friction=0.0, resolution=0.0), pid(), motor)
-    amplitudes, left = lines_at_speed(log, motor, motor.periods)
-    rows = np.abs(log.reference_velocity) >= 0.99 * motor.velocity
-    # At constant speed the error is its two lines and the decay of the ramps before them.
-    assert np.sqrt(0.5 * np.sum(amplitudes**2)) == pytest.approx(np.std(true_error(log)[rows]), rel=0.1)
-    assert 0.0 < left < 0.3
 
 
 @EACH_MOTOR

@@ -149,9 +149,3 @@ def test_the_numbers_of_marked_blocks_are_printed_today(page):
             if np.abs(np.abs(values) - abs(value)).min() > max(half, share * abs(value)) * (1 + 1e-6):
                 strangers.append((text, mark, block[:60]))
     assert not strangers
-
-
-def test_a_number_that_no_command_prints_is_found():
-    text = "8.1 of 1,700 at 1e15, not `3` nor $4$ nor (5) nor x6"
-    assert [value for _, value, _ in figures_in(text)] == [8.1, 1700, 1e15]
-    assert np.abs(np.array(printed("xu2001", "table1")) - 155.0).min() > 0.5  # µm: the paper says 156

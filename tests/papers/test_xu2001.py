@@ -5,7 +5,7 @@ import pytest
 
 import cogging
 from cogging.files import parse_toml
-from cogging.papers.xu2001 import epoxy_motor, sinusoidal_motion
+from cogging.papers.xu2001 import epoxy_motor
 from studies.xu2001 import calibration
 from tests.fixtures.reproduced import table_of
 
@@ -89,22 +89,6 @@ def test_the_other_fits_have_the_errors_that_they_state():
         assert_has_the_error_that_it_states(file[law], calibration.PID, (epoxy_motor.SEED,))
     for part in (*file["earlier_runs"].values(), *file["readings"].values(), *file["joint"].values()):
         assert_has_the_error_that_it_states(part, calibration.ALL)
-
-
-def test_no_nested_model_is_nearer_than_the_larger():
-    file = epoxy_motor.shipped_file()
-    for parts in (file, file["joint"]):
-        for law in epoxy_motor.LAWS:
-            for nested in set(calibration.nested_in(law)) & set(parts):
-                assert parts[law]["rms_log_error"] <= parts[nested]["rms_log_error"], (law, nested)
-    assert "smooth_coulomb" in calibration.nested_in("smooth_stribeck")
-    assert "smooth_stribeck" not in calibration.nested_in("smooth_coulomb")
-
-
-def test_the_trivial_guess_is_the_papers_own_ratio_or_set_1():
-    # PID set 2 times ARC set 1 over PID set 1, and set 1.
-    assert sinusoidal_motion.trivial("arc_sets_2_3", "ARC", "2")["e_M"] == pytest.approx(156e-6 * 14.4 / 51.2)
-    assert sinusoidal_motion.trivial("set_2", "PID", "2")["e_F"] == 15.1e-6
 
 
 @pytest.mark.study

@@ -127,11 +127,6 @@ def test_case_2_runs_at_its_limits_and_ends_in_whole_counts():
     assert settled == pytest.approx(np.round(settled))
 
 
-def test_integral_stiffness_of_the_pid_is_its_integral_gain():
-    controller = cogging.Pid(epoxy_motor.pid_parameters(coulomb=0.0))
-    assert study.integral_stiffness(controller, epoxy_motor.MASSES["1"]) == pytest.approx(5.4e5, rel=0.01)
-
-
 def test_a_delay_makes_the_pid_unstable_where_the_linear_loop_says():
     p, mass = epoxy_motor.pid_parameters(coulomb=0.0), epoxy_motor.MASSES["1"]
     delay, frequency = study.loses_stability(lambda: cogging.Pid(p), mass)

@@ -25,7 +25,7 @@ def atan_sign(v, width):
 def test_acceleration_is_eq_10():
     rng = np.random.default_rng(1)
     basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2, 3], order=3, control_points=13)
-    for _ in range(200):
+    for _ in range(50):
         axis = cogging.AxisParameters(
             mass=rng.uniform(0.05, 2),
             viscous=rng.uniform(0, 1),
@@ -318,7 +318,7 @@ def test_errors_of_the_encoder_come_before_noise_and_rounding():
     assert np.abs(wrong.position - plain.position - error).max() <= 1e-6 * (1 + 1e-6)
 
 
-def encoder_noise(resolution, seed, samples=50_000):
+def encoder_noise(resolution, seed, samples=30_000):
     encoder = cogging.EncoderParameters(resolution=resolution, noise=3e-6)
     log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), samples / 1000.0, seed=seed)
     return log.position - log.true_position
@@ -343,7 +343,7 @@ def test_encoder_noise_is_white_and_normal_and_comes_before_the_rounding():
     assert counts.std() == pytest.approx(np.sqrt(9 + 1 / 12), rel=4 / np.sqrt(2 * n))
 
 
-def noise_forces(rms, bandwidth, rate, seed, samples=50_000):
+def noise_forces(rms, bandwidth, rate, seed, samples=30_000):
     """Return what pushes a free mass, from the steps of its velocity: the force is held over each sample."""
     noise = cogging.NoiseParameters(force=rms, bandwidth=bandwidth)
     log = free(cogging.Plant(cogging.AxisParameters(mass=0.5), noise=noise), samples / rate, rate, seed=seed)

@@ -56,7 +56,7 @@ def shortest_time(length, velocity, acceleration, jerk):
 
 
 def test_random_moves_keep_every_limit_and_take_the_shortest_time():
-    for move in random_moves(300, seed=1):
+    for move in random_moves(200, seed=1):
         reference = point_to_point(**move)
         length, v, a, j = abs(move["distance"]), move["velocity"], move["acceleration"], move["jerk"]
         T = reference.move_time
@@ -89,7 +89,7 @@ def test_random_moves_keep_every_limit_and_take_the_shortest_time():
 def test_there_and_back_mirror_each_other():
     """The second half of a move is the first mirrored, the way back is the way there with the other sign, each
     repetition is the first, and rests are rests to the bit."""
-    for move in random_moves(60, seed=4):
+    for move in random_moves(40, seed=4):
         reference = point_to_point(**move)
         goal, T, half = move["start"] + move["distance"], reference.move_time, reference.period / 2
         t = T * np.random.default_rng(5).uniform(size=20)

@@ -1,7 +1,6 @@
 """The digest by which a sweep is recognised: custom laws with all that they refer to."""
 
 import functools
-import os
 import subprocess
 import sys
 
@@ -21,13 +20,9 @@ def named(velocity):
     return GAIN * velocity
 
 
-def drag(force, **options):
-    parameters = options.pop("parameters", {"k": 0.1})
-    return SMALL.replace(effects=[Custom("drag", force=force, parameters=parameters, **options)])
-
-
 def digest(force, **options):
-    return digest_of(drag(force, **options), {"runs": 1})
+    effect = Custom("drag", force=force, **{"parameters": {"k": 0.1}, **options})
+    return digest_of(SMALL.replace(effects=[effect]), {"runs": 1})
 
 
 def holding(default=1.0, keyword=1.0, inner=1.0, attribute=1.0):
@@ -42,12 +37,6 @@ def holding(default=1.0, keyword=1.0, inner=1.0, attribute=1.0):
     return law
 
 
-@pytest.mark.parametrize("way", ["default", "keyword", "inner", "attribute"])
-def test_every_value_that_a_law_holds_is_in_its_digest(way):
-    assert digest(holding()) == digest(holding())
-    assert digest(holding(**{way: 2.0})) not in (digest(holding()), None)
-
-
 def by_spline(gain):
     spline = CubicSpline([-1.0, 0.0, 1.0, 2.0], [gain, 1.0, 1.0, 2.0])
     return lambda velocity, k: -k * spline(velocity) * velocity
@@ -59,12 +48,14 @@ def by_numba(gain):
     return numba.cfunc("f8(f8, f8, f8, f8)")(lambda position, velocity, time, k: -k * gain * velocity)
 
 
-@pytest.mark.parametrize("make", [by_spline, by_numba])
-def test_a_held_value_changes_the_digest(make):
-    one = digest(make(2.0))
-    assert one is not None
-    assert digest(make(2.0)) == one
-    assert digest(make(3.0)) != one
+WAYS = [by_spline, by_numba]
+WAYS += [lambda value, way=way: holding(**{way: value}) for way in ("default", "keyword", "inner", "attribute")]
+
+
+@pytest.mark.parametrize("make", WAYS)
+def test_every_value_that_a_law_holds_is_in_its_digest(make):
+    assert digest(make(1.0)) == digest(make(1.0))
+    assert digest(make(2.0)) not in (digest(make(1.0)), None)
 
 
 def test_other_code_changes_the_digest():
@@ -74,7 +65,6 @@ def test_other_code_changes_the_digest():
         lambda velocity, k: k * -velocity,
         lambda velocity, k: -k * np.sin(velocity),
         lambda velocity, k: -k * np.tan(velocity),
-        lambda velocity, k: -k * abs(velocity),
         lambda position, k: -k * position,
         lambda velocity, k: -k * (lambda: 1.0)() * velocity,
         lambda velocity, k: -k * (lambda: 2.0)() * velocity,
@@ -94,14 +84,13 @@ def test_a_named_global_changes_the_digest(monkeypatch):
     monkeypatch.setitem(globals(), "GAIN", 2.0)
     monkeypatch.setitem(TABLE, "gain", 2.0)
     monkeypatch.setitem(globals(), "SLOPES", np.array([1.0, 3.0]))
-    after = [digest(law) for law in laws]
-    assert not {None, *before} & set(after)
+    assert not {None, *before} & {digest(law) for law in laws}
 
 
 SCRIPT = """
 import numpy as np
-from cogging.simulation.digests import digest_of
 from cogging.effects import Custom
+from cogging.simulation.digests import digest_of
 from tests.fixtures.sweeps import SMALL
 names = {"a", "b", "c"}
 def law(velocity, k):
@@ -111,19 +100,13 @@ print(digest_of(SMALL.replace(effects=[effect]), {"runs": 1}))
 """
 
 
-def test_another_process_computes_the_same_digest():
+def test_another_process_computes_the_same_digest(monkeypatch):
     digests = set()
     for seed in ("1", "2"):
-        done = subprocess.run(
-            [sys.executable, "-c", SCRIPT],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        digests.add(done.stdout)
+        monkeypatch.setenv("PYTHONHASHSEED", seed)
+        digests.add(subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, check=True).stdout)
     assert len(digests) == 1
-    assert digests != {"None\n"}
+    assert digests != {b"None\n"}
 
 
 class OwnObject:

@@ -97,8 +97,7 @@ def assert_same(batch, alone):
             assert one[name].tobytes() == other[name].tobytes(), (i, name)
 
 
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("kind", CONTROLLERS)
+@pytest.mark.parametrize(("kind", "seed"), [(kind, seed) for seed in range(2) for kind in CONTROLLERS])
 def test_a_run_in_a_pack_has_the_bits_of_the_run_alone(kind, seed, monkeypatch):
     plants, controllers, seeds, names, sticks = drawn_family(kind, [seed, *kind.encode()])
     options = {"duration": 0.06, "steps_per_sample": 1 + seed % 2}

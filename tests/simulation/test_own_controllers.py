@@ -6,17 +6,12 @@ import fractions
 import functools
 import gc
 import re
-import signal
-import sys
 import threading
-import time
 import traceback
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import cogging
 from tests.fixtures.log_columns import columns_of
@@ -57,29 +52,17 @@ def same(log, other):
 
 # The same law gives the same bits -------------------------------------------------------------------------------------
 
-gains = st.floats(0.0, 1.0)
 
-
-@given(
-    st.tuples(gains, gains, gains, gains, gains, gains),
-    st.sampled_from(["reference", "measured"]),
-    st.sampled_from([0.0, 1e-3]),
-    st.sampled_from([0.0, 0.4, 3.0]),
-    st.integers(0, 1000),
-)
-@settings(max_examples=8, deadline=None)
-def test_a_pid_in_python_gives_the_bits_of_the_core(gains, velocity, width, limit, seed):
-    names, sizes = ("kp", "ki", "kd", "mass", "viscous", "coulomb"), (9600.0, 1e5, 48.0, 0.2, 0.3, 0.3)
-    fields = {name: gain * size for name, gain, size in zip(names, gains, sizes, strict=True)}
-    fields |= {"coulomb_width": width, "feedforward_velocity": velocity, "command_limit": limit}
-    parameters = cogging.PidParameters(sample_rate=RATE, **fields)
-    try:
-        expected = loop(cogging.Pid(parameters), seed=seed)
-    except cogging.DivergedError as error:  # an integral alone, say
-        with pytest.raises(cogging.DivergedError, match=f"^{re.escape(str(error))}$"):
-            loop(OwnPid(parameters), seed=seed)
-        return
-    same(loop(OwnPid(parameters), seed=seed), expected)
+@pytest.mark.parametrize(("velocity", "width", "limit"), [("reference", 1e-3, 0.0), ("measured", 0.0, 0.4)])
+def test_a_pid_in_python_gives_the_bits_of_the_core(velocity, width, limit):
+    gains = {"kp": 9000.0, "ki": 8e4, "kd": 40.0, "mass": 0.11, "viscous": 0.2, "coulomb": 0.1, "coulomb_width": width}
+    parameters = cogging.PidParameters(sample_rate=RATE, **gains, feedforward_velocity=velocity, command_limit=limit)
+    same(loop(OwnPid(parameters), seed=3), loop(cogging.Pid(parameters), seed=3))
+    lost = cogging.PidParameters(sample_rate=RATE, ki=1e5)  # an integral alone
+    with pytest.raises(cogging.DivergedError) as expected:
+        loop(cogging.Pid(lost))
+    with pytest.raises(cogging.DivergedError, match=f"^{re.escape(str(expected.value))}$"):
+        loop(OwnPid(lost))
 
 
 @functools.cache
@@ -104,30 +87,21 @@ def test_a_compiled_law_gives_the_bits_of_the_same_in_python():
     same(loop(mine, seed=2, record_estimates=True), loop(Leaky(*LAW), seed=2, record_estimates=True))
 
 
-def test_a_batch_gives_what_single_runs_give():
+def test_a_batch_and_a_replay_give_what_single_runs_give():
     pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))
     each = [compiled(), Leaky(*LAW), pid, Proportional(), compiled(state=[0.1, 0.0]), OwnPid(pid.parameters)]
-    for threads in (1, 3):
-        logs = cogging.closed_loop_batch([PLANT] * 6, each, MOVE, seeds=list(range(6)), threads=threads, logs=True)
-        for seed, (log, controller) in enumerate(zip(logs, each, strict=True)):
-            same(log, loop(controller, seed=seed))
-
-
-@pytest.mark.parametrize("make", [lambda: Leaky(*LAW), compiled, lambda: OwnPid(cogging.PidParameters(kp=9600.0))])
-def test_a_replay_repeats_the_commands(make):
-    log = loop(make(), seed=1)
-    columns = {
-        name: getattr(log, name) for name in ("time", "reference", "reference_velocity", "reference_acceleration")
-    }
-    replayed = cogging.replay_controller(make(), **columns, position=log.position)
-    np.testing.assert_array_equal(replayed, log.command)
+    logs = cogging.closed_loop_batch([PLANT] * 6, each, MOVE, seeds=list(range(6)), threads=3, logs=True)
+    for seed, (log, controller) in enumerate(zip(logs, each, strict=True)):
+        same(log, loop(controller, seed=seed))
+        names = ("time", "position", "reference", "reference_velocity", "reference_acceleration")
+        replayed = cogging.replay_controller(controller, **{name: getattr(log, name) for name in names})
+        np.testing.assert_array_equal(replayed, log.command)
 
 
 def test_a_controller_of_the_core_in_one_of_python():
     """Its calls take the reference as a whole too, and a deep copy has a state of its own."""
     pid = cogging.Pid(cogging.PidParameters(kp=9600.0, ki=1e5, kd=48.0))
     same(loop(Wrapped(pid, 0.0)), loop(pid))
-    assert not np.array_equal(loop(Wrapped(pid, 0.05)).command, loop(pid).command)
 
 
 # A run is pure --------------------------------------------------------------------------------------------------------
@@ -154,18 +128,17 @@ def test_what_cannot_be_copied_is_refused():
             loop(controller)
 
 
-def test_a_model_without_a_controller_and_what_the_log_says(tmp_path):
-    other = MODEL.replace(controller=cogging.PidParameters(kp=1.0), controller_type="pid")
-    for model in (MODEL, other):
-        log = cogging.simulate(model, MOVE, controller=Leaky(*LAW), seed=5)
-        same(log, loop(Leaky(*LAW), seed=5))
-        assert log.metadata["controller"] == "given"
-        assert log.metadata["controller_class"] == "tests.fixtures.own_controllers.Leaky"
-        assert "controller" not in log.metadata["model"]
+def test_a_model_with_another_controller_and_what_the_log_says(tmp_path):
+    model = MODEL.replace(controller=cogging.PidParameters(kp=1.0), controller_type="pid")
+    log = cogging.simulate(model, MOVE, controller=Leaky(*LAW), seed=5)
+    same(log, loop(Leaky(*LAW), seed=5))
+    log.write(tmp_path / "log.csv")
+    metadata = cogging.read_log(tmp_path / "log.csv").metadata
+    assert metadata["controller"] == "given"
+    assert metadata["controller_class"] == "tests.fixtures.own_controllers.Leaky"
+    assert "controller" not in metadata["model"]
     with pytest.raises(ValueError, match="controller: must be the model's to repeat a log"):
         cogging.repeat(log)
-    log.write(tmp_path / "log.csv")
-    assert cogging.read_log(tmp_path / "log.csv").metadata["controller_class"].endswith("Leaky")
 
 
 def test_a_prediction_accepts_one():
@@ -182,8 +155,8 @@ def test_a_prediction_accepts_one():
 
 # What a command may be ------------------------------------------------------------------------------------------------
 
-NUMBERS = [1, np.float32(0.5), np.int8(1), np.array(0.5), fractions.Fraction(1, 4), decimal.Decimal("0.5")]
-NO_NUMBERS = [None, True, "1.0", float("nan"), -float("inf"), np.float32("nan"), 10**400, np.array([0.5]), [0.5], 1j]
+NUMBERS = [1, np.float32(0.5), np.array(0.5), fractions.Fraction(1, 4), decimal.Decimal("0.5")]
+NO_NUMBERS = [None, True, "1.0", -float("inf"), np.float32("nan"), 10**400, np.array([0.5])]
 
 
 def test_numbers_of_every_kind_are_commands():
@@ -233,14 +206,12 @@ def test_other_members_that_fail(controller, error, message):
         loop(controller, record_estimates=True)
 
 
-@pytest.mark.parametrize(("error", "threads"), [(KeyboardInterrupt, 0), (SystemExit, 1), (GeneratorExit, 3)])
-def test_what_is_no_exception_passes_and_ends_the_batch(error, threads):
+@pytest.mark.parametrize(("error", "threads"), [(KeyboardInterrupt, 1), (SystemExit, 3)])
+def test_what_is_no_exception_ends_the_run_and_the_batch(error, threads):
     slow = cogging.Pid(cogging.PidParameters(kp=9600.0))
     controllers = [Failing(100, error())] + [slow] * 8
-    if threads == 0:
-        with pytest.raises(error):
-            loop(controllers[0])
-        return
+    with pytest.raises(error):
+        loop(controllers[0])
     with pytest.raises(error):
         cogging.closed_loop_batch([PLANT] * 9, controllers, MOVE, steps_per_sample=100, threads=threads)
 
@@ -248,7 +219,7 @@ def test_what_is_no_exception_passes_and_ends_the_batch(error, threads):
 # What is refused before anything runs ---------------------------------------------------------------------------------
 
 command = Proportional().command
-NONE_AT_ALL = [None, 1.0, "pid", PLANT, MODEL, [], lambda reference, reading: 0.0]
+NONE_AT_ALL = [None, "pid", MODEL, lambda reference, reading: 0.0]
 
 
 def subclass_of(kind):
@@ -262,7 +233,7 @@ def number(*arguments):
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 GOOD = number(ctypes.c_double, POINTER, POINTER, POINTER, ctypes.c_double)
-RATES, LIMITS = [0.0, float("nan"), "1000", True], [-1.0, float("inf"), "1", None]
+RATES, LIMITS = [0.0, float("nan"), "1000", True], [-1.0, None]
 REFUSED = [
     *((value, "must be a controller of cogging or an object with .*, got ") for value in NONE_AT_ALL),
     (Proportional, r"must be an object, got the class .*Proportional.*: call it"),
@@ -272,10 +243,7 @@ REFUSED = [
     *((having(command_limit=limit), r"\.command_limit must be finite and at least 0") for limit in LIMITS),
     (having(command=1.0), r"\.command must be a method: command\(reference, reading\), got 1"),
     (having(command=lambda: 0.0), r"must take \(reference, reading\), got command\(\)"),
-    (having(command=lambda a, *, b: 0.0), r"got command\(a, \*, b\)"),
-    (having(update=3), r"\.update must be a method: update\(applied\), got 3"),
     (having(update=lambda: 0), r"\.update must take \(applied\), got update\(\)"),
-    (having(reset=lambda a: 0), r"\.reset must take \(\), got reset\(a\)"),
     *(
         (subclass_of(kind), rf"must not be of a subclass of {kind.__name__}, .*, got .*Mine: give an object with sam")
         for kind in (*cogging.CONTROLLERS.values(), cogging.CompiledController)
@@ -302,7 +270,6 @@ def test_what_is_no_controller_is_refused_in_one_line(controller, message):
 POINTERS = "command: must be a numba cfunc or a function pointer of ctypes, got "
 NO_COMPILED = [
     ({"command": leaky_law}, TypeError, POINTERS + "<function"),
-    ({"command": None}, TypeError, POINTERS + "None"),
     ({"command": number(ctypes.c_double, ctypes.c_double)}, TypeError, r"command: must be double command\(double\*, "),
     ({"command": number(ctypes.c_float, POINTER, POINTER, POINTER, ctypes.c_double)}, TypeError, "restype.*float"),
     ({"update": GOOD}, TypeError, "update: must be void update"),
@@ -315,24 +282,3 @@ NO_COMPILED = [
 def test_what_no_compiled_controller_can_be_of(arguments, error, message):
     with pytest.raises(error, match=message):
         cogging.CompiledController(**({"command": GOOD, "sample_rate": 1e3} | arguments))
-
-
-# Objects of odd kinds, signals -------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_an_interrupt_reaches_the_caller():
-    class Slow(Proportional):
-        def command(self, reference, reading):
-            time.sleep(0.01)
-            return super().command(reference, reading)
-
-    timer = threading.Timer(0.15, lambda: signal.raise_signal(signal.SIGINT))
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer.start()
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            loop(Slow(), duration=2000.0)
-    finally:
-        timer.join()
-        signal.signal(signal.SIGINT, before)

@@ -1,8 +1,10 @@
 """Runs as pure functions, on one thread or many; their logs, their errors, their indexes."""
 
 import copy
+import itertools
 import math
 import pickle
+import re
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -28,10 +30,6 @@ MODEL = cogging.Model(
 PLANT = MODEL.plant()
 MOVE = {"start": 0.05, "distance": 0.4, "velocity": 0.5, "acceleration": 10.0, "jerk": 1000.0, "dwell": 0.1}
 SAMPLE = {"reference": 0.1, "reference_velocity": 0.2, "reference_acceleration": 1.0}
-
-
-def dcarc():
-    return cogging.Dcarc(cogging.AdaptiveRobustParameters(**FIELDS["dcarc"]))
 
 
 def pid(**gains):
@@ -77,26 +75,22 @@ def test_the_given_controller_is_not_changed(kind):
         controller.update(expected)
 
 
-@pytest.mark.parametrize("shared", [True, False])
-def test_threads_of_python_give_the_bits_of_one(shared):
-    """Runs, batches with threads of their own, and copies of a model, of shared or separate objects."""
+def test_threads_of_python_give_the_bits_of_one():
+    """Runs, batches with threads of their own, and copies of a model, of shared objects."""
+    controller, motion = pid(), stroke()
 
     def work(i):
-        model = MODEL if shared else copy.deepcopy(MODEL)
-        plant, controller, motion = (PLANT, PID, STROKE) if shared else (model.plant(), pid(), stroke())
-        batch = cogging.closed_loop_batch([plant] * 3, [controller] * 3, motion, duration=0.1, threads=2, logs=True)
-        assert pickle.loads(pickle.dumps(model)) == copy.deepcopy(model) == MODEL
-        return [*batch, cogging.closed_loop(plant, controller, motion, duration=0.1, seed=i)]
+        batch = cogging.closed_loop_batch([PLANT] * 3, [controller] * 3, motion, duration=0.1, threads=2, logs=True)
+        assert pickle.loads(pickle.dumps(MODEL)) == copy.deepcopy(MODEL) == MODEL
+        return [*batch, cogging.closed_loop(PLANT, controller, motion, duration=0.1, seed=i)]
 
-    PID, STROKE = pid(), stroke()
     alone = [work(i) for i in range(4)]
     assert not np.array_equal(alone[0][-1].position, alone[1][-1].position)
     ready = threading.Barrier(4)
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda i: ready.wait() >= 0 and work(i), range(4)))
-    for one, other in zip(found, alone, strict=True):
-        for log, expected in zip(one, other, strict=True):
-            assert_same_bits(log, expected)
+    for one, other in zip(itertools.chain(*found), itertools.chain(*alone), strict=True):
+        assert_same_bits(one, other)
 
 
 def test_a_run_releases_the_interpreter_lock():
@@ -123,9 +117,7 @@ def test_a_run_releases_the_interpreter_lock():
 # Logs -----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("rate", "duration", "rows"), [(5000.0, 0.1, 501), (1000.0, 0.0015, 2), (3000.0, 1.0, 3001), (7.0, 1.0, 8)]
-)
+@pytest.mark.parametrize(("rate", "duration", "rows"), [(1000.0, 0.0015, 2), (3000.0, 1.0, 3001), (7.0, 1.0, 8)])
 def test_times_are_the_samples_of_the_controller(rate, duration, rows):
     controller = cogging.Pid(cogging.PidParameters(sample_rate=rate))
     log = cogging.closed_loop(cogging.Plant(cogging.AxisParameters()), controller, stroke(), duration=duration)
@@ -144,10 +136,10 @@ def test_the_reference_is_logged_and_its_end_is_the_duration():
 
 
 def test_the_command_limit_cuts_the_applied_and_logged_command():
-    for controller in (pid(command_limit=0.7), cogging.Dcarc(dcarc().parameters.replace(command_limit=0.7))):
-        log = run(controller, duration=0.3)
-        assert np.abs(log.command).max() == 0.7
-        assert (np.abs(log.command) == 0.7).sum() > 20
+    for kind, (struct, make) in CONTROLLERS.items():
+        log = run(make(struct(**FIELDS[kind] | {"command_limit": 0.2})), duration=0.1)
+        assert np.abs(log.command).max() == 0.2, kind
+        assert (np.abs(log.command) == 0.2).sum() > 20, kind
 
 
 def test_the_steps_per_sample_of_a_model_are_used_unless_stated():
@@ -161,16 +153,13 @@ def test_the_steps_per_sample_of_a_model_are_used_unless_stated():
 
 
 def test_a_diverging_run_says_when_and_where():
-    with pytest.raises(cogging.DivergedError) as caught:
+    line = r"^the run diverged at (\S+) s: position (\S+), velocity \S+; the travel is \[0, 0.51\]$"
+    with pytest.raises(RuntimeError, match=line) as caught:
         run(pid(kp=1e9), duration=0.5)
-    text = str(caught.value)
-    words = text.replace(",", "").replace(";", "").split()
-    when, where = float(words[words.index("at") + 1]), float(words[words.index("position") + 1])
+    assert type(caught.value) is cogging.DivergedError
+    when, where = map(float, re.match(line, str(caught.value)).groups())
     assert 0.0 < when < 0.5
     assert not -0.255 < where < 0.765  # half a travel beyond its ends
-    assert "the travel is [0, 0.51]" in text
-    assert "\n" not in text
-    assert isinstance(caught.value, RuntimeError)
     # It is the first such sample: until the one before, the run is as any other.
     x = run(pid(kp=1e9), duration=(round(when * 5000) - 1) / 5000).true_position
     assert ((x > -0.255) & (x < 0.765)).all()
@@ -187,23 +176,17 @@ WRONG_RUNS = [
     ({"duration": 0.0}, "duration: must be given for a reference without an end of its own, got inf"),
     ({"steps_per_sample": 10001}, "steps_per_sample: must be from 1 to 10000, got 10001"),
     ({"initial_position": math.nan}, "initial_position: must be a finite number, got nan"),
-    ({"initial_velocity": math.inf}, "initial_velocity: must be a finite number, got inf"),
     ({"reference": stroke(distance=0.5), "duration": 1.0}, "reference: must stay within travel [0, 0.51], got 0.51"),
     ({"reference": stroke(start=-0.1)}, "reference: must stay within travel [0, 0.51], got -0.1 at 0 s"),
 ]
 WRONG_BATCHES = [
     ({"plants": [PLANT] * 2}, "controllers: must be one for each plant, got 1"),
     ({"seeds": [1, 2]}, "seeds: must be one for each plant, got 2"),
-    (
-        {"reference": stroke(distance=0.5), "duration": 1.0},
-        "run 0: reference: must stay within travel [0, 0.51], got 0.51",
-    ),
     ({"reductions": ["eror_max"]}, "reductions: 'eror_max' is unknown; did you mean error_max?"),
     ({"reductions": ["error_tone(x)"]}, "reductions: error_tone(x): must have a number in its brackets, got 'x'"),
     ({"columns": ["speed"]}, "columns: must be columns of a log, got speed"),
     ({"columns": ["time"], "every": 0}, "every: must be at least 1, got 0"),
     ({"start": 2.0}, "run 0: start, stop: must hold at least 2 rows, got 0"),
-    ({"duration": 0.0}, "run 0: duration: must be given for a reference without an end of its own, got inf"),
 ]
 ROWS = {"time": [0, 1], "error": [0, 1], "command": [0, 1]}
 WRONG_INDEXES = [
@@ -235,9 +218,8 @@ def test_a_wrong_argument_is_one_line(name, fields, message):
 # Indexes --------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_indexes_are_numpys(seed):
-    rng = np.random.default_rng(seed)
+def test_indexes_are_numpys():
+    rng = np.random.default_rng(0)
     t = np.cumsum(rng.uniform(0.5e-3, 1.5e-3, 4000))
     e, u = rng.normal(size=(2, 4000)) * [[1e-5], [2.0]]
     start, stop, window = 0.7, 3.1, 0.4

@@ -10,7 +10,6 @@ from cogging.simulation.varied import points_of, variation_of
 from tests.fixtures.sweeps import MANY, MOVE, SMALL
 
 pytestmark = pytest.mark.filterwarnings("ignore:The balance properties of Sobol")
-SINE = cogging.Sine(cogging.SineParameters(amplitude=0.01, frequency=5.0))
 
 
 def test_a_row_is_the_run_that_its_numbers_say():
