@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.estimation.innovations import Innovations
-from tests.fixtures.moving_axis import machine, paused, record
+from tests.fixtures.moving_axis import machine, record
 
 SCRIPT = """
 import json, resource
@@ -66,14 +65,3 @@ def test_rows_that_fill_hardly_any_of_the_time_are_refused(judge, log):
     time = rows // 3 * 100.0 + rows % 3 * 1e-3  # three rows, and a pause after each three
     with pytest.raises(ValueError, match=r"log 1: time: must have rows in at least 5 % of the time, .* got 0\.\d+ %"):
         judge(dataclasses.replace(log, time=time), machine())
-
-
-def test_the_observer_starts_anew_after_a_pause_of_any_length(log):
-    """Over an hour it used to be integrated in a few steps, and to diverge where friction is steep."""
-    model = machine([cogging.effects.ActuatorLag(time_constant=1e-3)])
-    model = model.replace(axis=model.axis.replace(coulomb_width=1e-5))
-    short, long = (Innovations(paused(log[2500:5500], {1500: pause}), model) for pause in (10.0, 3.15e7))
-    expected, residual = (source.of([model])[0] for source in (short, long))
-    np.testing.assert_array_equal(long.mask, short.mask)
-    # The times themselves are rounded to 4 ns beside a year.
-    assert np.abs((residual - expected)[long.mask > 0]).max() < 1e-4 * np.sqrt(np.mean(log.command**2))
