@@ -50,9 +50,6 @@ def plain_model(model, x, derivative=False):
     return force
 
 
-# B-splines -------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("origin", "pitch"), KNOTS)
 @pytest.mark.parametrize("order", [*range(1, 5), 7, 16])
 def test_design_matrix_is_scipys_and_the_printed_recursion(order, origin, pitch):
@@ -86,8 +83,6 @@ def test_beyond_the_knots_the_end_value_is_held(order):
             np.testing.assert_allclose(near, [row, row], rtol=0, atol=1e-11)
 
 
-# Harmonics -------------------------------------------------------------------------------------------------
-
 TERMS = [{"harmonics": [12, 1, 6, 3, 2]}, {"periods": [0.0731, 0.05]}]
 
 
@@ -104,9 +99,6 @@ def test_force_and_slope_are_the_plain_sums(terms, order, control_points):
     np.testing.assert_allclose(
         model.slope(x), plain_model(model, x, derivative=True), rtol=0, atol=1e-12 * terms_count * steepest
     )
-
-
-# Regressor -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("terms", TERMS, ids=str)

@@ -26,8 +26,6 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-# Hostile calls: status 0, or status 2 and one line; nothing else reaches the terminal ---------------------------------
-
 #: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands.
 CALLS = {"model": 6, "option": 10, "signal": 3, "name": 6, "reference": 4, "header": 3, "document": 5, "sidecar": 3}
 
@@ -55,9 +53,6 @@ def test_a_hostile_call_is_answered(kind, tmp_path, capfd, caplog, monkeypatch):
         found = list(faults(answered(call, folder, before, printed), folder))
         wrong += [f"{seed} {call}\n    {'; '.join(found)}"] if found else []
     assert not wrong, "\n".join(wrong)
-
-
-# As a process ---------------------------------------------------------------------------------------------------------
 
 
 def process(arguments, folder, **options):
@@ -130,8 +125,6 @@ def test_a_current_folder_that_was_deleted_is_named(tmp_path, monkeypatch, capsy
     )
 
 
-# Files ----------------------------------------------------------------------------------------------------------------
-
 #: Model, reference and what the line says; other rules of the fields: tests/model.
 FILES = {
     "unknown key": (f"{MODEL}speed = 3\n", REFERENCE, "model.toml: line 21: controller.speed: is unknown"),
@@ -140,16 +133,11 @@ FILES = {
     "no controller": (MODEL[: MODEL.index("[controller]")], REFERENCE, "controller: must be given to simulate"),
     "no reference": (MODEL, 'type = "zigzag"\n', "ref.toml: line 1: type: must be one of"),
 }
-DOCUMENTS = {
+DOCUMENTS = {  # of the kinds that hostile calls draw
     "mass = 9223372036854775808": "line 2: axis.mass: must be a number that 64 bits hold, got 9223",
-    "mass = " + "9" * 5000: "must be TOML: a whole number must have 64 bits",
-    "mass = 1.0\ntravel = [0.0, 1e309]": "line 3: axis.travel: must be .* 64 bits hold, got 1e309",
     "mass = 1e300": r"line 2: axis.mass: must be at most 1e\+30 in size, got 1e\+300",
     "mass = " + "[" * 5000 + "]" * 5000: "must be TOML: tables and lists must be nested at most 32",
     "a" + ".a" * 20000 + " = 1": "must be TOML: a key must have at most 32 dots",
-    'mass = 1.0\n[[effects]]\nname = ["cable_spring"]': r"effects.name: must be one of .*, got \['",
-    "mass = 1.0\n[controller]\ntype = { a = 1 }": r"controller.type: .*, got \{'a': 1\}",
-    "mass = 1.0\n[cogging]\npitch = 0.1\nharmonics = [4294967296]": "cogging.harmonics: must be at most 2147483647 in",
     'mass = 1.0\n"\\u001b[2J" = 1': r"axis\.\\x1b\[2J: is unknown",
     'mass = "' + "x" * 100000 + '"': r"axis.mass: must be a number, got 'xxx.* \.\.\. xxx",
 }

@@ -208,7 +208,7 @@ def test_the_law_is_the_paper_step_by_step(law, desired):
     """And estimates stay within their bounds with gains by which one Euler step overshoots them by far."""
     rng = np.random.default_rng(20)
     moved, touched = np.zeros(5), 0
-    for machine in range(16):
+    for machine in range(24):
         q, overshoots = random_parameters(rng), machine % 4 == 0
         if overshoots:
             q |= {name: float(10 ** rng.uniform(1, 6)) for name in q if name.endswith("_adaptation")}
@@ -237,7 +237,7 @@ def test_the_law_is_the_paper_step_by_step(law, desired):
         moved[:4] += change[:4] > 1e-3
         moved[4] += (change[4:] > 1e-3).any()
     assert (moved >= 2).all()  # every kind of parameter was adapted
-    assert touched > 300
+    assert touched > 500
 
 
 @given(

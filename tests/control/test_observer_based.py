@@ -193,9 +193,7 @@ def test_random_machines_decay_as_certified(design):
     [
         ({"periods": [0.02, 0.0]}, "periods: each must be above 0, got 0.0"),
         ({"velocity_min": 0.0}, "velocity_min: must be above 0: at rest zeta is not observable"),
-        ({"velocity_min": 0.5}, "velocity_max: must be above velocity_min = 0.5, got 0.4"),
         ({"decay_rate": 130.0}, "decay_rate: must be below 120 1/s, the position loop's slowest pole, got 130.0"),
-        ({"omega": float("nan")}, "omega: must be above 0, got nan"),
         ({"decay_rate": 60.0, "periods": [0.02]}, r"decay_rate: must be at most [0-9.]+ 1/s .* got 60"),
     ],
 )

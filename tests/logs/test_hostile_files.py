@@ -5,7 +5,6 @@ import re
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -326,17 +325,6 @@ def test_a_reader_ends_with_its_parent(how, busy, tmp_path):
         parent.wait()
         if pid.exists() and is_alive(int(pid.read_text())):
             os.kill(int(pid.read_text()), signal.SIGKILL)
-
-
-def test_no_temporary_file_is_left(tmp_path, monkeypatch):
-    """asammdf creates one for each file that it opens, and closes no damaged file."""
-    path, temporary = write_log("a.mf4", tmp_path), tmp_path / "temporary"
-    temporary.mkdir()
-    path.write_bytes(path.read_bytes()[:3000])
-    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
-    with pytest.raises(InputError):
-        cogging.read_log(path)
-    assert not list(temporary.iterdir())
 
 
 #: What a reader does, and the error.

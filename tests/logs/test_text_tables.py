@@ -11,7 +11,6 @@ import cogging
 from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.readers import text_table
-from tests.fixtures.log_files import COLUMNS, mat_bytes, parquet_bytes
 
 ROWS = [[repr(0.001 * k), repr(0.01 * k), repr(1.0 - 0.1 * k)] for k in range(30)]
 NAMES = ("time", "position", "command")
@@ -130,16 +129,6 @@ def test_a_column_beside_one_of_nearly_its_name_is_asked_about(name, label, plac
         assert words in str(refused.value)
     plain, other = (cogging.read_log(path, columns={name: one}, scale={name: 1.0}) for one in (name, label))
     assert not np.array_equal(getattr(other, name), getattr(plain, name))
-
-
-@pytest.mark.parametrize(("suffix", "make"), [("mat", mat_bytes), ("parquet", parquet_bytes)])
-def test_two_columns_of_nearly_one_name_in_other_formats(suffix, make, tmp_path):
-    path = tmp_path / f"log.{suffix}"
-    path.write_bytes(make({**COLUMNS, "Position": 2.0 * COLUMNS["position"]}))
-    with pytest.raises(InputError, match="column position: must be one column of the file, got 'position', 'Position'"):
-        cogging.read_log(path)
-    read = cogging.read_log(path, columns={"position": "Position"})
-    np.testing.assert_array_equal(read.position, 2.0 * COLUMNS["position"])
 
 
 FAULTS = {

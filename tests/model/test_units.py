@@ -22,18 +22,14 @@ def test_every_unit_is_written_with_the_labels_of_the_machine():
 
 
 def test_a_model_file_keeps_its_labels(tmp_path):
-    plain = tmp_path / "plain.toml"
-    plain.write_text(MODEL)
-    model = cogging.Model.read(plain)
+    (tmp_path / "plain.toml").write_text(MODEL)
+    model = cogging.Model.read(tmp_path / "plain.toml")
     assert model.units == cogging.Units() == cogging.Units("V", "m")
     assert "units" not in model.to_dict()
     rotary = model.replace(units=cogging.Units(command="Nm", position="rad"))
     rotary.write(tmp_path / "rotary.toml")
-    again = cogging.Model.read(tmp_path / "rotary.toml")
-    assert again == rotary != model
-    assert again.units.command == "Nm"
-    assert "Nm/(rad/s^2)" in repr(again)
-    assert "V/(m/s^2)" in repr(model)
+    assert cogging.Model.read(tmp_path / "rotary.toml") == rotary != model
+    assert ("Nm/(rad/s^2)" in repr(rotary), "V/(m/s^2)" in repr(model)) == (True, True)
 
 
 @pytest.mark.parametrize(

@@ -52,9 +52,6 @@ def shortest_time(length, velocity, acceleration, jerk):
     return 2 * ramp(low) + (length - low * ramp(low)) / low
 
 
-# Point to point --------------------------------------------------------------------------------------------
-
-
 def test_random_moves_keep_every_limit_and_take_the_shortest_time():
     for move in random_moves(200, seed=1):
         reference = point_to_point(**move)
@@ -108,9 +105,6 @@ def test_there_and_back_mirror_each_other():
                 assert x[0] == pytest.approx(place, rel=0, abs=2 * np.spacing(abs(sides) + abs(goal))), move
                 assert not v.any(), move
                 assert not a.any(), move
-
-
-# Sampled ---------------------------------------------------------------------------------------------------
 
 
 def uneven_times(seed, count=40):
