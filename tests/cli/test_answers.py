@@ -91,9 +91,6 @@ def test_python_prints_nothing(files, capsys):
     assert capsys.readouterr() == ("", "")
 
 
-# The numbers of a command are those of Python ------------------------------------------------------------------------
-
-
 def test_simulate_writes_the_log_of_its_seed(files):
     assert main(["simulate", "model.toml", "--reference", "ref.toml", "--out", "run.csv", "--seed", "5"]) == 0
     log, direct = cogging.read_log("run.csv"), cogging.simulate("model.toml", "ref.toml", seed=5)

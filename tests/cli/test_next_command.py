@@ -2,7 +2,6 @@
 
 import dataclasses
 import io
-import json
 import os
 import random
 import shlex
@@ -18,7 +17,7 @@ import cogging.diagnosis.diagnose
 from cogging.cli.main import COMMANDS, main
 from cogging.cli.next_command import command_line
 from tests.fixtures import command_files
-from tests.fixtures.commands import diagnose_once, examples_of
+from tests.fixtures.commands import examples_of
 from tests.fixtures.hostile_calls import NAMES
 
 # On Windows bash may be one that runs nothing: that of a Linux that is not installed.
@@ -142,7 +141,7 @@ def test_what_is_next_after_each_verdict(verdict, options, model, expected, fold
 
 @pytest.mark.parametrize(("rows", "following"), [("0:400", "experiment"), ("0:600", "diagnose")])
 def test_a_log_that_diagnose_would_refuse_is_not_given_to_it(rows, following, folder, capsys):
-    machine = command_files.model().replace(effects=LACKING[0])
+    machine = command_files.model().replace(effects=[cogging.effects.CableSpring(stiffness=3.0, center=0.2)])
     command_files.table(folder / "short.csv", cogging.simulate(machine, command_files.REFERENCE, seed=1).columns())
     call = ["identify", "short.csv", "--model", "model.toml", "--rows", rows]
     assert run(call, capsys)[0] == following
@@ -196,50 +195,3 @@ def test_words_come_back_from_the_shell(shell, encoding, monkeypatch):
     assert line.isprintable()
     line.encode(encoding)
     assert words_of(line, shell) == [b"cogging", *map(os.fsencode, names)]
-
-
-#: What a machine may have that its model lacks.
-LACKING = [
-    [cogging.effects.CableSpring(stiffness=3.0, center=0.2)],
-    [cogging.effects.CommandDelay(delay=2e-3)],
-    [cogging.effects.CoulombAsymmetry(difference=0.1)],
-    [cogging.effects.QuadraticDrag(coefficient=2.0)],
-]
-
-
-def check_chain(seed, folder, capsys, monkeypatch):
-    """Follow the hints from two logs to a patched model."""
-    draw = random.Random(seed)
-    name = draw.choice(["run one.csv", "caf\u00e9 $1.csv", "it's.csv", "log.csv"])
-    unit = draw.choice([1.0, 0.5, 1e-3])
-    machine = command_files.model().replace(effects=draw.choice(LACKING))
-    for path, velocity in ((name, 0.5), ("other.csv", 0.35)):
-        log = cogging.simulate(machine, {**command_files.REFERENCE, "velocity": velocity, "repeats": 1}, seed=seed)
-        columns = {"time": log.time, "qm": log.position, "vir": log.command / unit, "reference": log.reference}
-        command_files.table(folder / path, columns)
-    diagnose_once(monkeypatch)
-    words = ["audit", name, "--model", "model.toml", "--columns", "position=qm,command=vir"]
-    calls = [words if unit == 1.0 else [*words, f"--scale=command={unit!r}"]]
-    while calls[-1][0] in ("audit", "identify", "diagnose") and len(calls) < 9:
-        calls.append(filled(run(calls[-1], capsys)))
-    last = calls.pop()
-    assert [call[0] for call in calls][:3] == ["audit", "identify", "diagnose"]
-    assert main(last) == 0
-    if last[0] == "experiment":  # only the machine can separate the alternatives
-        assert json.loads((folder / last[last.index("--result") + 1]).read_text())["verdict"] == "ambiguous"
-        return
-    assert "--confirm" in calls[-1]
-    patched = calls[-1][calls[-1].index("--out") + 1]
-    better = cogging.Model.read(patched)
-    assert better.axis != command_files.model().axis or [*map(type, better.effects)] == [*map(type, machine.effects)]
-    assert last[:2] == ["predict", patched]
-
-
-def test_the_hints_alone_lead_from_a_log_to_a_patched_model(folder, capsys, monkeypatch):
-    check_chain(1, folder, capsys, monkeypatch)
-
-
-@pytest.mark.study
-@pytest.mark.parametrize("seed", range(2, 8))
-def test_the_hints_lead_from_other_logs_the_hints(seed, folder, capsys, monkeypatch):
-    check_chain(seed, folder, capsys, monkeypatch)

@@ -7,7 +7,6 @@ import pytest
 
 import cogging
 from cogging import EFFECTS, AxisParameters, CoggingModel, Log, Model, NoiseParameters, SplineHarmonics, identify
-from cogging._core import instruction_sets
 from cogging.cli.main import main
 from tests.fixtures.identify_coverage import moves
 
@@ -35,13 +34,13 @@ def prior_of(truth, **changes):
     return truth.replace(axis=axis, noise=NoiseParameters(), **changes)
 
 
-def run(truth, reference=None, seed=1, duration=8.0, **options):
+def run(truth, reference=None, seed=1, duration=6.0, **options):
     if reference is None:
         reference = moves(np.random.default_rng(seed), 0.4, 0.4, duration, RATE)
     return cogging.simulate(truth, reference, seed=seed, duration=duration, steps_per_sample=10, **options)
 
 
-def strokes(speed, duration=8.0, distance=0.3, ramp=0.02):
+def strokes(speed, duration=6.0, distance=0.3, ramp=0.02):
     """Back and forth at one speed, with short ramps."""
     time = np.arange(int(duration * RATE) + 1) / RATE
     turn = distance / speed
@@ -50,7 +49,7 @@ def strokes(speed, duration=8.0, distance=0.3, ramp=0.02):
     return cogging.Sampled(time, position, velocity, None)
 
 
-def sampled(position, duration=8.0):
+def sampled(position, duration=6.0):
     time = np.arange(int(duration * RATE) + 1) / RATE
     return cogging.Sampled(time, position(time), None, None)
 
@@ -175,30 +174,6 @@ def test_control_points_that_were_not_visited_keep_their_prior():
     check_intervals(found, truth, slack=2.0)
 
 
-@pytest.fixture(scope="module")
-def narrow():
-    """A log whose friction has no slow flank, which the fitted law has at any width; and the prior."""
-    law = cogging.effects.Custom("law", force=lambda velocity: -4.5 * np.tanh(velocity / 3e-3), velocity_scale=1e-3)
-    truth = machine(law, coulomb=0.0, mass=3.2, viscous=9.0, width=2e-3, noise=0.08)
-    limits = {"velocity": 0.4, "acceleration": 4.0, "jerk": 80.0, "dwell": 0.15}
-    motion = {"type": "point_to_point", "start": 0.03, "distance": 0.34, **limits, "repeats": 1}
-    prior = truth.replace(effects=[], axis=truth.axis.replace(mass=3.3, viscous=8.5, coulomb=4.2))
-    return cogging.simulate(truth, motion, seed=1), prior
-
-
-def test_a_narrow_friction_law_is_fitted_and_rounding_of_the_log_does_not_move_it(narrow):
-    """Sums that another processor adds up in another order differ by 1e-15: the fit must move far less than it may."""
-    log, prior = narrow
-    shaken = Log.of({**log.columns(), "command": log.command * (1.0 + 1e-13)})
-    one, other = (identify(which, prior) for which in (log, shaken))
-    for path in ("axis.mass", "axis.viscous", "axis.coulomb"):
-        assert other[path].value == pytest.approx(one[path].value, rel=1e-8)
-        assert other[path].ci95 == pytest.approx(one[path].ci95, rel=1e-6)
-    found = identify(log, prior, free=["axis.viscous", "axis.coulomb", "axis.coulomb_width"])
-    assert found.model.axis.coulomb_width >= 3.6e-4  # 0.05 of 0.02 of the top speed: narrower laws give the same force
-    assert found["axis.coulomb"].value == pytest.approx(4.5, rel=0.05)
-
-
 # Kinds of effects -----------------------------------------------------------------------------------------------------
 
 
@@ -265,18 +240,6 @@ def test_instruments_keep_noise_in_the_command_from_biasing_a_delay():
     check_intervals(identify(log, prior_of(truth, effects=(EFFECTS["command_delay"](delay=1e-3),))), truth)
 
 
-def test_infinite_parameters_settings_and_exact_ones_are_not_free():
-    effects = [EFFECTS[name]() for name in ("command_saturation", "presliding_friction", "backlash")]
-    truth = machine(*effects, EFFECTS["end_effect"](force=0.0, decay_length=0.02), travel=[-0.5, 0.5])
-    prior = prior_of(truth).replace(uncertainty={"viscous": 0.0, "coulomb_width": 0.0})
-    found = identify(run(truth, duration=3.0), prior)
-    paths = {p.path for p in found.parameters}
-    assert not paths & {"axis.viscous", "axis.coulomb_width", "effects.command_saturation.limit"}
-    assert not paths & {"effects.presliding_friction.stiffness", "effects.backlash.contact_frequency"}
-    assert not any("travel" in path for path in paths)
-    assert found.model.axis.viscous == prior.axis.viscous
-
-
 # Kinds of logs --------------------------------------------------------------------------------------------------------
 
 
@@ -315,18 +278,9 @@ def test_a_controller_whose_gains_are_stated_wrongly_is_reported_with_those_that
     assert right.controller == ()
 
 
-def test_a_log_of_another_controller_is_fitted_by_position_and_command(fitted):
-    truth, prior, log, _ = fitted
-    other = cogging.CascadeParameters(sample_rate=RATE, kp=30.0, kv=50.0)
-    found = identify(log, prior.replace(controller=other, controller_type="cascade"))
-    assert "did not make this log" in found.controller[0]
-    assert not found.logs[0].replay
-    check_intervals(found, truth, slack=2.5)
-
-
 def test_an_added_command_is_known(fitted):
     truth, prior, *_ = fitted
-    added = 0.5 * ((np.arange(8001) // 700) % 2)
+    added = 0.5 * ((np.arange(6001) // 700) % 2)
     found = identify(run(truth, seed=9, added_command=added), prior, added_commands=[added])
     check_intervals(found, truth)
     assert found.controller == ()
@@ -340,13 +294,10 @@ WRONG = [
     ({"free": []}, "free: must name at least one"),
     ({"free": ["axis.weight"]}, "free: axis.weight: must be one of axis.mass"),
     ({"free": ["effects.command_saturation.limit"]}, "must start from a finite value"),
-    ({"free": ["effects.backlash.contact_frequency"]}, "got a setting"),
     ({"free": ["axis.coulomb_width"]}, "must start above 0"),
     ({"cutoff": 400.0}, "cutoff: must be above 0 and at most a fifth of 1000"),
-    ({"rest": -1.0}, "rest: must be at least 0"),
-    ({"names": ["a", "b"]}, "names: must be one for each of 1 logs, got 2"),
     ({"added_commands": [None, None]}, "added_commands: must be one for each of 1 logs, got 2"),
-    ({"added_commands": [np.zeros(3)]}, r"added_commands: log 1: must have shape \(8001,\)"),
+    ({"added_commands": [np.zeros(3)]}, r"added_commands: log 1: must have shape \(6001,\)"),
 ]
 
 
@@ -374,32 +325,21 @@ def test_wrong_logs_are_refused(fitted):
             identify(logs, prior)
 
 
-def test_the_command_prints_and_writes_the_fit(fitted, tmp_path, capsys):
+def test_the_command_prints_and_writes_the_fit(fitted, tmp_path, monkeypatch, capsys):
     _, prior, log, expected = fitted
-    prior.write(tmp_path / "prior.toml")
-    log.write(tmp_path / "log.csv")
-    arguments = ["identify", str(tmp_path / "log.csv"), "--model", str(tmp_path / "prior.toml")]
-    assert main([*arguments, "--out", str(tmp_path / "fit.toml"), "--json", str(tmp_path / "fit.json")]) == 0
+    monkeypatch.chdir(tmp_path)
+    prior.write("prior.toml")
+    log.write("log.csv")
+    call = "identify log.csv --model prior.toml"
+    assert main(f"{call} --out fit.toml --json fit.json".split()) == 0
     printed = capsys.readouterr().out
-    assert "95 % interval" in printed
     assert all(p.path in printed for p in expected.parameters)
-    model = Model.read(tmp_path / "fit.toml")
+    model, written = Model.read("fit.toml"), json.loads((tmp_path / "fit.json").read_text())
     assert model.axis.mass == expected.model.axis.mass
     assert model.intervals["axis.mass"] == expected["axis.mass"].ci95
-    written = json.loads((tmp_path / "fit.json").read_text())
     assert written["parameters"]["axis.mass"]["ci95"] == list(expected["axis.mass"].ci95)
-    assert written["logs"][0]["audit"]["rows"] == 8001
-    assert main([*arguments, "--rows", "0:6000", "--free", "axis.mass, axis.viscous", "--cutoff", "40"]) == 0
+    assert written["logs"][0]["audit"]["rows"] == 6001
+    assert main([*call.split(), "--rows", "0:3000", "--free", "axis.mass, axis.viscous", "--cutoff", "40"]) == 0
     printed = capsys.readouterr().out
-    assert "below 40 Hz" in printed
-    assert "6000 rows" in printed
+    assert all(words in printed for words in ("below 40 Hz", "3000 rows", "axis.viscous"))
     assert "axis.coulomb " not in printed
-
-
-def test_every_instruction_set_finds_the_same_bits(fitted, monkeypatch):
-    _, prior, log, _ = fitted
-    found = []
-    for instructions in ("none", *instruction_sets()):
-        monkeypatch.setenv("COGGING_INSTRUCTIONS", instructions)
-        found.append(json.dumps(identify(log[:2000], prior).to_dict()))
-    assert found == found[:1] * len(found)

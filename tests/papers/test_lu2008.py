@@ -1,6 +1,5 @@
 """Tables 1 and 2 of Lu et al. 2008: how the maps are fitted, and what the errors show. Numbers: test_numbers.py."""
 
-import dataclasses
 import importlib.resources
 
 import numpy as np
@@ -88,15 +87,3 @@ def test_the_grid_holds_what_the_page_says():
         assert min(len(family.free) for family in found) == 4
         assert sum(len(family.free) == 4 for family in found) == count
     assert calibration.FAMILY in [cell.family for cell in enough]
-
-
-@pytest.mark.study
-def test_the_linear_answers_agree_with_the_simulation():
-    axis = dataclasses.replace(lu2008.AXES["X"], repeats=5)
-    responses = families.Responses(axis, every=2)
-    maps = [lu2008.cogging_map(axis, each) for each in (lu2008.shipped_amplitudes(axis), (0.06, 0.02, 0.1))]
-    points = np.array([np.concatenate([one.sine.ravel(), one.cosine.ravel()]) for one in maps]).T
-    simulated = lu2008.last_errors(axis, [lu2008.plant(axis, each) for each in maps])
-    difference = 1e6 * np.abs(responses.errors(points) - simulated)
-    assert difference[..., 0].max() < 0.6, "maxima, um"
-    assert difference[..., 1].max() < 0.05, "rms, um"
