@@ -1,15 +1,14 @@
-"""The logs of a ball-screw axis: files like the originals with drawn numbers, and the originals."""
+"""The logs of a ball-screw axis: read from files like the originals with drawn numbers."""
 
 import sys
 from types import ModuleType
 
 import numpy as np
 import pytest
-from scipy.io import loadmat, savemat
+from scipy.io import savemat
 
 from cogging import InputError
 from cogging.datasets import emps
-from tests.fixtures.measured import FOLDER
 
 
 def write(folder, seed, pulses=True):
@@ -48,9 +47,6 @@ def test_an_invalid_file_is_named(tmp_path):
     (tmp_path / "DATA_EMPS.mat").write_bytes(b"<!DOCTYPE html>")
     with pytest.raises(InputError, match=r"DATA_EMPS\.mat: must be a MATLAB"):
         emps.read(folder=tmp_path)
-
-
-# Through nonlinear-benchmarks -----------------------------------------------------------------------------------------
 
 
 def replace_package(monkeypatch, answer):
@@ -93,21 +89,3 @@ def test_a_download_that_fails_is_one_line(tmp_path, monkeypatch):
     replace_package(monkeypatch, lambda: [str(tmp_path / f"{name}.mat") for name in emps.FILES])
     with pytest.raises(InputError, match=f"DATA_EMPS.mat: must be in {tmp_path}, is not; public at nonlin"):
         emps.read()
-
-
-# Theirs ---------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.data
-def test_theirs():
-    for name, path in emps.files(FOLDER).items():
-        log, table = emps.read(name, FOLDER), loadmat(path)
-        assert len(log) == 24841
-        assert np.median(np.diff(log.time)) == pytest.approx(1e-3, rel=1e-3)
-        np.testing.assert_array_equal(log.position, table["qm"][:, 0])
-        assert pytest.approx(table["gtau"].item(), rel=1e-7) == emps.FORCE_CONSTANT
-        assert emps.controller().kp == table["kp"].item()
-        assert emps.controller().kv == pytest.approx(emps.FORCE_CONSTANT * table["kv"].item(), rel=1e-12)
-    added = emps.pulses(FOLDER)
-    assert len(added) == 24841
-    assert set(np.unique(added)) == {0.0, 1.08 * emps.FORCE_CONSTANT * 5}

@@ -1,23 +1,21 @@
-"""The runs of a motor that cogs more than all else: files like the originals with drawn numbers, and the originals."""
+"""The runs of a motor that cogs more than all else, read from files like the originals with drawn numbers."""
 
 import numpy as np
 import pytest
 
 from cogging import InputError
 from cogging.datasets import odrive
-from tests.fixtures.measured import FOLDER
 
 CLONE = "analysis/cogging_torque"
 
 
 def place(name, below):
-    """Where a file stands: flat, in a folder of the set's name, or as in a clone."""
+    """Where a file stands: in a folder of the set's name, or as in a clone."""
     if name in odrive.SCANS:
         file = f"cogging_measure_{odrive.SCANS[name]}.npy"
-        return {"flat": file, "named": f"odrive/{file}", "clone": f"{CLONE}/{file}"}[below]
+        return f"odrive/{file}" if below == "named" else f"{CLONE}/{file}"
     group, run, number = name.rsplit("_", 2)
-    theirs = f"{CLONE}/{group}/{run}_{number}.npy"
-    return {"flat": f"{name}.npy", "named": f"odrive/{name}.npy", "clone": theirs}[below]
+    return f"odrive/{name}.npy" if below == "named" else f"{CLONE}/{group}/{run}_{number}.npy"
 
 
 def write(path, values):
@@ -40,7 +38,7 @@ def smoothed(time, current, before=0.0):
     return np.array(smooth)
 
 
-@pytest.mark.parametrize(("below", "seed"), [("flat", 0), ("named", 1), ("clone", 2)])
+@pytest.mark.parametrize(("below", "seed"), [("named", 1), ("clone", 2)])
 def test_the_acting_current_is_recovered_from_the_smoothed_one(tmp_path, seed, below):
     rng = np.random.default_rng(seed)
     name = str(rng.choice(odrive.FILES))
@@ -69,7 +67,7 @@ def test_a_way_back_is_left_out_until_the_motor_rests(tmp_path):
     assert log.time[-1] == whole.time[-1]
 
 
-@pytest.mark.parametrize(("name", "below"), list(zip(odrive.SCANS, ["flat", "named", "clone"], strict=True)))
+@pytest.mark.parametrize(("name", "below"), list(zip(odrive.SCANS, ["named", "named", "clone"], strict=True)))
 def test_a_scan_holds_the_places_that_were_visited(tmp_path, name, below):
     rng = np.random.default_rng(len(name))
     first = 15 if name == "backward" else 0
@@ -110,42 +108,3 @@ def test_an_invalid_scan_is_named(tmp_path):
     np.save(tmp_path / "cogging_measure_final_iso_16.npy", np.zeros(512))
     with pytest.raises(InputError, match=r"iso_16\.npy: must be 8192 values, a count each, got \(512,\)"):
         odrive.scan("alone", tmp_path)
-
-
-# The originals --------------------------------------------------------------------------------------------------------
-
-HARMONICS = (1, 2, 7, 12, 14, 21, 24, 28, 35, 36, 42, 48, 56, 60, 72, 84)
-
-
-def scanned(name):
-    """Amplitude by harmonic of a scan, A."""
-    scan = odrive.scan(name, FOLDER)
-    waves = 2 / len(scan.current) * np.exp(-1j * np.outer(HARMONICS, scan.position)) @ scan.current
-    return dict(zip(HARMONICS, np.abs(waves), strict=True))
-
-
-def solved(log):
-    """Amplitude by harmonic of the current in motion, beside acceleration, speed and friction, by least squares."""
-    t, x = log.time, log.position
-    near = np.clip(np.arange(len(t))[:, None] + np.arange(-3, 4), 0, len(t) - 1)
-    powers = ((t[near] - t[:, None]) / 0.01)[..., None] ** np.arange(3)
-    square, sums = powers.transpose(0, 2, 1) @ powers, (powers * x[near][..., None]).sum(axis=1)
-    _, v, a = np.linalg.solve(square, sums[..., None])[..., 0].T / np.array([[1.0], [0.01], [0.5e-4]])
-    waves = [wave(h * x) for h in HARMONICS for wave in (np.sin, np.cos)]
-    kept = (np.abs(v) > 0.02) & (t < t[-1] - 0.1)
-    columns = np.column_stack([a, v, np.tanh(v / 0.03), *waves])[kept]
-    terms = np.linalg.lstsq(columns, log.command[kept], rcond=None)[0]
-    return dict(zip(HARMONICS, np.hypot(terms[3::2], terms[4::2]), strict=True))
-
-
-@pytest.mark.data
-@pytest.mark.parametrize("name", ["slow2_nocomp_0", "slow2_slower_nocomp_0"])
-def test_two_speeds_show_the_cogging_of_the_scan_once_the_smoothing_is_undone(name):
-    held = scanned("forward")
-    found = solved(odrive.read(name, FOLDER))
-    for harmonic in (7, 28, 14, 36, 12):
-        assert found[harmonic] == pytest.approx(held[harmonic], rel=0.15), harmonic
-    assert sorted(found, key=found.get)[-2:] == [28, 7]
-    late = solved(odrive.read(name, FOLDER, smoothed=True))
-    assert late[28] < 0.85 * held[28]
-    assert late[36] < 0.85 * held[36]

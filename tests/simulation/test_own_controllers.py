@@ -50,9 +50,6 @@ def same(log, other):
         np.testing.assert_array_equal(column, others[name], err_msg=name)
 
 
-# The same law gives the same bits -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("velocity", "width", "limit"), [("reference", 1e-3, 0.0), ("measured", 0.0, 0.4)])
 def test_a_pid_in_python_gives_the_bits_of_the_core(velocity, width, limit):
     gains = {"kp": 9000.0, "ki": 8e4, "kd": 40.0, "mass": 0.11, "viscous": 0.2, "coulomb": 0.1, "coulomb_width": width}
@@ -104,9 +101,6 @@ def test_a_controller_of_the_core_in_one_of_python():
     same(loop(Wrapped(pid, 0.0)), loop(pid))
 
 
-# A run is pure --------------------------------------------------------------------------------------------------------
-
-
 def test_the_object_is_not_changed_and_reset_before_each_run():
     mine = OwnPid(cogging.PidParameters(kp=9600.0, ki=1e5))
     first = loop(mine)
@@ -152,8 +146,6 @@ def test_a_prediction_accepts_one():
     with pytest.raises(TypeError, match="controllers: must be names, or controllers by name, got OwnPid"):
         cogging.predict_error(MODEL, MOVE, OwnPid(pid))
 
-
-# What a command may be ------------------------------------------------------------------------------------------------
 
 NUMBERS = [1, np.float32(0.5), np.array(0.5), fractions.Fraction(1, 4), decimal.Decimal("0.5")]
 NO_NUMBERS = [None, True, "1.0", -float("inf"), np.float32("nan"), 10**400, np.array([0.5])]
@@ -215,8 +207,6 @@ def test_what_is_no_exception_ends_the_run_and_the_batch(error, threads):
     with pytest.raises(error):
         cogging.closed_loop_batch([PLANT] * 9, controllers, MOVE, steps_per_sample=100, threads=threads)
 
-
-# What is refused before anything runs ---------------------------------------------------------------------------------
 
 command = Proportional().command
 NONE_AT_ALL = [None, "pid", MODEL, lambda reference, reading: 0.0]

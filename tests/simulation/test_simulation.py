@@ -51,9 +51,6 @@ def assert_same_bits(one, other):
         assert one[name].tobytes() == other[name].tobytes(), name
 
 
-# Pure functions -------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_the_given_controller_is_not_changed(kind):
     struct, make = CONTROLLERS[kind]
@@ -114,9 +111,6 @@ def test_a_run_releases_the_interpreter_lock():
         thread.join()
 
 
-# Logs -----------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("rate", "duration", "rows"), [(1000.0, 0.0015, 2), (3000.0, 1.0, 3001), (7.0, 1.0, 8)])
 def test_times_are_the_samples_of_the_controller(rate, duration, rows):
     controller = cogging.Pid(cogging.PidParameters(sample_rate=rate))
@@ -147,9 +141,6 @@ def test_the_steps_per_sample_of_a_model_are_used_unless_stated():
     assert cogging.Model.from_dict(model.to_dict()) == model
     for stated, used in ({}, 4), ({"steps_per_sample": 2}, 2):
         assert cogging.simulate(model, stroke(), duration=0.01, **stated).metadata["steps_per_sample"] == used
-
-
-# Errors ---------------------------------------------------------------------------------------------------------------
 
 
 def test_a_diverging_run_says_when_and_where():
@@ -213,9 +204,6 @@ def test_a_wrong_argument_is_one_line(name, fields, message):
         call(**arguments | fields)
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
-
-
-# Indexes --------------------------------------------------------------------------------------------------------------
 
 
 def test_indexes_are_numpys():

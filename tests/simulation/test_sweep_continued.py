@@ -112,9 +112,6 @@ def test_a_sweep_that_ends_before_its_first_piece_leaves_nothing(tmp_path, monke
         cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "none" / "runs.csv", **FEW)
 
 
-# Pieces that changed --------------------------------------------------------------------------------------------------
-
-
 @posix
 def test_changed_pieces_are_computed_again_and_copies_used_once(tmp_path, monkeypatch, computed, whole):
     """Half a file, no archive, a pipe, one piece twice, and one under another number."""
