@@ -10,8 +10,6 @@ import cogging
 from tests.fixtures.own_laws import COPIES, own_eddy
 from tests.fixtures.plants_by_hand import TWO_PI, effect, example, spline, wave
 
-# Fields from the plant ------------------------------------------------------------------------------------------------
-
 VALUES = {"sine": [0.5, 0.2, -0.4, 0.8, 0.1], "cosine": [-0.3, 0.6, 0.2, 0.0, 0.4]}
 POSITIONS = np.linspace(-0.05, 0.3, 1001)
 
@@ -80,9 +78,6 @@ def test_an_end_effect_uses_the_ends_of_the_travel():
         cogging.Plant(cogging.AxisParameters(travel=[-0.1, math.inf]), effects=[taken])
     with pytest.raises(ValueError, match=r"^end_effect\.travel: needs two ends"):
         taken.force_at(position=0.1)
-
-
-# Roles ----------------------------------------------------------------------------------------------------------------
 
 
 #: Each effect of the list, and some custom ones, with neutral parameters.

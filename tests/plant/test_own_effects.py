@@ -34,9 +34,6 @@ def compiled():
     )
 
 
-# Motion ---------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("width", [1e-3, 0.0])
 @pytest.mark.parametrize("name", sorted(COPIES))
 def test_a_copy_of_an_effect_moves_as_it(name, width):
@@ -64,9 +61,6 @@ def test_compiled_and_python_laws_give_the_same_bits():
     assert np.abs(logs[0].command - run().command).max() > 0.1
 
 
-# The integrator -------------------------------------------------------------------------------------------------------
-
-
 def energy_error(effect, work, mass):
     """Return the largest change of kinetic energy less work, as a share of it, without friction under 0.3 V."""
     t = np.arange(400) / 1000.0
@@ -82,10 +76,9 @@ def energy_error(effect, work, mass):
     )
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_law_with_a_jump_and_a_kink_is_integrated_as_exactly_as_any(seed):
-    rng = np.random.default_rng(seed)
-    place, jump, kink, mass = rng.uniform([0.11, -0.25, -1.0, 0.05], [0.2, 0.25, 1.0, 0.5])
+    place, jump, kink, mass = np.random.default_rng(seed).uniform([0.11, -0.25, -1.0, 0.05], [0.2, 0.25, 1.0, 0.5])
 
     def force(position):
         return np.where(position < place, 0.0, jump + kink * (position - place))
@@ -108,19 +101,6 @@ def test_a_narrow_pulse_must_be_stated_and_is_then_felt():
 
     assert energy_error(Custom("notch", force=force, length_scale=5e-6), work, 0.3) < 1e-6
     assert energy_error(Custom("notch", force=force), work, 0.3) > 1e-4
-
-
-def test_a_force_that_jumps_at_rest_is_not_silently_wrong():
-    """Dry friction written as a force has no solution at rest: the steps become ever smaller, which is an error."""
-    own = Custom("dry", force=lambda velocity: -2.0 * np.sign(velocity))
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.1), effects=[own])
-    pid = cogging.Pid(cogging.PidParameters(sample_rate=1000.0))
-    still = cogging.Sine(cogging.SineParameters(amplitude=0.0))
-    with pytest.raises(cogging.DivergedError, match="must change slowly enough to be integrated in 1e5 steps a sample"):
-        cogging.closed_loop(plant, pid, still, duration=0.2, initial_velocity=0.1)
-
-
-# Description ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", sorted(COPIES))
@@ -148,41 +128,27 @@ def test_a_copy_has_the_description_of_the_effect(name):
 
 def test_a_custom_effect_is_a_value():
     one = own_spring().replace(stiffness=3.0)
-    assert one == own_spring().replace(stiffness=3.0)
-    assert one != own_spring()
-    assert one != cogging.effects.CableSpring(stiffness=3.0)
+    assert copy.deepcopy(one) == one == pickle.loads(pickle.dumps(one)) == own_spring().replace(stiffness=3.0)
+    assert one not in (own_spring(), cogging.effects.CableSpring(stiffness=3.0))
     assert repr(one) == "Custom('own_spring', stiffness=3.0, center=0.0)"
-    assert copy.deepcopy(one) == one == pickle.loads(pickle.dumps(one))
-    assert one.resolved(AXIS) is one
-    assert cogging.Plant(AXIS, effects=[one]).effects == [one]
     assert one.neutral().to_dict() == {"stiffness": 0.0, "center": 0.0}
     with pytest.raises(AttributeError, match="replace"):
         one.stiffness = 4.0
-    with pytest.raises(AttributeError, match="no attribute 'mass'"):
-        _ = one.mass
 
 
-def test_a_model_file_holds_values_without_laws(tmp_path):
+def test_a_model_file_and_a_log_hold_values_without_laws(tmp_path):
     own = own_spring()
     model = cogging.Model(axis=AXIS, effects=(own.replace(stiffness=3.0), cogging.effects.ConstantForce(force=0.1)))
     model.write(tmp_path / "model.toml")
     read = cogging.Model.read(tmp_path / "model.toml", effects=[own])
     assert read == model
-    assert cogging.Model.from_dict(model.to_dict(), effects=[own]) == model
     with pytest.raises(cogging.InputError, match=r"effects\.name: must be one of .* got 'own_spring'") as refused:
         cogging.Model.read(tmp_path / "model.toml")
     assert "Model.read(path, effects=[it])" in str(refused.value)
-
-
-def test_a_log_is_repeated_with_the_law_that_it_does_not_hold():
-    model = cogging.Model(axis=AXIS, effects=(own_eddy().replace(slope=1.0),), controller=PID, controller_type="pid")
-    log = cogging.simulate(model, MOVES)
-    np.testing.assert_array_equal(cogging.repeat(log, effects=[own_eddy()]).position, log.position)
+    log = cogging.simulate(model.replace(controller=PID, controller_type="pid"), MOVES)
+    np.testing.assert_array_equal(cogging.repeat(log, effects=[own]).position, log.position)
     with pytest.raises(ValueError, match="must be one of"):
         cogging.repeat(log)
-
-
-# Refused --------------------------------------------------------------------------------------------------------------
 
 
 def law(force, name="mine", **more):
@@ -200,29 +166,20 @@ def plain(velocity):
 REFUSED = [
     (law(plain, "cable_spring"), "name: must not be one of the vocabulary"),
     (law(plain, "My law"), "name: must be lower-case letters"),
-    (lambda: Custom("mine"), "mine: must have a law"),
     (law(3.0), "mine.force: must be a function, got 3.0"),
     (law(lambda speed: speed), "mine.force: must take its arguments by name, .* got 'speed'"),
     (law(lambda velocity: 1j * velocity), "mine.force: raised TypeError .*real numbers"),
-    (law(lambda velocity: np.zeros(2)), r"mine.force: raised ValueError .*shape \(2,\)"),
     (law(lambda velocity: velocity * math.nan), "mine.force: must be a finite number, got nan at position 0.02,"),
     (law(lambda velocity: [][0]), r"mine.force: raised IndexError \(list index out of range\)"),
-    (law(lambda velocity: 1.0 if velocity > 0 else 0.0), "mine.force: raised ValueError .*along arrays of 3"),
     (law(lambda velocity: velocity - np.mean(velocity)), "mine.force: must give the same for arrays as for numbers"),
     (lambda: Custom("mine", command_gain=plain), "must take its arguments by name, of position, time"),
-    (lambda: Custom("mine", reading_error=lambda time: time), "arguments by name, of position, got 'time'"),
     (law(plain, parameters={"size": 1.0}), "mine.size: must be an argument of a law"),
-    (law(lambda velocity, a: velocity, parameters={"a": math.inf}), "mine.a: must be a finite number"),
-    (law(plain, length_scale=0.0), "length_scale: must be above 0"),
     (law(plain, kinds=[Wave(shape="p", sine="s", cosine="c")]), "mine.kinds: must name parameters"),
     (law(ctypes.CFUNCTYPE(*[ctypes.c_double] * 4)(lambda x, v, t: v)), "mine.force: must be compiled code"),
     (lambda: law(compiled())(), r"must take doubles \(position, velocity, time\) and return one, got"),
-    (with_fields(role="wish"), "role: must be"),
     (with_fields(low=1.0, high=0.0), "low, high: must be finite, low below high"),
-    (with_fields(role="shape"), "low, high: must be given for a shape"),
     (with_fields(unit="T"), "low, high: must be given for an amplitude in 'T'"),
     (with_fields(neutral=1.0), "neutral: must be 0 for an amplitude"),
-    (lambda: own_eddy().replace(slope=math.nan), "eddy_drag.slope: must be a finite number"),
     (lambda: own_eddy().replace(corner=0.0), "eddy_drag.corner: must be above 0"),
     (lambda: own_friction().replace(levels=1.0), "own_friction.levels: must be a list of numbers"),
     (
@@ -255,13 +212,3 @@ def test_a_law_that_fails_in_a_run_says_when_and_where():
         run(endless)
     place = float(re.search(r"position ([0-9.e-]+)", str(raised.value))[1])
     assert abs(place - 0.2) <= 1e-3
-
-
-def test_ctrl_c_passes_through_a_law():
-    def stop(time):
-        if np.ndim(time) == 0 and 0.2 < time < 0.25:
-            raise KeyboardInterrupt
-        return 0.0 * time
-
-    with pytest.raises(KeyboardInterrupt):
-        run(Custom("mine", force=stop))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import cogging
-from tests.fixtures.log_columns import columns_of
 from tests.fixtures.plants_by_hand import driven, effect, exact_axis
 
 
@@ -20,20 +19,3 @@ def test_it_is_stable_however_stiff_and_tends_to_the_exact_form(stiffness):
     assert np.abs(log.true_velocity).max() < 1.0
     # The contact gives way by g / stiffness at a period of sqrt(M / stiffness): a speed of g / sqrt(M stiffness).
     assert np.abs(log.true_position - exact).max() < 0.8 / math.sqrt(0.5 * stiffness)
-
-
-@pytest.mark.parametrize(
-    "effects",
-    [
-        [effect("flexible_mode", frequency=20.0)],
-        [effect("backlash", mass_ratio=0.5)],
-        [effect("backlash"), effect("flexible_mode"), effect("presliding_friction", damping=3.0)],
-    ],
-)
-@pytest.mark.parametrize("width", [0.0, 0.01])
-def test_a_load_that_is_none_leaves_every_bit(effects, width):
-    commands = 2 * np.random.default_rng(8).normal(size=300)
-    axis = exact_axis(viscous=0.3, coulomb_width=width)
-    with_them, without = (driven(cogging.Plant(axis, effects=e), commands, 1000.0) for e in (effects, []))
-    for column, values in columns_of(without).items():
-        np.testing.assert_array_equal(getattr(with_them, column), values)
