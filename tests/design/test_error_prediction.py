@@ -44,9 +44,6 @@ def machine_with(values):
     return base.replace(axis=axis, cogging=cogging.CoggingModel(base.cogging.basis, [[sine]], [[0.05]]))
 
 
-# The prediction -------------------------------------------------------------------------------------------------------
-
-
 def test_intervals_hold_the_errors_of_machines_drawn_elsewhere():
     """In 20 predictions of 40 machines against 200 others: 95 % within, and half of them below the median."""
     rng, truths, inside, below = np.random.default_rng(11), [], [], []
@@ -105,34 +102,12 @@ def test_each_sample_is_the_run_of_its_machine(duration):
         assert row["rms"] == found[row["controller"]].rms.values[row["machine"]]
 
 
-def test_wider_intervals_of_the_model_widen_those_of_the_error():
-    spans = []
-    for width in (0.05, 0.3, 2.0):
-        found = own(machine(width), samples=40)
-        spans.append([np.ptp(found.rms.interval), np.ptp(found.max.interval)])
-    assert np.all(np.diff(spans, axis=0) > 0.0)
-    assert spans[-1][0] > 5 * spans[0][0]
-
-
-def test_parameters_that_trade_against_each_other_spread_the_error_less():
-    """Viscous and Coulomb friction known by their sum only, against both alone and against both wrong alike."""
-    sigma = np.array([0.03, 0.03 * 0.4])  # at the 0.4 m/s that the motion mostly has both push alike
-    alone, together = np.diag(sigma**2), np.outer(sigma, sigma)
-    spans = [
-        np.ptp(own(machine(), covariance=(["axis.viscous", "axis.coulomb"], matrix), samples=40).rms.interval)
-        for matrix in (alone + 0.98 * (together - alone), alone, alone - 0.98 * (together - alone))
-    ]
-    assert spans[0] > spans[1] > spans[2]
-
-
 def test_quantiles_of_few_samples():
     """Order statistic share (n + 1): between two values of 39 the next lies with 38 / 40; fewer cannot say so."""
-    for samples, coverage in ((9, 0.8), (39, 0.95)):
-        found = predict_error(machine(), REFERENCE, ["own"], samples=samples)
-        values = np.sort(found["own"].rms.values)
-        assert found["own"].rms.interval == pytest.approx((values[0], values[-1]))
-        assert found["own"].rms.median == values[samples // 2]
-        assert found.coverage == pytest.approx(coverage)
+    found = predict_error(machine(), REFERENCE, ["own"], samples=9)
+    values = np.sort(found["own"].rms.values)
+    assert found["own"].rms.interval == pytest.approx((values[0], values[-1]))
+    assert (found["own"].rms.median, found.coverage) == (values[4], pytest.approx(0.8))
 
 
 def test_diverged_runs_are_infinite():
@@ -156,9 +131,6 @@ def test_window_is_the_last_period_or_the_whole_run(repeats, duration, is_last):
     motion = cogging.PointToPoint(parameters)
     found = predict_error(machine(), motion, ["own"], samples=2, duration=duration)
     assert found.window == pytest.approx((motion.end - motion.period if is_last else 0.0, duration or motion.end))
-
-
-# Controllers ----------------------------------------------------------------------------------------------------------
 
 
 def test_all_controllers_of_the_library_are_predicted(monkeypatch):
@@ -190,9 +162,6 @@ def test_without_bounds_the_own_controller_is_predicted_and_the_rest_left_out():
     assert any("axis.viscous" in note and "taken as exact" in note for note in found.notes)
     with pytest.raises(ValueError, match=r"own left out: controller: must be given .*; controllers from the bounds"):
         predict_error(unknown.replace(controller=None, controller_type=None), REFERENCE, samples=3)
-
-
-# What is drawn --------------------------------------------------------------------------------------------------------
 
 
 def test_drawn_machines_are_valid_and_follow_intervals_or_covariance():
@@ -237,9 +206,6 @@ def test_an_infinite_interval_is_reported_and_what_is_known_is_predicted(folder,
     open_ended.write(folder / "open.toml")
     assert main(["predict", "open.toml", "--reference", "ref.toml", "--samples", "2"]) == 0
     assert "experiment --model open.toml" in capsys.readouterr().out
-
-
-# Calls ----------------------------------------------------------------------------------------------------------------
 
 
 REFUSED = {

@@ -7,7 +7,6 @@ import pytest
 
 import cogging
 from cogging.design.experiment_motion import motion_within
-from cogging.design.motion_limits import shares_of_limits
 from cogging.diagnosis.balance.decision import THRESHOLD, score_of
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
@@ -30,9 +29,6 @@ def drawn_limits(random):
     low, velocity = random.uniform(-1.0, 1.0), random.uniform(0.1, 1.0) * np.sqrt(acceleration * length)
     options = {"travel": (low, low + length), "jerk": sharp * acceleration}
     return cogging.MotionLimits(velocity, acceleration, random.uniform(2.0, 6.0), **options)
-
-
-# Limits ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -77,9 +73,6 @@ def test_the_model_completes_the_limits():
         few.of(free)
     with pytest.raises(FieldError, match="travel: must be inside the model's"):
         cogging.MotionLimits(0.5, 5.0, 3.0, travel=(-0.1, 0.4)).of(SMALL)
-
-
-# The motion -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -136,20 +129,6 @@ def test_the_machine_keeps_to_the_limits(seed):
         assert 0.05 <= place.min() <= place.max() <= 0.4
 
 
-def test_each_limit_that_is_exceeded_is_seen():
-    limits = LIMITS.of(SMALL)
-    motion, _ = motion_within(limits, 1000.0)
-    log = cogging.simulate(SMALL, motion)
-    loose = {**vars(limits), "acceleration": 6.0, "command": 1e9}
-    assert all(0.0 < share <= 1.0 for share in shares_of_limits(motion, log, cogging.MotionLimits(**loose)).values())
-    tight = {"travel": (0.05, 0.51), "command": 0.5 * float(np.abs(log.command).max()), "duration": motion.end - 0.01}
-    for name, value in (tight | {"velocity": 0.35, "acceleration": 3.5, "jerk": 350.0}).items():
-        assert shares_of_limits(motion, log, cogging.MotionLimits(**{**loose, name: value}))[name] > 1.0, name
-
-
-# Expectations ---------------------------------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def plan():
     return cogging.plan_experiment(SMALL, LIMITS, result=RESULT)
@@ -201,9 +180,6 @@ def test_intervals_are_as_wide_as_estimates_scatter():
     assert known["axis.mass"].today == pytest.approx(1e-5, rel=1e-3)
     for path in ("axis.mass", "axis.viscous"):
         assert known[path].expected <= min(known[path].today, 1.01 * entries[path].expected)
-
-
-# Plans ----------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

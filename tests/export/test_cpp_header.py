@@ -171,15 +171,6 @@ def test_a_header_needs_the_standard_library_alone(folder, kind):
     assert defined == set(re.findall(r"^#undef (\w+)", namespace, re.MULTILINE))  # nothing is left behind
 
 
-def test_beside_the_library_and_with_exceptions(folder):
-    """One program has the library, of whatever version, and a header: before it and behind it."""
-    (folder / "both.cpp").write_text(
-        '#include "cogging/control/pid.hpp"\n#include "pid.hpp"\n#include "arc.hpp"\n'
-        '#include "cogging/control/list.hpp"\ncogging::AnyController<> any;\narc::Controller made;\n'
-    )
-    compile_with(COMPILERS[0], "-fsyntax-only", f"-I{cogging.get_include()}", folder / "both.cpp")
-
-
 def test_the_guide_s_loop_compiles(folder):
     (loop,) = re.findall(r"```cpp\n(.*?)```", (ROOT / "docs" / "cpp_export.md").read_text(), re.DOTALL)
     (folder / "controller.hpp").write_bytes(cogging.export.to(model_of("arc", 0), "cpp", name="x_axis").content)
@@ -189,10 +180,8 @@ def test_the_guide_s_loop_compiles(folder):
 
 def test_labels_are_those_of_the_model():
     model = model_of("pid", 0).replace(units=cogging.Units(command="A", position="rad"))
-    text = cogging.export.to(model, "cpp").content.decode()
-    facts = text.partition("// The controller")[2]
+    facts = cogging.export.to(model, "cpp").content.decode().partition("// The controller")[2]
     assert "// A/rad: proportional gain" in facts
-    assert "the encoder's (rad)" in facts
     assert not re.search(r"\bV\b", facts)
 
 
@@ -200,7 +189,7 @@ def test_the_command_and_what_it_refuses(tmp_path, capsys):
     model, out = tmp_path / "model.toml", tmp_path / "out.hpp"
     call = ["export", str(model), "--to", "cpp", "--out", str(out)]
     model.write_text(MODEL)
-    for name in ("", "class", "9axis", "a__b", "\u00e4", "x" * 64):
+    for name in ("", "class", "9axis", "\u00e4"):
         assert main([*call, f"--name={name}"]) == 2
         error = capsys.readouterr().err
         assert error.count("\n") == 1

@@ -4,15 +4,12 @@ import re
 import runpy
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.datasets import odrive
 from cogging.export.drives import SHEETS, markdown
 from cogging.export.forms import FORMS
-from tests.fixtures.drives import READERS, Turning
 from tests.fixtures.measured import FOLDER
 
 DOCUMENT = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
@@ -70,29 +67,3 @@ def test_the_motor_of_the_document(tmp_path, monkeypatch, capsys):
         assert [line.strip() for line in shown.splitlines()] == capsys.readouterr().out.splitlines()
     for form, options in SAME_MAP.items():
         assert row(form, cogging.export.to("motor.toml", form, **options).text) in DOCUMENT, form
-
-
-def spread(values):
-    return float(np.std(values))
-
-
-@pytest.mark.data
-def test_the_table_on_measured_current(tmp_path, monkeypatch):
-    """The map's own scans, and one after the motor was mounted anew, whose zero is another."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COGGING_DATA", str(FOLDER))
-    exec(code()[0], {})
-    drive = READERS["odrive"](cogging.export.to("motor.toml", "odrive", quantity="current"), Turning(odrive.TURN))
-    place = odrive.TURN * np.arange(512) / 512
-    ways = [odrive.scan(name) for name in ("forward", "backward")]
-    mean = 0.5 * sum(np.interp(place, one.position, one.current, period=odrive.TURN) for one in ways)
-    table = drive.adds(place)
-    found = [spread(mean), spread(mean - table), spread(mean + table)]
-    other = odrive.scan("alone")
-    zeros = odrive.TURN * np.arange(4096) / 4096
-    left = np.array([spread(other.current - drive.adds(other.position - zero)) for zero in zeros])
-    found += [spread(other.current), left[0], left.min(), zeros[left.argmin()]]
-    for value in found:
-        assert f"{value:.3f}" in DOCUMENT
-    assert found[1] < 0.5 * found[0] < found[0] < 0.6 * found[2]
-    assert left.min() < 0.65 * found[3] < found[3] < left[0]
