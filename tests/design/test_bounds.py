@@ -161,22 +161,6 @@ def test_the_rule_gives_the_gains_of_lu2008():
         assert getattr(found, f"cogging_{name}") == getattr(printed, f"cogging_{name}")
 
 
-@pytest.mark.parametrize(("mass_high", "viscous_high"), [(0.13, 100.0), (3.0, 0.2)])
-def test_gains_are_admissible_without_slopes(mass_high, viscous_high):
-    widths = INTERVALS | {"axis.mass": (0.01, mass_high), "axis.viscous": (0.0, viscous_high)}
-    parameters = bounds_of(intervals=widths).adaptive_robust()
-    assert min(cogging.desired_compensation_condition(parameters, friction_slope=0.0, cogging_slope=0.0)) > 0.0
-
-
-def test_condition_looks_at_the_steepest_friction_and_cogging():
-    bounds = bounds_of({"cogging": (-0.1, 0.1)}, cogging=FORCE)
-    gentle = bounds.adaptive_robust(coulomb_width=0.5)
-    assert bounds.condition(gentle) > bounds.condition(bounds.adaptive_robust())
-    slopes = {"friction_slope": cogging.friction_slope_max(0.5), "cogging_slope": cogging.cogging_slope_max(BASIS, 0.1)}
-    assert bounds.condition(gentle) == pytest.approx(cogging.desired_compensation_condition(gentle, **slopes))
-    assert bounds.condition(bounds.adaptive_robust(coulomb_width=0.0)) == (-math.inf, -math.inf)
-
-
 def test_periods_become_harmonics_of_a_common_pitch():
     force = cogging.CoggingModel(cogging.SplineHarmonics(periods=[0.024, 0.016]), [[0.1], [0.2]], [[0.05], [-0.1]])
     parameters = bounds_of(cogging=force).adaptive_robust()
@@ -210,15 +194,6 @@ def test_output_feedback_is_the_papers_at_its_bandwidth_and_mass():
     gains = ("observer_gain_1", "observer_gain_2", "gain_1", "gain_2", "weight_1", "weight_2", "theta", "adaptation")
     for name in gains:
         assert getattr(found, name) == pytest.approx(getattr(printed, name)), name
-
-
-def test_output_feedback_bounds_hold_every_quotient():
-    bounds = bounds_of({"disturbance": (-0.5, 0.2)})
-    parameters = bounds.output_feedback()
-    for mass, viscous, force in itertools.product(bounds.mass, bounds.viscous, bounds.disturbance):
-        theta = np.array([1 / mass, viscous / mass, force / mass])
-        assert np.all(theta >= np.array(parameters.theta_min) - 1e-12)
-        assert np.all(theta <= np.array(parameters.theta_max) + 1e-12)
 
 
 def test_observer_design_data():
