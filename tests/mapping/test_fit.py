@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 from scipy import stats
-from scipy.interpolate import BSpline as ScipySpline
 from scipy.signal import lfilter
 
 import cogging
@@ -125,7 +124,7 @@ def test_modulated_truth_is_found_within_its_standard_errors(correlation):
 def test_standard_errors_fit_white_noise_and_short_scans_of_correlated_noise(points, correlation, low, high):
     """Neighbouring points of two pitches are alike: errors that assume white noise would be 2.5 times too small."""
     x, apart = np.linspace(0.0, 0.51 if points == 511 else 0.1, points), []
-    for seed in range(40):
+    for seed in range(25):
         model = truth(seed, order=0)
         force = model.force(x) + noise(np.random.default_rng(seed), points, correlation)
         made = fit_known(force, x, order=0, origin=None)
@@ -140,13 +139,11 @@ def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
     for seed in range(8):
         made = fit_known(two_way_scan(seed, truth(seed, order=order), correlation), THERE_AND_BACK)
         orders.append(made.order)
-        if order == 0:
-            continue
-        assert [score.coefficients for score in made.cross_validation] == [10, 110, 120, 130, 140]
-        table = {score.order: score.rms for score in made.cross_validation}
-        assert list(table) == [0, 1, 2, 3, 4]
-        assert table[0] > 2.0 * table[order]  # the change along the travel is ten times the noise
-        assert NOISE * 0.95 < table[order] < NOISE * 2.0  # 120 coefficients of 1,022 points
+        if order:
+            assert [score.coefficients for score in made.cross_validation] == [10, 110, 120, 130, 140]
+            table = {score.order: score.rms for score in made.cross_validation}
+            assert table[0] > 2.0 * table[order]  # the change along the travel is ten times the noise
+            assert NOISE * 0.95 < table[order] < NOISE * 2.0  # 120 coefficients of 1,022 points
     assert orders.count(order) >= 7
 
 
@@ -240,18 +237,6 @@ def test_direction_is_that_of_the_motion_and_not_of_the_encoder_noise():
     assert made.cogging.sine == pytest.approx(model.sine, abs=0.004)
 
 
-def test_friction_that_wanders_along_the_travel_widens_the_error_of_its_level():
-    apart = []
-    for seed in range(20):
-        rng = np.random.default_rng(seed)
-        wander = noise(rng, GRID.size, 0.98)  # the same in both directions
-        friction = DIRECTION * np.concatenate([0.15 + wander, 0.15 + wander[::-1]])
-        force = truth(seed, order=0).force(THERE_AND_BACK) + friction + 0.1 * noise(rng, DIRECTION.size)
-        made = fit_known(force, THERE_AND_BACK, order=0)
-        apart.append((made.coulomb - 0.15) / made.coulomb_standard_error)
-    assert 0.3 < np.sqrt(np.mean(np.square(apart))) < 1.5
-
-
 def test_rows_just_after_a_reversal_are_left_out():
     """Friction that turns over 4 mm, like a spring, after each reversal would spoil the Coulomb level."""
     way = np.minimum(np.arange(GRID.size) * STEP / 0.004, 1.0)
@@ -261,27 +246,15 @@ def test_rows_just_after_a_reversal_are_left_out():
     assert has_note(made, "after a reversal")
 
 
-def test_a_long_rest_weighs_no_more_than_its_place():
-    """Ten thousand rows at one place with a force that is wrong there move the map no more than one point does."""
-    force = truth(8, order=0).force(GRID) + noise(np.random.default_rng(8), GRID.size)
-    force[100] += 0.2
-    times = np.where(np.arange(GRID.size) == 100, 10_000, 1)
-    once, long = fit_known(force, order=0), fit_known(np.repeat(force, times), np.repeat(GRID, times), order=0)
-    assert long.cogging.sine == pytest.approx(once.cogging.sine, abs=1e-12)
-    assert len(long.position) == GRID.size
-
-
 def test_a_trend_is_reported_where_there_is_one():
     force = two_way_scan(9, truth(9))
     flat = fit_known(force, THERE_AND_BACK, order=3)
-    assert (flat.trend, flat.trend_standard_error) == (0.0, 0.0)
-    assert not has_note(flat, "trend")
+    assert (flat.trend, flat.trend_standard_error, has_note(flat, "trend")) == (0.0, 0.0, False)
     tilted = fit_known(force + 0.4 * THERE_AND_BACK, THERE_AND_BACK, order=3)
     assert tilted.trend == pytest.approx(0.4, abs=5.0 * tilted.trend_standard_error)
     assert tilted.trend_standard_error < 0.02
     assert tilted.offset == pytest.approx(0.2 + 0.4 * 0.255, abs=0.01)  # at the centre of the travel
     assert has_note(tilted, "trend")
-    assert "V/m" in tilted.text()
     total = tilted.cogging.force(tilted.position) + tilted.offset + tilted.coulomb * tilted.direction
     assert tilted.fitted == pytest.approx(total + tilted.trend * (tilted.position - 0.255), abs=1e-9)
 
@@ -304,17 +277,6 @@ def test_control_points_without_data_are_listed_and_continue_their_neighbours():
     assert np.max(np.abs(deviations(made, model, seen))) < 4.5
 
 
-def test_knots_before_the_scan_are_listed_and_a_sliver_of_travel_gets_no_span():
-    made = fit_known(truth(0).force(GRID) + 0.2, order=3, origin=-0.2)
-    spline = made.cogging.basis.spline
-    assert (spline.origin, spline.control_points) == (-0.2, 15 + 2)
-    assert {0, 1, 2, 3} <= set(made.unexcited)
-    for rows in (501, 503):
-        full = fit_known(truth(0).force(GRID[:rows]), GRID[:rows], order=3, origin=None)
-        assert full.unexcited == ()
-        assert (full.cogging.basis.spline.control_points, full.cogging.basis.spline.origin) == (12, 0.0)
-
-
 def test_periods_and_harmonics_that_are_left_out_are_named():
     force = 0.5 * np.sin(2 * np.pi * GRID / PITCH) + 0.1 * np.sin(2 * np.pi * 2.4 * GRID / PITCH)
     made = fit(force + noise(np.random.default_rng(11), GRID.size))
@@ -328,38 +290,6 @@ def test_periods_and_harmonics_that_are_left_out_are_named():
 
 
 # --- independent formulas ---------------------------------------------------------------------------------------------
-
-
-def scipy_regressor(x, order, points):
-    """Eq. 3 to 5 with scipy's splines: the columns in the order of the paper's A_r."""
-    knots = PITCH * np.arange(1 - order, points + 1)
-    columns = []
-    for point in range(points):
-        weight = ScipySpline(knots, np.eye(points)[point], order - 1)(x)
-        for h in HARMONICS:
-            angle = 2.0 * np.pi * h * x / PITCH
-            columns += [weight * np.sin(angle), weight * np.cos(angle)]
-    return np.stack(columns, axis=1)
-
-
-@pytest.mark.parametrize("order", [1, 3])
-def test_fit_is_the_least_squares_solution_with_its_prior(order):
-    x, points = GRID[:500] + 0.3 * STEP, 9 + order  # no point on a knot, where order 1 jumps
-    force = truth(12, order=order).force(x) + noise(np.random.default_rng(12), x.size)
-    made = fit_known(force, x, order=order)
-    columns = np.column_stack([scipy_regressor(x, order, points), np.ones(x.size)])
-    plain, *_ = np.linalg.lstsq(columns, force, rcond=None)
-    # Residual and prediction hardly know of the prior ...
-    rest = force - columns @ plain
-    assert np.std(made.fitted - columns @ plain) < 0.25 * NOISE
-    # ... but the coefficients at the ends do, where neighbouring harmonics with free amplitudes look alike.
-    variance = rest @ rest / (x.size - columns.shape[1])
-    difference = np.kron(np.diff(np.eye(points), axis=0), np.eye(10)) * np.sqrt(variance / np.var(force))
-    further = np.column_stack([difference, np.zeros(len(difference))])
-    rows, values = np.vstack([columns, further]), np.concatenate([force, np.zeros(len(further))])
-    table = np.linalg.lstsq(rows, values, rcond=None)[0][:-1].reshape(points, 5, 2)
-    assert made.cogging.sine == pytest.approx(table[:, :, 0].T, abs=2e-4)
-    assert made.cogging.cosine == pytest.approx(table[:, :, 1].T, abs=2e-4)
 
 
 def test_periodic_fit_is_the_least_squares_solution():
@@ -395,24 +325,16 @@ REFUSED = [
         {"position": THERE_AND_BACK + JITTER, "force": np.zeros(JITTER.size), "harmonics": [20]},
         "harmonics: must be at most 19 with points this far apart, got 20",
     ),
-    ({"position": with_value(GRID, 7, np.nan)}, r"position: must be finite numbers, got nan in row 7"),
     ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
-    ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional, got 2 dimensions"),
-    ({"force": WAVE + 1j}, r"force: must be real numbers, got ndarray"),
-    ({"position": GRID[:3], "force": WAVE[:3]}, r"position: must hold at least 10 points of a scan, got 3"),
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),
     ({"position": 30.0 * GRID}, r"position: must have a point every 0.0133 m or less, got one every 0.03 m"),
-    ({"pitch": 0.0}, r"pitch: must be finite and above 0, got 0.0"),
     ({"force_sign": 0}, r"force_sign: must be 1 or -1, got 0"),
-    ({"harmonics": []}, r"harmonics: must list 1 to 32 terms, got 0"),
     ({"harmonics": [1, 1]}, r"harmonics: each may stand once, got 1"),
-    ({"harmonics": 3}, r"harmonics: must be a list of whole numbers from 1, got 3"),
     ({"order": 17}, r"order: must be a whole number from 1 to 16, or 0 for a periodic map, got 17"),
     ({"order": 3, "origin": -1e9}, r"order: must need at most 507 coefficients .*got 4\d+ for order 3"),
     ({"origin": 0.51}, r"origin: must lie below the scan's highest position 0.51 m, got 0.51"),
     ({"false_alarm": 0.0}, r"false_alarm: must lie between 0 and 1, got 0.0"),
-    ({"highest_harmonic": 0}, r"highest_harmonic: must be a whole number from 1, got 0"),
 ]
 
 
@@ -421,17 +343,6 @@ def test_refused(change, message):
     with pytest.raises(ValueError, match=f"^{message}") as caught:
         fit_map(**({"position": GRID, "force": WAVE, "pitch": PITCH} | change))
     assert "\n" not in str(caught.value)
-
-
-def test_the_plot_shows_map_residual_and_spectrum():
-    made = fit(two_way_scan(20, truth(20)), THERE_AND_BACK, origin=0.0)
-    force, residual, spectrum = made.plot().axes
-    x, y = force.lines[2].get_data()
-    assert y == pytest.approx(made.cogging.force(1e-3 * x))
-    left = np.asarray(residual.lines[1].get_ydata())
-    assert left == pytest.approx(1e3 * (made.force - made.fitted)[made.direction == -1.0])
-    peak = spectrum.lines[0].get_xdata()[np.argmax(spectrum.lines[0].get_ydata())]
-    assert peak == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_scan_without_noise_gives_the_truth_and_its_file_the_map(tmp_path):
