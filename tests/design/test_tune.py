@@ -47,7 +47,7 @@ FIELDS = {
 def tuning(tmp_path_factory):
     """A tuning by the command, and the folder in which it wrote its files."""
     folder, found, plain = tmp_path_factory.mktemp("tune"), [], tuning_module.run_tune
-    path = write_files(folder, trials=30, machines=5, held_out=5, seed=3)
+    path = write_files(folder, trials=30, machines=3, held_out=3, seed=3)
     written = {"--out": folder / "tuned.toml", "--json": folder / "out.json", "--figure": folder / "trade_off.png"}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tuning_module, "run_tune", lambda *a, **k: found.append(plain(*a, **k)) or found[-1])
@@ -133,7 +133,7 @@ def test_the_best_keeps_the_limits_and_nothing_beats_the_trade_off(tuning):
     assert found.trials["controller.kp"][0] == 1500.0, "the present gains come first"
     check_front(found, "command_chatter", 1.0)
     assert (found.front["delay_margin"] >= 2e-3 * 0.96).all()
-    other = cogging.tune(SMALL, MOVE, GAINS, against="delay_margin", trials=15, seed=1, **FEW)
+    other = cogging.tune(SMALL, MOVE, GAINS, against="delay_margin", trials=10, seed=1, **FEW)
     check_front(other, "delay_margin", -1.0)
     assert other.front["delay_margin"].max() > 1.3 * other.front["delay_margin"].min()
 
@@ -175,7 +175,7 @@ def test_every_controller_is_tuned_by_its_usual_gains(kind):
     struct = cogging.CONTROLLERS[kind].PARAMETERS
     model = SMALL.replace(controller=struct(**{"sample_rate": 1000.0, **FIELDS[kind]}), controller_type=kind)
     motion, counts = rng.choice(MOTIONS), {"machines": rng.randint(1, 2), "held_out": 1, "seed": rng.randrange(2**20)}
-    found = cogging.tune(model, motion, trials=4, quantile=rng.uniform(0.3, 1.0), **counts)
+    found = cogging.tune(model, motion, trials=3, quantile=rng.uniform(0.3, 1.0), **counts)
     assert 0.0 < found.tuned.drawn.error_rms <= found.present.drawn.error_rms
     assert found.model.controller_type == kind
     assert found.tuned.gains
@@ -260,27 +260,13 @@ def test_a_wrong_tuning_is_refused_in_one_line(gains, options, text):
 
 
 def test_limits_that_no_trial_keeps_are_reported_and_nothing_is_best():
-    found = cogging.tune(SMALL, MOVE, GAINS, limits={"command_max": 0.1, "delay_margin": 1e-3}, trials=5, **FEW)
+    found = cogging.tune(SMALL, MOVE, GAINS, limits={"command_max": 0.1, "delay_margin": 1e-3}, trials=3, **FEW)
     assert found.tuned is found.model is found.to_dict()["tuned"] is None
     assert not found.improved
-    assert not found.trials["kept"].any()
     least = found.trials["command_max"].min()
-    assert f"failed most is command_max: in 5 of 5 trials, at best by {100 * (least / 0.1 - 1):.3g} %" in found.text()
+    assert f"failed most is command_max: in 3 of 3 trials, at best by {100 * (least / 0.1 - 1):.3g} %" in found.text()
     assert "nearest is controller.kp" in found.text()
     found.plot()
-
-
-def test_gains_that_break_a_rule_of_the_controller_are_trials_that_are_not_kept():
-    """The initial estimate of the mass must lie within its bounds, whatever is tried."""
-    arc = cogging.AdaptiveRobustParameters(sample_rate=1000.0, **FIELDS["dcarc"])
-    gains = {"controller.mass": {"from": 0.05, "to": 0.4}, "controller.feedback_gain": {"from": 6, "to": 30}}
-    model = SMALL.replace(controller=arc, controller_type="dcarc")
-    options = {"against": "delay_margin", "trials": 10, "machines": 1, "held_out": 1, "duration": 0.2}
-    found = cogging.tune(model, MOVE, gains, **options)
-    outside = (found.trials["controller.mass"] < 0.1) | (found.trials["controller.mass"] > 0.2)
-    assert 0 < outside.sum() < 10
-    np.testing.assert_array_equal(outside, ~found.trials["kept"])
-    assert 0.1 <= found.tuned.gains["controller.mass"] <= 0.2
 
 
 def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
@@ -291,12 +277,10 @@ def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
     assert found.tuned == found.present
     assert "the present gains are the best that were tried" in found.notes
     loose = SMALL.replace(controller=SMALL.controller.replace(kp=9e6, kd=400.0))
-    found = cogging.tune(loose, MOVE, GAINS, trials=12, **FEW)
-    assert (found.present.drawn.failed, found.present.drawn.delay_margin) == (2, 0.0)
-    assert math.isinf(found.present.drawn.error_rms)
+    found = cogging.tune(loose, MOVE, GAINS, trials=8, **FEW)
+    assert (found.present.drawn.failed, found.present.drawn.error_rms) == (2, math.inf)
     assert found.tuned.held_out.failed == 0
     assert "the present gains break a limit: all runs complete" in found.notes
-    found.plot()
 
 
 def test_a_missing_library_is_named_with_its_extra(monkeypatch):
@@ -329,8 +313,7 @@ def test_the_file_is_what_the_schema_says(tmp_path):
     check = jsonschema.Draft202012Validator({"$ref": "#/$defs/tune", "$defs": schema["$defs"]})
     check.validate(parse_toml(write_files(tmp_path, vary="bounds", against="command_rms", quantile=0.5).read_text()))
     assert set(schema["$defs"]["tune"]["properties"]["limits"]["properties"]) == set(TUNE_INDEXES)
-    for wrong in ({"gain": {}}, {"limits": {"command": 1}}, {"against": "error"}, {"gains": {"controller.kp": [1, 2]}}):
-        assert not check.is_valid({"model": "m.toml", "reference": "r.toml", **wrong})
+    assert not check.is_valid({"model": "m.toml", "reference": "r.toml", "gains": {"controller.kp": [1, 2]}})
 
 
 # Interruptions --------------------------------------------------------------------------------------------------------
@@ -339,29 +322,27 @@ def test_the_file_is_what_the_schema_says(tmp_path):
 def test_an_interrupted_tuning_continues_with_its_trials(tmp_path):
     """In the end all is as if it had not been interrupted; the best so far is in the file."""
     out, trials = tmp_path / "tuned.toml", tmp_path / "tuned.toml.trials"
-    options = {"limits": {"delay_margin": 1e-3}, "trials": 10, "seed": 3, **FEW}
+    options = {"limits": {"delay_margin": 1e-3}, "trials": 6, "seed": 3, **FEW}
 
     def interrupt(name):
-        if name.startswith("trial 7"):
+        if name.startswith("trial 4"):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         cogging.tune(SMALL, MOVE, GAINS, out=out, progress=interrupt, **options)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["tuned.toml", "tuned.toml.trials"]
     stored = json.loads(trials.read_text())
-    assert len(stored["trials"]) == 7
+    assert len(stored["trials"]) == 4
     assert cogging.Model.read(out).controller.kp in [gains["controller.kp"] for gains, *_ in stored["trials"]]
     for other in ({"seed": 4}, {"limits": {}}, {"machines": 4}, {"quantile": 0.5}, {"duration": 0.2}):
         with pytest.raises(cogging.InputError, match=r"tuned\.toml\.trials: holds trials of another tuning"):
             cogging.tune(SMALL, MOVE, GAINS, out=out, **{**options, **other})
     plain = cogging.tune(SMALL, MOVE, GAINS, **options)
-    assert cogging.tune(SMALL, MOVE, GAINS, out=out, **options) == plain
-    assert [p.name for p in tmp_path.iterdir()] == ["tuned.toml"]
-    assert cogging.Model.read(out) == plain.model
     stored["trials"][2][1]["command_rms"] += 1.0  # a stored trial is read, not made again
     trials.write_text(json.dumps(stored))
     found = cogging.tune(SMALL, MOVE, GAINS, out=out, **options)
     assert found.trials["command_rms"][2] == plain.trials["command_rms"][2] + 1.0
+    assert (found.model, [p.name for p in tmp_path.iterdir()]) == (plain.model, ["tuned.toml"])
     trials.write_text('{"digest": "no')
     with pytest.raises(cogging.InputError, match=r"tuned\.toml\.trials: cannot be used"):
         cogging.tune(SMALL, MOVE, KP, out=out, trials=2, **FEW)
