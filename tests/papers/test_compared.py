@@ -55,17 +55,3 @@ def test_counts_are_of_printed_numbers_by_their_status():
     assert found.within == tuple((np.abs(errors) <= share).sum() for share in (0.05, 0.15, 0.40))
     predicted = np.abs(errors[statuses == "predicted"])
     assert found.predicted_within == tuple((predicted <= share).sum() for share in (0.05, 0.15, 0.40))
-
-
-def test_a_table_shows_the_numbers_of_before_and_its_counts():
-    before = counted([0.5, 0.1], ["predicted", "calibrated"])
-    now = Table("t", "T", counted([0.04, 0.0], ["calibrated", "predicted"]).rows, free=["a"], before=before)
-    head, *lines = now.text().splitlines()[1:]
-    assert head.split() == ["controller", "index", "paper", "before", "ratio", "simulated", "ratio"]
-    assert lines[0].split() == ["C", "e_0", "1", "um", "1.5", "um", "1.500", "1.04", "um", "1.040", "calibrated"]
-    near = "2 numbers, 1 calibrated by {} within 5 %, 15 %, 40 %: {}, of the 1 predicted {}"
-    assert lines[-3].strip() == "before: " + near.format("2 free parameters;", "0, 1, 1", "0, 0, 0")
-    assert lines[-2].strip() == near.format("1 free parameter;", "2, 2, 2", "1, 1, 1")
-    assert now.to_dict()["free_parameters"] == ["a"]
-    assert now.to_dict()["counts"]["within"] == {"5": 2, "15": 2, "40": 2}
-    assert "counts" not in Table("t", "T", now.rows).to_dict()

@@ -15,13 +15,6 @@ from cogging.papers.lu2008 import gantry as lu2008
 AXES = pytest.mark.parametrize("axis", lu2008.AXES.values(), ids=lu2008.AXES)
 
 
-def shipped(axis):
-    return lu2008.cogging_map(axis, lu2008.shipped_amplitudes(axis))
-
-
-# The FFT by which the harmonics are chosen ----------------------------------------------------------------------------
-
-
 def drawn_map(rng):
     """One to six of the harmonics 1 to 19, from a fifth to thirty times the threshold, changing along the travel."""
     count = int(rng.integers(1, 7))
@@ -89,9 +82,6 @@ def test_a_harmonic_that_changes_its_sign_is_kept_without_a_line_of_its_own():
     assert {row.index: row.simulated for row in table.rows[-2:]} == {"kept": 5.0, "own_lines": 4.0}
 
 
-# Matrix (29) ----------------------------------------------------------------------------------------------------------
-
-
 def matrix_by_hand(k_s1, k_1, mass, friction, slope):
     off = -0.5 * (k_1 * friction - slope)
     return np.array([[k_s1 - mass * k_1 + friction, off], [off, 0.5 * mass * k_1**3 + 0.0 * off]])
@@ -141,8 +131,6 @@ def test_the_printed_gains_bear_these_slopes_and_other_gains_all(axis):
     for k_1 in gains["error_gain"] * np.array([0.7, 0.9, 1.0, 1.1, 1.4]):  # no other k_1 requires less
         assert smallest_by_hand(axis, less, k_1, steep, rough) < 0.0
 
-
-# Theorem 1 ------------------------------------------------------------------------------------------------------------
 
 GROUPS = pytest.mark.parametrize("group", [0, 1, 2], ids=["arc", "dcarc_printed", "dcarc_sufficient"])
 

@@ -6,19 +6,9 @@ import numpy as np
 import pytest
 
 from cogging.files import parse_toml
-from cogging.papers.malaize2009 import causes
-from cogging.papers.malaize2009.causes import CAUSES, Conditions, drawn_accuracies, machine, unmodelled_lines
 from cogging.papers.malaize2009.linear_motors import (
     MOTORS,
-    accuracy,
-    batch_errors,
-    cogging_rms,
-    observer,
-    pid,
-    plant,
     reference,
-    run,
-    shipped,
 )
 from studies.malaize2009 import calibration, causes_calibration, causes_study
 from tests.fixtures.reproduced import table_of
@@ -53,44 +43,6 @@ def test_the_calibration_regenerates_the_shipped_values():
 def test_the_calibration_regenerates_the_shipped_conditions():
     text = importlib.resources.files("cogging.papers.malaize2009").joinpath("conditions.toml").read_text()
     assert causes_calibration.conditions_toml() == text
-
-
-@pytest.mark.parametrize("cause", CAUSES, ids=lambda cause: cause.name)
-def test_the_observers_error_grows_with_the_size(cause):
-    for motor in MOTORS.values():
-        size = causes.conditions_file()[cause.field][motor.name]["size"]
-        small, large = (
-            drawn_accuracies(motor, shipped(motor), cause.of(share * size), "observer", 1).mean()
-            for share in (1 / 3, 3.0)
-        )
-        assert small < 0.7 * large, motor.name
-
-
-@EACH_MOTOR
-def test_a_machine_without_conditions_is_that_of_the_setup(motor):
-    gains = shipped(motor)
-    by_hand = [
-        accuracy(run(plant(motor, gains.amplitude), controller, motor), motor)
-        for controller in (pid(), observer(motor, gains))
-    ]
-    machines = [machine(motor, gains.amplitude, Conditions())] * 2
-    assert batch_errors(machines, [pid()] * 2, motor).tolist() == [by_hand[0]] * 2
-    assert drawn_accuracies(motor, gains, Conditions(), "observer", 1).tolist() == by_hand[1:]
-
-
-def test_the_lines_have_the_rms_that_was_asked_for_and_differ_by_draw():
-    motor = MOTORS["ironcore"]
-    assert cogging_rms(motor, 0.2) == pytest.approx(0.2 * np.sqrt((1.0 + 0.36 + 0.16) / 2))
-    rms = 0.03 * cogging_rms(motor, 0.2)
-    x = np.linspace(0.0, 50.0, 400_001)
-    force = np.zeros_like(x)
-    for line in unmodelled_lines(0, rms):
-        assert causes.LINE_PERIODS[0] <= line.period <= causes.LINE_PERIODS[1]
-        force -= line.sine * np.sin(2 * np.pi * x / line.period) + line.cosine * np.cos(2 * np.pi * x / line.period)
-    assert np.sqrt(np.mean(force**2)) == pytest.approx(rms, rel=0.02)
-    listed = machine(motor, 0.2, Conditions(lines=0.03)).effects
-    assert len(listed) == 1 + causes.LINE_COUNT
-    assert not {line.period for line in unmodelled_lines(1, rms)} & {each.period for each in listed[1:]}
 
 
 @EACH_MOTOR

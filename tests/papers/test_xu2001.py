@@ -44,15 +44,6 @@ def test_theta_with_and_without_payload_is_that_of_52():
         assert (1.0 / axis.mass, axis.viscous / axis.mass) == pytest.approx(expected)
 
 
-def test_the_indexes_over_seeds_are_those_of_each_run():
-    joint = epoxy_motor.joint_conditions()
-    for name in epoxy_motor.CONTROLLERS:
-        found = joint.by_seed(name, seeds=(2001, 2002))
-        for place, log in enumerate(joint.logs(name, seed=2001).values()):
-            np.testing.assert_allclose(found[place, 0], list(epoxy_motor.indexes(log).values()), rtol=1e-9)
-        assert not np.array_equal(found[:, 0], found[:, 1])
-
-
 def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
     machine = epoxy_motor.plant(epoxy_motor.shipped_unknowns(), "2")
     first = cogging.OutputFeedbackArc(epoxy_motor.arc_parameters(adaptation=[1.5e6, 9e5, 6e6]))
@@ -67,28 +58,27 @@ def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
     assert known[2].replace(theta=first.parameters.theta) == first.parameters
 
 
-def assert_has_the_error_that_it_states(part, fitted, seeds=epoxy_motor.SEEDS):
-    gap = calibration.log_ratios(epoxy_motor.conditions_of(part), fitted, seeds)
-    assert calibration.rms(gap) == pytest.approx(part["rms_log_error"], rel=0.02), part
-    assert np.abs(np.expm1(gap)).max() == pytest.approx(part["largest_relative_error"], rel=0.05), part
-    assert part["rms_log_error"] == min(part["rms_log_error_of_starts"])
-
-
-def test_the_shipped_fits_of_the_tables_have_the_errors_that_they_state():
+def fits():
+    """Each shipped fit, the sets that took part, its seeds, and whether it is one of the tables."""
     file = epoxy_motor.shipped_file()
-    assert_has_the_error_that_it_states(file["smooth_stribeck"], calibration.PID, (epoxy_motor.SEED,))
-    assert_has_the_error_that_it_states(file["joint"][epoxy_motor.JOINT_LAW], calibration.ALL)
+    for law in {"smooth_stribeck", *epoxy_motor.LAWS} & set(file):
+        yield file[law], calibration.PID, (epoxy_motor.SEED,), law == "smooth_stribeck"
+    for law, part in file["joint"].items():
+        yield part, calibration.ALL, epoxy_motor.SEEDS, law == epoxy_motor.JOINT_LAW
+    for part in (*file["earlier_runs"].values(), *file["readings"].values()):
+        yield part, calibration.ALL, epoxy_motor.SEEDS, False
     for split, fitted in calibration.HELD_OUT.items():
-        assert_has_the_error_that_it_states(file["held_out"][split], fitted)
+        yield file["held_out"][split], fitted, epoxy_motor.SEEDS, True
 
 
-@pytest.mark.study
-def test_the_other_fits_have_the_errors_that_they_state():
-    file = epoxy_motor.shipped_file()
-    for law in set(epoxy_motor.LAWS) - {epoxy_motor.JOINT_LAW}:
-        assert_has_the_error_that_it_states(file[law], calibration.PID, (epoxy_motor.SEED,))
-    for part in (*file["earlier_runs"].values(), *file["readings"].values(), *file["joint"].values()):
-        assert_has_the_error_that_it_states(part, calibration.ALL)
+@pytest.mark.parametrize("is_shown", [True, pytest.param(False, marks=pytest.mark.study)])
+def test_the_shipped_fits_have_the_errors_that_they_state(is_shown):
+    for part, fitted, seeds, shown in fits():
+        if shown == is_shown:
+            gap = calibration.log_ratios(epoxy_motor.conditions_of(part), fitted, seeds)
+            assert calibration.rms(gap) == pytest.approx(part["rms_log_error"], rel=0.02), part
+            assert np.abs(np.expm1(gap)).max() == pytest.approx(part["largest_relative_error"], rel=0.05), part
+            assert part["rms_log_error"] == min(part["rms_log_error_of_starts"])
 
 
 @pytest.mark.study
