@@ -39,8 +39,8 @@ def test_intervals_of_the_usual_machines_hold_the_truth_as_often_as_they_state()
     entries = [entry for column in table.values() for entry in column]
     good = [entry for entry in entries if entry is not None]
     assert len(good) > 0.97 * (len(entries) - sum(entry is None for entry in table["axis.coulomb_width"]))
-    # About 69 intervals. Were they to hold 95 % independently, the share would be 2.6 points off (1 sigma): below 88 % by
-    # a chance of 1 in 200. Intervals of a coverage of 85 % fail here 3 times in 4.
+    # About 69 intervals. Were they to hold 95 % independently, the share would vary by 2.6 points (1 sigma): below 88 %
+    # by a chance of 1 in 100. Intervals of a coverage of 85 % fail here 3 times in 4.
     assert np.mean([abs(entry.error) <= 1.0 for entry in good]) > 0.88
     # And they are not too wide: the error's rms is half an interval over 1.96, within a fifth or so.
     assert 0.75 < np.median(np.abs([entry.error for entry in good])) / 0.6745 * 1.96 < 1.25
