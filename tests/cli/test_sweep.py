@@ -25,28 +25,20 @@ FIELDS = [
     (f'{FILES}vary = "bounds"\n', "vary.axis.mass: must have values, or from, to and points, on a grid"),
     (f"{FILES}start = 1.0\nstop = 0.5\n{MASS}", "line 3: start: must be below stop = 0.5, got 1.0"),
     (f"{FILES}start = 0.2\n{MASS}", "no run could begin: start, stop: must hold at least 2 rows"),
-    (f"{FILES}duration = 1e9\n{MASS}", r"no run could begin: duration: .* got 1e\+09"),
 ]
 #: Values of the fields of a run, in line 3.
 VALUES = {
     'method = "gird"': "method: must be one of grid, random, latin_hypercube, sobol, got 'g",
-    "runs = 0": "runs: must be from 1 to 100000000, got 0",
     "seed = -1": "seed: must be from 0 to 4611686018427387904, got -1",
-    "duration = -1.0": "duration: must be finite and at least 0, got -1.0",
-    "final_window = 0": "final_window: must be above 0, got 0",
     'reductions = ["eror_max"]': "reductions: 'eror_max' is unknown; did you mean error_max?",
     'reductions = ["error_quantile(2)"]': "reductions: error_.*: must be from 0 to 1, got 2",
-    'reductions = ["command_max", "command_max"]': "reductions: .* twice",
 }
 #: How a number varies, in line 4: path, value, and the error after the path.
 VARIED = [
     ("axis.mas", "[1]", "is not a number of this run; did you mean axis.mass?"),
-    ("axis.mass", "[]", "values: must hold at least one number, got none"),
     ("axis.mass", "{from = 1, to = 1}", "from: must be below to = 1, got 1"),
-    ("axis.mass", "{from = 0.1, to = 1, points = 1}", "points: must be a whole .* got 1"),
     ("axis.mass", '{from = 0, to = 1, points = 2, scale = "log"}', "from: must be above 0"),
     ("axis.mass", '{from = 1, to = 2, points = 2, scale = "lin"}', "scale: .* got 'lin'"),
-    ("axis.mass", "{mean = 1, deviation = -1}", "deviation: must be at least 0, got -1"),
     ("axis.coulomb", '"bounds"', "must have a finite interval .* got [0.0, inf]"),
     ("seed", "[1, 1.5]", "must be whole numbers from 0 to 9007199254740992, got 1.5"),
     ("axis.mass", "[0.11]\naxis.mass = [0.13, 0.14]", "must be given once, got "),

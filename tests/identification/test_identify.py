@@ -296,7 +296,6 @@ WRONG = [
     ({"free": ["effects.command_saturation.limit"]}, "must start from a finite value"),
     ({"free": ["axis.coulomb_width"]}, "must start above 0"),
     ({"cutoff": 400.0}, "cutoff: must be above 0 and at most a fifth of 1000"),
-    ({"added_commands": [None, None]}, "added_commands: must be one for each of 1 logs, got 2"),
     ({"added_commands": [np.zeros(3)]}, r"added_commands: log 1: must have shape \(6001,\)"),
 ]
 

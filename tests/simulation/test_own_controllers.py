@@ -262,9 +262,7 @@ NO_COMPILED = [
     ({"command": leaky_law}, TypeError, POINTERS + "<function"),
     ({"command": number(ctypes.c_double, ctypes.c_double)}, TypeError, r"command: must be double command\(double\*, "),
     ({"command": number(ctypes.c_float, POINTER, POINTER, POINTER, ctypes.c_double)}, TypeError, "restype.*float"),
-    ({"update": GOOD}, TypeError, "update: must be void update"),
     ({"sample_rate": 0.0}, ValueError, "sample_rate: must be finite and above 0, got 0"),
-    ({"state": [float("nan")]}, ValueError, "state: must be a finite number, got nan"),
 ]
 
 

@@ -163,10 +163,8 @@ SINE = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01))
 WRONG_RUNS = [
     ({"duration": -1.0}, "duration: must be finite and above 0 (or left out), got -1"),
     ({"duration": 1e-5}, "duration: must hold 1 to 1e9 samples, got 1e-05"),
-    ({"duration": 1e6}, "duration: must hold 1 to 1e9 samples, got 1e+06"),
     ({"duration": 0.0}, "duration: must be given for a reference without an end of its own, got inf"),
     ({"steps_per_sample": 10001}, "steps_per_sample: must be from 1 to 10000, got 10001"),
-    ({"initial_position": math.nan}, "initial_position: must be a finite number, got nan"),
     ({"reference": stroke(distance=0.5), "duration": 1.0}, "reference: must stay within travel [0, 0.51], got 0.51"),
     ({"reference": stroke(start=-0.1)}, "reference: must stay within travel [0, 0.51], got -0.1 at 0 s"),
 ]
@@ -174,16 +172,13 @@ WRONG_BATCHES = [
     ({"plants": [PLANT] * 2}, "controllers: must be one for each plant, got 1"),
     ({"seeds": [1, 2]}, "seeds: must be one for each plant, got 2"),
     ({"reductions": ["eror_max"]}, "reductions: 'eror_max' is unknown; did you mean error_max?"),
-    ({"reductions": ["error_tone(x)"]}, "reductions: error_tone(x): must have a number in its brackets, got 'x'"),
     ({"columns": ["speed"]}, "columns: must be columns of a log, got speed"),
-    ({"columns": ["time"], "every": 0}, "every: must be at least 1, got 0"),
     ({"start": 2.0}, "run 0: start, stop: must hold at least 2 rows, got 0"),
 ]
 ROWS = {"time": [0, 1], "error": [0, 1], "command": [0, 1]}
 WRONG_INDEXES = [
     ({"error": [0]}, "error: must be as long as time, got 1"),
     ({"start": 2.0, "stop": 1.0}, "start: must be below stop = 1, got 2"),
-    ({"final_window": 0.0}, "final_window: must be above 0, got 0"),
     ({"start": 0.5}, "start, stop: must hold at least 2 rows, got 1"),
 ]
 CALLS = {
