@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 from scipy import stats
-from scipy.optimize import lsq_linear
 
-from cogging.estimation.force_balance import bounded_step
 from cogging.estimation.statistics import jackknife, spread_of
 from cogging.estimation.whitening import Whitened
 
@@ -62,16 +60,3 @@ def test_what_no_row_determines_has_an_infinite_variance(table):
     more = np.vstack([columns, columns[0] * 7.0, np.zeros(ROWS)])
     found, _ = jackknife([whitened(more, values - values.mean())])
     assert np.isinf(np.diag(found)).tolist() == [True, False, False, True, True]
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_a_step_ends_at_its_lower_bounds_and_is_as_good_as_scipys(seed):
-    random = np.random.default_rng(seed)
-    p = int(random.integers(2, 7))
-    matrix = random.normal(size=(40, p)) * 10.0 ** random.uniform(-3, 3, p)
-    target, lowest = random.normal(size=40), -(10.0 ** random.uniform(-4, 1, p))
-    lowest[random.random(p) < 0.5] = -np.inf
-    step = bounded_step(matrix.T @ matrix, -matrix.T @ target, lowest)
-    assert (step >= lowest).all()
-    best = lsq_linear(matrix, target, bounds=(lowest, np.inf)).cost
-    assert 0.5 * np.sum((matrix @ step - target) ** 2) <= 1.05 * best + 1e-12

@@ -11,8 +11,6 @@ from scipy.signal import lfilter
 import cogging
 from cogging import EFFECTS, AxisParameters, Model
 from cogging._core import Predictor, autoregression, whiten
-from cogging.estimation.force_balance import ForceBalance
-from cogging.estimation.innovations import Innovations
 
 BANDWIDTH = 25.0
 AXIS = AxisParameters(mass=0.7, viscous=3.0, coulomb=1.0, coulomb_width=0.2)
@@ -57,9 +55,6 @@ def observe(time, position, advance, initial_velocity=0.0, gap=np.inf):
 
 def innovations_of(columns, model, **options):
     return Predictor(*columns, bandwidth=BANDWIDTH, **options).innovations([model.plant()])[0]
-
-
-# Prediction -----------------------------------------------------------------------------------------------------------
 
 
 def test_linear_plant_against_its_exact_solution(columns):
@@ -144,58 +139,14 @@ def test_the_observer_starts_anew_after_a_gap(columns):
     assert found == pytest.approx(expected, abs=1e-12)
 
 
-def test_propagate_is_the_derivative_of_the_innovations(columns):
-    time, position, command = columns
-    spring = EFFECTS["cable_spring"](stiffness=40.0)
-    options = {"bandwidth": BANDWIDTH, "initial_velocity": 0.9, "steps_per_sample": 4}
-
-    def innovations(force, read=position):
-        model = Model(axis=AXIS, effects=(spring, EFFECTS["constant_force"](force=force)))
-        return Predictor(time, read, command, **options).innovations([model.plant()])[0]
-
-    predictor = Predictor(time, position, command, **options)
-    along = predictor.predict(Model(axis=AXIS, effects=(spring,)).plant())
-    one = predictor.propagate(along, 0.7, np.ones((1, 400)))[0]
-    difference = (innovations(1e-3) - innovations(-1e-3)) / 2e-3
-    assert one == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
-    error = 1e-6 * np.sin(200.0 * time)
-    read = predictor.propagate(along, 0.7, np.zeros((1, 400)), error[None, :])[0]
-    difference = innovations(0.0, position - error) - innovations(0.0)
-    assert read == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
-
-
-def test_a_kept_prediction_is_that_of_the_model_that_is_asked_for(columns):
-    """Predictions of the first and the last model are kept; a changed model gets its own."""
-    log, random = cogging.Log(*columns), np.random.default_rng(11)
-    models = [Model(axis=AxisParameters(mass=m, viscous=v)) for m, v in random.uniform(0.5, 3.0, (4, 2))]
-    source = Innovations(log, models[0])
-    known = cogging.parameters_of(models[0])
-    parameters = [known["axis.mass"], known["axis.viscous"]]
-    for number in random.integers(len(models), size=12):
-        model = models[int(number)]
-        fresh = Innovations(log, model)
-        innovation = np.asarray(fresh.predictor.predict(model.plant()).innovation)
-        assert np.array_equal(source.of([model])[0], source.scale * innovation)
-        for one, other in zip(
-            source.columns(model, parameters, source.scales),
-            fresh.columns(model, parameters, source.scales),
-            strict=True,
-        ):
-            np.testing.assert_allclose(one / source.scale, other / fresh.scale, rtol=1e-12, atol=0.0)
-
-
 def test_invalid_columns_are_refused(columns):
     time, position, command = columns
-    plant = Model(axis=AxisParameters(mass=1.0)).plant()
     unstable = Model(axis=AxisParameters(mass=1.0), effects=(EFFECTS["cable_spring"](stiffness=-1e9),))
     for wrong, message in (
         (lambda: Predictor(time, position, command[:-1]), "command: must be as long as time"),
-        (lambda: Predictor(time[::-1].copy(), position, command), "time"),
         (lambda: Predictor(*columns, bandwidth=0.0), "bandwidth"),
         (lambda: Predictor(*columns, steps_per_sample=0), "steps_per_sample"),
-        (lambda: Predictor(*columns).net_force([plant], position[:-1], position), "middle_position"),
         (lambda: autoregression(np.ones(10), np.ones(10), order=5), "order"),
-        (lambda: autoregression(np.ones(100), np.ones(99), order=2), "counts"),
         (lambda: autoregression(np.ones(100), np.zeros(100), order=2), "residual"),
         (lambda: whiten(np.ones(10), [0.5]), "rows"),
     ):
@@ -203,23 +154,6 @@ def test_invalid_columns_are_refused(columns):
             wrong()
     with pytest.raises(cogging.DivergedError, match="diverged"):
         innovations_of(columns, unstable)
-
-
-def test_rows_about_a_turn_between_two_samples_do_not_count():
-    """The speed of a fast turn passes from one side of rest to the other within one step."""
-    time = 1e-3 * np.arange(2000)
-    position = 0.01 * np.sin(2 * np.pi * 4.0 * time + 0.3)
-    command = 0.7 * np.gradient(np.gradient(position, time), time)
-    source = Innovations(cogging.Log(time, position, command), Model(axis=AxisParameters(mass=0.7)))
-    turns = np.flatnonzero(source.velocity[1:] * source.velocity[:-1] < 0.0) + 1
-    assert len(turns) > 10
-    assert (np.abs(source.velocity[turns]) > source.rest).any()
-    for turn in turns:
-        assert not source.mask[turn : turn + round(6.0 / (2.0 * np.pi * 20.0) / 1e-3)].any()
-    assert source.mask.any()
-
-
-# Force balance --------------------------------------------------------------------------------------------------------
 
 
 def test_net_force_is_that_of_the_law(columns):
@@ -231,28 +165,6 @@ def test_net_force_is_that_of_the_law(columns):
     expected = np.clip(command, -3.0, 3.0) + 0.4 - 3.0 * velocity - np.sign(velocity)
     assert force[:-1] == pytest.approx(expected[:-1], abs=1e-12)
     assert force[-1] == force[-2]
-
-
-def test_residuals_of_many_models_are_those_of_each():
-    scale_error = EFFECTS["encoder_scale_error"](scale=1e-3)  # another motion than that of the others
-    controller = cogging.PidParameters(kp=9600.0, kd=48.0, mass=0.12)
-    model = Model(axis=AXIS.replace(mass=0.12), controller=controller, controller_type="pid")
-    move = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.05, frequency=2.0))
-    balance = ForceBalance(cogging.simulate(model, move, duration=1.0, seed=1), cutoff=100.0)
-    models = [
-        model,
-        model.replace(axis=model.axis.replace(mass=0.13)),
-        model.replace(effects=[scale_error]),
-        model.replace(axis=model.axis.replace(viscous=0.3)),
-        model.replace(effects=[EFFECTS["cable_spring"](stiffness=0.4), scale_error]),
-    ]
-    together = balance.of(models)
-    np.testing.assert_array_equal(together, [balance.of([one])[0] for one in models])
-    assert len(np.unique(together, axis=0)) == len(models)
-    assert balance.of([]).shape == (0, together.shape[1])
-
-
-# Whitening ------------------------------------------------------------------------------------------------------------
 
 
 def test_autoregression_solves_the_equations_of_yule_and_walker():
@@ -274,9 +186,6 @@ def test_whiten_is_the_filter_of_scipy_at_any_order_and_length(order, length):
     assert whiten(rows, a) == pytest.approx(lfilter([1.0, *-a], [1.0], rows, axis=1), abs=1e-11)
 
 
-# Added commands -------------------------------------------------------------------------------------------------------
-
-
 def test_an_added_command_is_a_force_that_the_controller_does_not_know():
     controller = cogging.PidParameters(sample_rate=1000.0, kp=2000.0, ki=2e4, kd=40.0)
     model = Model(axis=AXIS, controller=controller, controller_type="pid")
@@ -291,13 +200,3 @@ def test_an_added_command_is_a_force_that_the_controller_does_not_know():
     limited = model.replace(controller=controller.replace(command_limit=2.0))
     log = cogging.simulate(limited, reference, duration=1.0, added_command=np.full(1001, 5.0))
     assert np.abs(log.command).max() == 2.0  # together with the controller's
-
-
-def test_rows_just_after_a_gap_do_not_count():
-    rows = np.r_[0:1000, 1500:3000]
-    time = 1e-3 * rows
-    model = Model(axis=AxisParameters(mass=0.7, viscous=3.0))
-    mask = Innovations(cogging.Log(time, 0.3 * time, np.full(len(rows), 0.9)), model).mask
-    assert mask[500:1000].all()
-    assert not mask[1000:1055].any()
-    assert mask[1065:].all()
