@@ -150,10 +150,10 @@ FILES = {
 DOCUMENTS = {
     "mass = 9223372036854775808": "line 2: axis.mass: must be a number that 64 bits hold, got 9223",
     "mass = " + "9" * 5000: "must be TOML: a whole number must have 64 bits",
-    "mass = 1.0\ntravel = [0.0, 1e309]": "line 3: axis.travel: must be .* 64 bits hold, got 1e309",
+    "mass = 1.0\ntravel = [0.0, 1e309]": "line 3: axis.travel: .*1e309",
     "mass = 1e300": r"line 2: axis.mass: must be at most 1e\+30 in size, got 1e\+300",
-    "mass = " + "[" * 5000 + "]" * 5000: "must be TOML: tables and lists must be nested at most 32",
-    "mass = " + "{a=" * 5000 + "1" + "}" * 5000: "must be TOML: tables and lists must be nested at most 32",
+    "mass = " + "[" * 5000 + "]" * 5000: "must be TOML: tables and lists must not be nested so deep",
+    "mass = " + "{a=" * 5000 + "1" + "}" * 5000: "must be TOML: tables and lists must not be nested so deep",
     "a" + ".a" * 20000 + " = 1": "must be TOML: a key must have at most 32 dots",
     'mass = 1.0\n[[effects]]\nname = ["cable_spring"]': r"effects.name: must be one of .*, got \['",
     "mass = 1.0\n[controller]\ntype = { a = 1 }": r"controller.type: .*, got \{'a': 1\}",

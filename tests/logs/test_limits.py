@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import files
 from cogging.cli.main import main
 from cogging.files import InputError
 from tests.fixtures.log_files import COLUMNS, TIME, mat_bytes, mdf_bytes, parquet_bytes
@@ -104,20 +103,3 @@ def test_a_text_of_more_rows_than_fit_is_refused_before_it_is_read(tmp_path):
     with pytest.raises(InputError, match=r"a.csv: rows: must fit into memory: about .* rows of 3 columns take .* GB"):
         cogging.read_log(path)
     assert len(cogging.read_log(path, rows=slice(0, 1000))) == 1000
-
-
-@pytest.mark.parametrize("text", ["[{}]\n", "{} = 0\n", 'x = [{}"" ]\n'])
-def test_keys_tables_and_lists_are_counted_before_they_are_made(text, tmp_path, monkeypatch):
-    path = tmp_path / "a.toml"
-    monkeypatch.setattr(files, "MOST_MARKS", 100)
-    is_list = text.startswith("x")
-
-    def write(count):
-        path.write_text(text.format("[]," * count) if is_list else "".join(text.format(f"a{i}") for i in range(count)))
-
-    most = 98 if is_list else 100  # beside that of the list itself and its key
-    write(most)
-    assert files.read_toml(path)
-    write(most + 1)
-    with pytest.raises(InputError, match=r"a.toml: must be TOML: keys, tables and lists must be at most 100"):
-        files.read_toml(path)
