@@ -5,7 +5,6 @@ import random
 import re
 import shutil
 import signal
-import subprocess
 import sys
 
 import pytest
@@ -119,19 +118,25 @@ def test_a_flipped_bit_is_computed_again(monkeypatch, capsys):
     assert int(re.search(r"(\d+) the same table", capsys.readouterr().out)[1]) > 15
 
 
+def renamed(piece, first):
+    """Return the path of a piece under the number of another first run."""
+    digest, _, checksum = piece.name.split("-")
+    return piece.with_name(f"{digest}-{first:09d}-{checksum}")
+
+
 @posix
 def test_changed_pieces_are_computed_again_and_copies_used_once(tmp_path, monkeypatch, computed, whole):
     """An empty file, half a file, another one's, a pipe, one piece twice, and one under another number."""
     out = tmp_path / "runs.csv"
-    pieces = sorted(end_sweep(out, monkeypatch).glob("0*.npz"))
+    pieces = sorted(end_sweep(out, monkeypatch).glob("*.npz"))
     computed.clear()
     pieces[0].write_bytes(b"")
     pieces[7].write_bytes(pieces[7].read_bytes()[:200])
     pieces[9].write_bytes(b"PK\x03\x04 no archive")
     pieces[11].unlink()
     os.mkfifo(pieces[11])
-    shutil.copy(pieces[1], pieces[1].with_name(f"000000032{pieces[1].name[9:]}"))
-    pieces[19].rename(pieces[19].with_name(f"000000008{pieces[19].name[9:]}"))
+    shutil.copy(pieces[1], renamed(pieces[1], 32))
+    pieces[19].rename(renamed(pieces[19], 8))
     same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), whole)
     assert computed == [0, 56, 72, 88, *range(160, 320, 8)]
     assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
@@ -144,28 +149,6 @@ def test_a_killed_sweep_loses_no_run_and_repeats_none():
     assert faults == []
     assert counts["ended"] == 1
     assert counts["sweeps done"] > 0
-
-
-#: Holds the lock of a sweep until it is killed.
-HOLD = """
-import fcntl, sys
-file = open(sys.argv[1], "r+b")
-fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-print("held", flush=True)
-sys.stdin.read()
-"""
-
-
-@posix
-def test_a_sweep_that_another_process_makes_is_refused(tmp_path, monkeypatch, whole):
-    pieces = end_sweep(tmp_path / "runs.csv", monkeypatch)
-    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-    with subprocess.Popen([sys.executable, "-c", HOLD, pieces / "sweep.json"], **streams) as other:
-        assert other.stdout.readline() == "held\n"
-        with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: another process is making a sweep"):
-            cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW)
-        other.kill()
-    same(cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW), whole)
 
 
 def test_a_file_that_appears_during_the_sweep_stays(tmp_path, monkeypatch):

@@ -14,7 +14,6 @@ import itertools
 import math
 import os
 import re
-import sys
 import uuid
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
@@ -56,9 +55,6 @@ from cogging.tables import library
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-if sys.platform != "win32":
-    import fcntl
 
 Table = dict[str, Any]
 Result = TypeVar("Result")
@@ -272,19 +268,19 @@ def sweep(
         found = run(None)
         found.write(out)
         return found
-    with Pieces(out, digest) as kept:
-        try:
-            found = run(kept)
-        except BaseException as error:
-            if not kept.finished() or isinstance(error, _NoRunBegan):
-                kept.remove()
-            raise
-        try:
-            found.write(out)
-        except InputError as error:
-            raise InputError(f"{error}; {kept.notice}") from None
-        kept.remove()
-        return found
+    kept = Pieces(out, digest)
+    try:
+        found = run(kept)
+    except BaseException as error:
+        if not kept.finished() or isinstance(error, _NoRunBegan):
+            kept.remove()
+        raise
+    try:
+        found.write(out)
+    except InputError as error:
+        raise InputError(f"{error}; {kept.notice}") from None
+    kept.remove()
+    return found
 
 
 class _NoRunBegan(ValueError):
@@ -384,68 +380,28 @@ def run_piece(piece: Piece) -> Table:
 
 # Finished pieces ------------------------------------------------------------------------------------------------------
 
-PIECE = re.compile(r"[0-9]{9}-[0-9a-f]{64}\.npz")  # number of the first run, and a checksum
+PIECE = re.compile(r"[0-9a-f]{64}-[0-9]{9}-[0-9a-f]{64}\.npz")  # digest of the sweep, first run, checksum
 
 
 class Pieces:
     """Finished pieces of a sweep in a folder, from which an interrupted sweep continues.
 
-    The process that uses the folder holds a lock on `sweep.json`, which ends with the process. That file is the first
-    to be written and the first to be removed: without it, other files are left over from a completed sweep. The name of
-    a piece contains a checksum of the sweep and of the content, so that a changed piece is computed again. No file of
-    another name is ever removed.
+    A piece with another checksum than its name says was damaged and is computed again. No other file is ever removed.
     """
 
     def __init__(self, out: AnyPath, digest: str) -> None:
-        """Create the folder beside an output, or open the one that an earlier call of the same sweep left.
-
-        Raises:
-            InputError: the folder holds another sweep, is in use, or cannot be written.
-        """
+        """Create the folder beside an output; raise InputError if it holds pieces of another sweep."""
         target = target_of(out)
         self.folder = target.with_name(f"{target.name}.pieces")
         self._called = f"{os.fspath(out)}.pieces"
-        self._header = self.folder / "sweep.json"
-        self._digest = digest.encode()
+        self._digest = digest
+        if any(not path.name.startswith(digest) for path in self.finished()):
+            what = "holds pieces of another sweep, or of another version: remove it, or write to another file"
+            raise InputError(f"{self._called}: {what}")
         try:
             self.folder.mkdir(exist_ok=True)
-            self._lock = open(self._header, "a+b", buffering=0)  # noqa: SIM115 - until __exit__
-            try:
-                self._begin(b'{"digest": "' + self._digest + b'"}\n')
-            except BaseException:
-                self._lock.close()
-                raise
-        except BlockingIOError:
-            raise InputError(f"{self._called}: another process is making a sweep to the same file") from None
         except OSError as error:
             raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
-
-    def _begin(self, wanted: bytes) -> None:
-        """Lock the header and compare the sweep with it; a new sweep removes left-over pieces."""
-        if sys.platform != "win32":
-            fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # not inherited by a forked worker
-        if not os.path.samestat(os.fstat(self._lock.fileno()), os.stat(self._header)):
-            raise BlockingIOError  # a completed sweep has just removed it
-        self._lock.seek(0)
-        if text := self._lock.read(len(wanted) + 1):
-            if text != wanted:
-                what = "holds pieces of another sweep, or of another version: remove it, or write to another file"
-                raise InputError(f"{self._called}: {what}")
-            return
-        for path in self.finished():
-            path.unlink()
-        try:
-            self._lock.write(wanted)
-            os.fsync(self._lock.fileno())
-        except OSError:
-            self.remove()
-            raise
-
-    def __enter__(self) -> Pieces:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._lock.close()
 
     def keep(self, table: Table) -> None:
         """Write a piece; if the disk is full, an InputError is raised and the earlier pieces are kept."""
@@ -461,7 +417,7 @@ class Pieces:
         done, tables = np.zeros(runs, dtype=bool), []
         for path in self.finished():
             content = path.read_bytes() if path.is_file() else b""
-            if path.name != self._name(int(path.name[:9]), content):
+            if path.name != self._name(int(path.name.split("-")[1]), content):
                 path.unlink()
                 continue
             with np.load(io.BytesIO(content), allow_pickle=False) as file:
@@ -473,13 +429,10 @@ class Pieces:
 
     def remove(self) -> None:
         """Remove the files of the sweep, and the folder if it is empty then."""
-        own = [path for path in self.folder.glob("*") if PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name)]
-        if sys.platform == "win32":  # which removes no open file
-            self._lock.close()
-        for path in (self._header, *own):
-            with contextlib.suppress(OSError):
-                path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
+            for path in self.folder.glob("*"):
+                if PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name):
+                    path.unlink(missing_ok=True)
             self.folder.rmdir()
 
     @property
@@ -494,7 +447,7 @@ class Pieces:
         return sorted(path for path in self.folder.glob("*") if PIECE.fullmatch(path.name))
 
     def _name(self, first: int, content: bytes) -> str:
-        return f"{first:09d}-{hashlib.sha256(self._digest + content).hexdigest()}.npz"
+        return f"{self._digest}-{first:09d}-{hashlib.sha256(content).hexdigest()}.npz"
 
 
 # Executors ------------------------------------------------------------------------------------------------------------
