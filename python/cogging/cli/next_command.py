@@ -9,7 +9,6 @@ import argparse
 import math
 import os
 import shlex
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -47,19 +46,10 @@ def command_line(*words: str | Sequence[str]) -> str:
 
 
 def shell_word(word: str) -> str:
-    """Return a word quoted for the shell; characters that the terminal cannot show as $'...' of bash and zsh."""
+    """Return a word quoted for the shell."""
     if os.name == "nt":
         return f'"{word}"' if not word or any(letter in word for letter in " &()^;,'") else word
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    if word.isprintable() and word.encode(encoding, "replace").decode(encoding) == word:
-        return shlex.quote(word)
-    # A lone surrogate is a byte of a file name that is not UTF-8, or occurs in no name.
-    try:
-        content = os.fsencode(word)
-    except UnicodeError:
-        content = word.encode("utf-8", "surrogatepass")
-    letters = (chr(byte) if 0x20 <= byte < 0x7F and chr(byte) not in "'\\" else f"\\x{byte:02x}" for byte in content)
-    return f"$'{''.join(letters)}'"
+    return shlex.quote(word)
 
 
 def files(paths: Sequence[AnyPath]) -> list[str]:

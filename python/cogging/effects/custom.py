@@ -30,6 +30,8 @@ HOOKS = {
     "command_gain": ("position", "time"),
     "reading_error": ("position",),
 }
+#: Functions of numbers and arrays by name, and their laws; `reading_at` adds the position.
+LAWS = {"force_at": "force", "friction_level_at": "friction_level", "gain_at": "command_gain"}
 NAME = re.compile("[a-z][a-z0-9_]*")  # of an effect or a parameter
 CHANGES = ("mass_change", "viscous_change", "coulomb_change")  # names in results, reserved too
 TRIAL = ([0.02, 0.05, 0.11], [-0.3, 0.0, 0.2], [0.0, 0.4, 1.7])  # m, m/s, s
@@ -215,7 +217,7 @@ class Custom(OwnLaws):
             key: one if isinstance(one, Parameter) else Parameter(one) for key, one in (parameters or {}).items()
         }
         for key in specified:
-            if not isinstance(key, str) or not NAME.fullmatch(key) or key in {*dir(type(self)), *PLACES, "name"}:
+            if not isinstance(key, str) or not NAME.fullmatch(key) or key in {*dir(type(self)), *LAWS, *PLACES, "name"}:
                 rule = "must be lower-case letters, digits and _, and no place or method of an effect"
                 raise ValueError(f"{name}.parameters: {rule}, got {key!r}")
         taken = {hook: arguments_of(f"{name}.{hook}", function, hook, specified) for hook, function in laws.items()}
@@ -328,21 +330,6 @@ class Custom(OwnLaws):
         return isinstance(other, Custom) and self._definition == other._definition
 
     @property
-    def force_at(self) -> Callable[..., Any]:
-        """Force (V) at positions (m), velocities (m/s) and times (s)."""
-        return self._answer("force")
-
-    @property
-    def friction_level_at(self) -> Callable[..., Any]:
-        """Level (V) added to Fc at positions (m), velocities (m/s) and times (s)."""
-        return self._answer("friction_level")
-
-    @property
-    def gain_at(self) -> Callable[..., Any]:
-        """Addition to the gain 1 of the command at positions (m) and times (s)."""
-        return self._answer("command_gain")
-
-    @property
     def reading_at(self) -> Callable[..., Any]:
         """Reading of the encoder at positions, m, before noise and rounding."""
         error = self._answer("reading_error")
@@ -354,6 +341,9 @@ class Custom(OwnLaws):
         return partial(_values_at, self, hook)
 
     def __getattr__(self, name: str) -> Any:
+        """Return a parameter, or a law (see laws_of)."""
+        if name in LAWS:
+            return self._answer(LAWS[name])
         values = object.__getattribute__(self, "__dict__").get("_values", {})
         if name not in values:
             raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")

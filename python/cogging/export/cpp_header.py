@@ -22,16 +22,6 @@ from cogging.model.model import CONTROLLERS, Model
 from cogging.shown import quoted
 
 WIDTH = 120
-#: Keywords of C++, `main` and `std`.
-TAKEN = re.compile(
-    r"alignas|alignof|and|and_eq|asm|auto|bitand|bitor|bool|break|case|catch|char|char8_t|char16_t|char32_t|class|"
-    r"compl|concept|const|consteval|constexpr|constinit|const_cast|continue|co_await|co_return|co_yield|decltype|"
-    r"default|delete|do|double|dynamic_cast|else|enum|explicit|export|extern|false|float|for|friend|goto|if|"
-    r"inline|int|long|main|mutable|namespace|new|noexcept|not|not_eq|nullptr|operator|or|or_eq|private|protected|"
-    r"public|register|reinterpret_cast|requires|return|short|signed|sizeof|static|static_assert|static_cast|std|"
-    r"struct|switch|template|this|thread_local|throw|true|try|typedef|typeid|typename|union|unsigned|using|"
-    r"virtual|void|volatile|wchar_t|while|xor|xor_eq"
-)
 OWN_INCLUDE = re.compile(r'^#include "(cogging/[^"]+)"\n', re.MULTILINE)
 LIBRARY_INCLUDE = re.compile(r"^#include <([^>]+)>\n", re.MULTILINE)
 DEFINED = re.compile(r"^#define (COGGING_\w+)", re.MULTILINE)
@@ -154,9 +144,9 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
 
 def require_name(name: str) -> None:
-    """Raise ValueError for a name that is not an identifier in C++."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name or TAKEN.fullmatch(name):
-        rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63, no word of the language"
+    """Raise ValueError for a name that is no identifier of C; words of the language are left to its compiler."""
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name:
+        rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63"
         raise ValueError(f"name: {rule}, got {quoted(name)}")
 
 

@@ -19,7 +19,6 @@ CLOSES = 0.01  # of a period: tolerance of a whole number of periods in a turn, 
 MANY_SPANS = 20  # compared spans if neither travel nor turn limits the motion
 POSITIONS = 100_000  # at which table and map are compared
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # step of a low-discrepancy sequence
-BETWEEN = ("linear", "hold")
 MOST_SPANS = 100  # over which a mean is taken; of a longer motion so many, evenly spaced
 NEGLIGIBLE = 1e-12  # of the map's rms
 
@@ -175,10 +174,6 @@ class Law:
     span: float  # range of p
     wraps: bool  # whether the table repeats; otherwise the drive adds nothing outside
     between: str  # "linear" interpolation, entry i at start + i step, or "hold" until the next entry
-
-    def __post_init__(self) -> None:
-        if self.between not in BETWEEN:
-            raise ValueError(f"between: must be one of {', '.join(BETWEEN)}, got {quoted(self.between)}")
 
     @property
     def step(self) -> float:

@@ -47,7 +47,6 @@ def csv(
     frame = frame_of(model, unit, **view)
     if over is None:
         over = "turn" if frame.turn > 0.0 else "travel" if frame.bounded else "period"
-    _require_word("over", over, ("travel", "turn", "period"))
     _require_entries(entries)
     if over == "travel":
         law = _over_travel(frame, entries, between)
@@ -124,7 +123,6 @@ def novanta(
 
 def odrive(model: Model, *, quantity: str = "torque", **view: Any) -> Exported:
     """Make the array of an ODrive's map, of "torque" or "current"."""
-    _require_word("quantity", quantity, ("torque", "current"))
     unit, entries = "Nm" if quantity == "torque" else "A", 3600
     frame = frame_of(model, unit, **view)
     table = table_of(frame, Law(entries, 0.0, _turn_of(frame, "the map of an ODrive"), True, "hold"))
@@ -159,8 +157,6 @@ class Wave(NamedTuple):
 
 def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: Any) -> Exported:
     """Make the objects of a Beckhoff AX8000: up to ten waves a turn, with "cosine" or "sine" phase, channel A or B."""
-    _require_word("wave", wave, ("cosine", "sine"))
-    _require_word("channel", channel, ("A", "B"))
     frame = frame_of(model, "Nm", **view)
     _turn_of(frame, "an AX8000 has coefficients for rotary motors alone (0x32D3 has none) and")
     found = _waves_of(frame, wave)
@@ -278,11 +274,6 @@ def _listed(words: list[str]) -> str:
 def _single(value: float) -> str:
     """Return a number of 24 bits in as few digits as restore it."""
     return str(np.float32(value))
-
-
-def _require_word(name: str, value: str, words: tuple[str, ...]) -> None:
-    if value not in words:
-        raise ValueError(f"{name}: must be one of {', '.join(words)}, got {quoted(value)}")
 
 
 def _require_entries(entries: int, most: int = MOST_ENTRIES) -> int:
