@@ -179,13 +179,7 @@ def _arguments(callee: _Callee, given: Sequence[Any], named: Mapping[str, Any]) 
 
 
 def explain_mismatch(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
-    """Return in one line why a call does not match the signature of a function of the core.
-
-    Args:
-        doc: docstring of the function, which begins with the signature.
-        given: arguments by position; the first one of a constructor is the object itself.
-        named: arguments by keyword.
-    """
+    """Return in one line why a call does not match the signature at the beginning of a docstring of the core."""
     callee = _callee(doc)
     name, parameters, places = callee.name, callee.parameters, callee.by_position
     count = len(given) - callee.has_self

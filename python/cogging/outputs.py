@@ -29,12 +29,7 @@ synced = True  # data reach the disk before their names do; tests switch it off
 
 
 def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Sequence[AnyPath] = ()) -> None:
-    """Raise InputError if an output would overwrite an input or another output, or cannot be written.
-
-    Args:
-        outputs: files to write, by the option that names them (`--out`); None where the option was not given.
-        inputs: files to read, with their sidecars (with_sidecars).
-    """
+    """Raise InputError if an output, by option, would overwrite an input or another output, or cannot be written."""
     given = {name: path for name, path in outputs.items() if path is not None}
     for name, path in given.items():
         for other in inputs:
@@ -217,12 +212,7 @@ def same_file(one: AnyPath, other: AnyPath) -> bool:
 
 
 def to_toml(document: Mapping[str, Any], *, like: str = "") -> str:
-    """Return a document as TOML, numbers to their last bit; raise ValueError for text that UTF-8 cannot encode.
-
-    Args:
-        document: the content.
-        like: an earlier text of it, whose comments and order of lines are kept.
-    """
+    """Return a document as TOML, numbers to their last bit; like: an earlier text, whose comments and order stay."""
     text = tomli_w.dumps(document)
     with contextlib.suppress(ValueError):  # a layout that _updated does not follow
         updated = _updated(like, document) if like else text

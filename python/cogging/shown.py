@@ -14,10 +14,7 @@ BEGINNING = 3  # letters that may abbreviate a name
 
 
 def printable(text: str, keep: str = "") -> str:
-    r"""Return a text with control, formatting and unassigned characters escaped, as `\x1b` or `\u202e`.
-
-    A byte of a file name that is not UTF-8 becomes `\xff`. Characters in `keep`, such as line ends, stay.
-    """
+    r"""Return a text with control, formatting and unassigned characters escaped, as `\x1b`, except those in `keep`."""
     if text.isprintable():
         return text
     shown = []
@@ -54,8 +51,8 @@ def shortened(text: str, longest: int) -> str:
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that was probably meant, or None.
 
-    Case and hyphens do not matter. A name without a dot may mean the last part of a path (`mass`: `axis.mass`), and the
-    beginning of exactly one name means that name.
+    A name without a dot may mean the last part of a path (`mass`: `axis.mass`), and the beginning of exactly one name
+    means that name.
     """
     written = _plain(str(name))
     names = [str(entry) for entry in known if len(str(entry)) <= LONGEST_NAME]

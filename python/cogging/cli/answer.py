@@ -52,13 +52,8 @@ def print_result(
 ) -> None:
     """Write the files of a command, all or none, and print its result.
 
-    Args:
-        arguments: of the command, with the options of add_answer_options.
-        text: for a person, or "" if `print_part` has printed it.
-        document, indent: the result for `--json`.
-        files: content in pieces by path.
-        written: files that exist already and are named.
-        next_command: the next command (cogging.cli.next_command), or "".
+    text: for a person; document, indent: for `--json`; files: content in pieces by path; written: files that exist
+    already and are named; next_command: see cogging.cli.next_command.
     """
     target = getattr(arguments, "json", None)
     json = "" if target is None else to_json(document, indent=indent)

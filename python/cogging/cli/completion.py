@@ -1,7 +1,4 @@
-"""`cogging completion`: a script that completes the command's words in a shell.
-
-shtab writes it from the parser. It contains all completions, so that the TAB key does not start Python.
-"""
+"""`cogging completion`: a script that completes the command's words in a shell, written by shtab from the parser."""
 
 from __future__ import annotations
 

@@ -85,10 +85,7 @@ def _names_file(file: str, path: str) -> bool:
 
 
 class _Merge(argparse.Action):
-    """Option that may be given several times: its entries by file ("": all) and name are merged.
-
-    `log_words` of the result has each option with its text, for the next command.
-    """
+    """Option that may be repeated: entries merge by file ("": all) and name; `log_words` has each text as given."""
 
     def __init__(self, *words: Any, convert: Callable[[str], Entries], **options: Any) -> None:
         super().__init__(*words, **options)

@@ -86,16 +86,7 @@ class Parser(argparse.ArgumentParser):
 def add_command(
     commands: Commands, name: str, *, help: str, description: str, examples: Sequence[str] = (), epilog: str = ""
 ) -> argparse.ArgumentParser:
-    """Add a command and return its parser.
-
-    Args:
-        commands: to which it is added.
-        name: of the command.
-        help: what it does, in the list of all commands.
-        description: input and output, above its options.
-        examples: calls, below its options; each begins with `cogging`. A test runs them all.
-        epilog: other text below, such as a file that it reads.
-    """
+    """Add a command and return its parser; examples: calls, below its options, all of which a test runs."""
     parts = [epilog] if epilog else []
     if examples:
         parts.append(EXAMPLES + "\n".join(f"  {line}" for line in examples))
@@ -138,10 +129,7 @@ def add_run_files(command: argparse.ArgumentParser) -> None:
 
 @contextlib.contextmanager
 def run_model(arguments: argparse.Namespace) -> Iterator[tuple[Model, str]]:
-    """Yield the model of add_run_files with the controller that was asked for, and a line about that or nothing.
-
-    A ValueError of the block names model and reference.
-    """
+    """Yield the model of add_run_files with its controller, and a line about that; a ValueError names both files."""
     from cogging.design.pid import ASSUMED, assumed_pid
     from cogging.model.model import Model
 

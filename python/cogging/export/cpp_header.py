@@ -121,15 +121,7 @@ To use: #include it, then {name}::Controller controller; its comment shows the t
 
 
 def make(model: Model, *, name: str = "axis") -> Exported:
-    """Return the header of a model's controller.
-
-    Args:
-        model: with a `[controller]`.
-        name: of the namespace that contains the header.
-
-    Returns:
-        The header, and a summary of what it contains.
-    """
+    """Return the header of a model's controller in a namespace, and a summary of what it contains."""
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
     require_name(name)

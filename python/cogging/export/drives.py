@@ -208,10 +208,7 @@ def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) 
 def _exported(
     model: Model, name: str, table: Table, unit: str, lines: Iterable[str], notes: Iterable[str] = ()
 ) -> Exported:
-    """Return the file of a table from its lines, with the text beside it and the summary.
-
-    `unit`: of an entry; `notes`: what to set in the drive, a line each.
-    """
+    """Return the file of a table from its lines, with text and summary; notes: what to set in the drive."""
     law, frame, units, rest = table.law, table.frame, model.units, table.rest
     bits = f"{53 if table.quantum is None else 24}-bit numbers in {unit}"
     entry = f"steps of {table.quantum:.6g} {unit}" if table.quantum else bits

@@ -66,16 +66,7 @@ class Parameter(NamedTuple):
 
 
 def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) -> Exported:
-    """Return the unit of a model's axis.
-
-    Args:
-        model: its `[controller]` gives the sample rate alone.
-        name: of the unit, a name in C.
-        sample_rate: Hz, at which noise is drawn and the step that is proposed; that of the controller when None.
-
-    Returns:
-        The unit, a zip archive, and a summary of what it contains.
-    """
+    """Return the unit of a model's axis, a zip archive; sample_rate: Hz, of the noise; None: the controller's."""
     require_name(name)
     rate = _rate(model, sample_rate)
     for effect in model.effects:

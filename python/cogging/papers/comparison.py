@@ -236,10 +236,7 @@ class Comparison(Table):
 
 
 def winners_table(found: Found) -> Table:
-    """Tabulate for each of USES the controller with the smallest index, and how far behind the next is.
-
-    Over all machines, the index is the worst ratio to the best controller.
-    """
+    """Tabulate for each of USES the controller with the smallest (worst relative) index, and the next one's lag."""
     rows = []
     for use, (index, place) in USES.items():
         shown = [place] if place else list(MACHINES)
@@ -287,10 +284,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
 
 @drawn
 def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
-    """Draw the errors of the last move forth over the position, at equal delay margin, a panel for each machine.
-
-    The scale ends at three times the median of the largest errors.
-    """
+    """Draw the errors of the last move forth over the position, cut off at three times the median of the largest."""
     figure = new_figure((8.0, 2.6 * len(MACHINES)))
     figure.suptitle(
         f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"

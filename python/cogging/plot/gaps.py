@@ -108,10 +108,7 @@ def residual(
 
 
 def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return positions, means and half widths of 95 % intervals in bins of a coordinate, each (bins,).
-
-    Rows of a block count as one observation. Values are NaN in bins of few rows, and half widths in bins of one block.
-    """
+    """Return places, means and half widths of 95 % intervals in bins of a coordinate, NaN in bins of too few rows."""
     x = rows.coordinates[name]
     finite = np.isfinite(x) & np.isfinite(rows.residual)
     x, y, block = x[finite], rows.residual[finite], rows.block[finite]
@@ -179,11 +176,9 @@ def _rows_in_motion(series: Mapping[str, Any], name: str) -> Rows:
 
 
 def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
-    """Return name, kind and share of each part of a diagnosis' gap, in power; the shares add up to 1.
+    """Return name, kind and share of each part of a diagnosis' gap, in power, which add up to 1.
 
-    The whole is the gap of the given model if it is known and larger than that of the re-tuned model, else the latter.
-    The kinds are `retuned`, `effect`, `rest` (unexplained) and `floor` (noise and quantiser). A negative share enlarged
-    the gap.
+    The whole is the larger gap of the given and the re-tuned model. Kinds: see KINDS; a negative share enlarged it.
     """
     gap, steps = getattr(diagnosis, "gap", None), getattr(diagnosis, "ledger", None)
     if gap is None or steps is None:

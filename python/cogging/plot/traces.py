@@ -41,12 +41,7 @@ def gaps(time: FloatArray) -> Mask:
 
 
 def trace(time: FloatArray, values: FloatArray, pixels: int) -> tuple[FloatArray, FloatArray]:
-    """Return the points of a line: all rows with NaN in each gap, or the envelope of each pixel of a long trace.
-
-    Args:
-        time: s, increasing, (n,); values likewise, NaN for a gap.
-        pixels: width of the axes.
-    """
+    """Return the points of a line: all rows with NaN in each gap, or the envelope of each pixel of a long trace."""
     broken = gaps(time)
     if len(time) <= ROWS_PER_PIXEL * pixels:
         after = np.flatnonzero(broken) + 1

@@ -104,15 +104,8 @@ def kept_of_runs(
 ) -> Kept:
     """Return the results of runs in the core; arguments as of closed_loop_batch.
 
-    Args:
-        plants, controllers: one for each run.
-        references: one for each run, or one for all.
-        window: start, stop and final window, s.
-        reductions, columns: see closed_loop_batch.
-        **options: `seeds`, one for each run; `durations` and `steps_per_sample`, one for each run or one for all;
-            `threads` and `every`; `keeps_refused`: report a run that cannot start as a failure, else it raises;
-            `initial_positions` (m, one for all, one for each or none); for all runs `initial_velocity` and
-            `added_command` (a list); `runs_in_all`, for how many runs memory must suffice.
+    `references` and the options `durations`, `steps_per_sample`, `initial_positions` have one entry for each run or one
+    for all; `keeps_refused` reports a run that cannot start as a failure; memory must suffice for `runs_in_all` runs.
     """
     start, stop, final_window = window
     kept: dict[str, Any] = _core.closed_loop_records(

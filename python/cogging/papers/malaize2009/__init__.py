@@ -22,10 +22,7 @@ STEPS = ("table 1", "figures 2 to 4", "imperfections", "causes", "ripple", "robu
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Return Table I, what it hides, Theorem 3, and the figures; `progress` is called with each of STEPS.
-
-    Without cvxpy (extra `design`) the table of Theorem 3 is left out, and a note says so.
-    """
+    """Return Table I, what it hides, figures, and Theorem 3 where cvxpy is; `progress` is called with each of STEPS."""
     logs = accuracies.logs_of_table_1()
     believed, found = accuracies.accuracies_as_believed(), accuracies.accuracies_of_table_1()
     with_friction = accuracies.accuracies_of_table_1(FRICTION)

@@ -124,11 +124,7 @@ def joint_note(table: Table) -> str:
 
 
 def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
-    """Return what the paper's fitted numbers say of a withheld set without a model, by index.
-
-    If the controller was seen in several sets: its numbers in set 1. If it was seen in set 1 alone: the other
-    controller's number in the withheld set, times the ratio of the two in set 1.
-    """
+    """Return what the paper's fitted numbers say of a withheld set without a model, by index (GUESS)."""
     guess = np.array(TABLE_1[controller]["1"])
     if len(HELD_OUT[split][controller]) == 1:
         other = next(name for name in CONTROLLERS if name != controller)
@@ -217,10 +213,7 @@ def changes() -> dict[str, dict[str, Any]]:
 
 
 def exploration_table(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
-    """Tabulate the gap of the ARC columns for each of the changes, and on the way to the joint conditions.
-
-    Infinite if a run diverges; arc_logs: of the joint conditions.
-    """
+    """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
     gaps = {}
     for name, change in changes().items():
         try:
