@@ -187,6 +187,12 @@ class Custom(OwnLaws):
             or returns no finite number in a trial call.
     """
 
+    NAME: str
+    LAW: str
+    HOOKS: tuple[str, ...]
+    FIELDS: dict[str, tuple[str, str]]
+    ROLES: dict[str, dict[str, Any]]
+    KINDS: tuple[Any, ...]
     _definition: Definition
     _values: dict[str, Value]
 
@@ -243,8 +249,18 @@ class Custom(OwnLaws):
         self._try()
 
     def _begin(self, definition: Definition, values: dict[str, Value]) -> None:
-        object.__setattr__(self, "_definition", definition)
-        object.__setattr__(self, "_values", values)
+        rubs = set(definition.laws) == {"friction_level"}
+        for name, value in {
+            "NAME": definition.name,
+            "LAW": definition.law,
+            "HOOKS": tuple("reading" if hook == "reading_error" else hook for hook in definition.laws),
+            "FIELDS": {key: (one.unit, one.meaning) for key, one in definition.parameters.items()},
+            "ROLES": {key: role_of_parameter(one, rubs) for key, one in definition.parameters.items()},
+            "KINDS": definition.kinds,
+            "_definition": definition,
+            "_values": values,
+        }.items():
+            object.__setattr__(self, name, value)
         super().__init__(
             definition.name,
             {hook: _law(definition, hook, values) for hook in definition.laws},
@@ -267,37 +283,6 @@ class Custom(OwnLaws):
                     f"{self.NAME}.{hook}: must give the same for arrays as for numbers, "
                     f"got {along.tolist()} and {alone.tolist()}"
                 )
-
-    @property
-    def NAME(self) -> str:
-        """Name."""
-        return self._definition.name
-
-    @property
-    def LAW(self) -> str:
-        """Formula."""
-        return self._definition.law
-
-    @property
-    def HOOKS(self) -> tuple[str, ...]:
-        """Quantities it acts on (see cogging.effects)."""
-        return tuple("reading" if hook == "reading_error" else hook for hook in self._definition.laws)
-
-    @property
-    def FIELDS(self) -> dict[str, tuple[str, str]]:
-        """Unit and meaning of each parameter."""
-        return {key: (one.unit, one.meaning) for key, one in self._definition.parameters.items()}
-
-    @property
-    def ROLES(self) -> dict[str, dict[str, Any]]:
-        """Role of each parameter in a search (see cogging.effects)."""
-        rubs = set(self._definition.laws) == {"friction_level"}
-        return {key: role_of_parameter(one, rubs) for key, one in self._definition.parameters.items()}
-
-    @property
-    def KINDS(self) -> tuple[Any, ...]:
-        """Groups of parameters (see cogging.effects)."""
-        return self._definition.kinds
 
     def to_dict(self) -> dict[str, Any]:
         """Return all parameters by name."""

@@ -159,29 +159,21 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
     """Make the objects of a Beckhoff AX8000: up to ten waves a turn, with "cosine" or "sine" phase, channel A or B."""
     frame = frame_of(model, "Nm", **view)
     _turn_of(frame, "an AX8000 has coefficients for rotary motors alone (0x32D3 has none) and")
-    found = _waves_of(frame, wave)
-    kept = [*found[:COEFFICIENTS], *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(found))]
+    wanted = frame.wanted(frame.axis_position(frame.turn * (np.arange(POINTS) / POINTS)))
+    waves = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
+    sizes, phases = np.abs(waves), np.degrees(np.angle(waves)) + (90.0 if wave == "sine" else 0.0)
+    order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
+    found = [Wave(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
+    kept, more = found[:COEFFICIENTS], found[COEFFICIENTS:]
+    held = [*kept, *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
     index = "32CB" if channel == "A" else "36CB"
     lines = ["object,type,value", f"{index}:01,INT16,3", f"{index}:02,REAL32,1.0"]
-    for number, one in enumerate(kept):  # from subindex 7 on: n, phi and r of each
+    for number, one in enumerate(
+        [*kept, *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
+    ):  # from subindex 7 on: n, phi and r of each
         values = (("UINT32", str(one.times)), ("REAL32", _single(one.phase)), ("REAL32", _single(one.size)))
         lines += [f"{index}:{7 + 3 * number + k:02X},{kind},{value}" for k, (kind, value) in enumerate(values)]
-    return _written(model, "ax8000", frame, "Nm", lines, *_summary_of_waves(model, frame, found, wave))
-
-
-def _waves_of(frame: Frame, wave: str) -> list[Wave]:
-    """Return the waves of the map a turn, largest first, as the drive keeps them."""
-    wanted = frame.wanted(frame.axis_position(frame.turn * (np.arange(POINTS) / POINTS)))
-    lines = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
-    sizes, phases = np.abs(lines), np.degrees(np.angle(lines)) + (90.0 if wave == "sine" else 0.0)
-    order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
-    return [Wave(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
-
-
-def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) -> tuple[str, Rest, list[str]]:
-    """Return the first line of the summary, what the drive leaves, and what it cannot hold."""
     x, unit, gain = frame.compared(frame.turn), model.units.command, abs(frame.gain)
-    kept, more = found[:COEFFICIENTS], found[COEFFICIENTS:]
     shape, angle = np.sin if wave == "sine" else np.cos, frame.place(x) / frame.turn
     parts = [one.size * shape(2.0 * np.pi * one.times * angle + np.radians(one.phase)) for one in kept]
     wanted = frame.wanted(x)
@@ -198,8 +190,9 @@ def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) 
     mean = float(wanted.mean()) / gain
     if abs(mean) > 1e-3 * rest.cogging:
         cannot.append(f"cannot hold the mean, {mean:.3g} {unit}")
-    waves = ", ".join(f"{one.times}" for one in kept) or "none"
-    return f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {waves}; ", rest, cannot
+    listed = ", ".join(f"{one.times}" for one in kept) or "none"
+    what = f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {listed}; "
+    return _written(model, "ax8000", frame, "Nm", lines, what, rest, cannot)
 
 
 # The writer -----------------------------------------------------------------------------------------------------------

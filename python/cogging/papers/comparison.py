@@ -111,7 +111,23 @@ def scaled(
         friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
         return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
     if name == "output_feedback_arc":
-        return _output_feedback_arc(axis, factor)
+        mass, viscous, _, disturbance = axis.bounds
+        printed = epoxy_motor.arc_parameters()
+        return OutputFeedbackArc(
+            printed.replace(
+                sample_rate=SAMPLE_RATE,
+                theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
+                theta_min=[1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]],
+                theta_max=[1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]],
+                coulomb=axis.coulomb,
+                coulomb_width=COULOMB_WIDTH,
+                gain_1=factor * printed.gain_1,
+                gain_2=factor * printed.gain_2,
+                observer_gain_1=factor * printed.observer_gain_1,
+                observer_gain_2=factor**2 * printed.observer_gain_2,
+                adaptation=[(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation],
+            )
+        )
     if name == "observer_based":
         problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
@@ -119,26 +135,6 @@ def scaled(
     law, structure = name.split()
     gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
     return (Arc if law == "arc" else Dcarc)(gantry.controller_parameters(axis, structure, **gains))
-
-
-def _output_feedback_arc(axis: GantryAxis, factor: float) -> OutputFeedbackArc:
-    mass, viscous, _, disturbance = axis.bounds
-    printed = epoxy_motor.arc_parameters()
-    return OutputFeedbackArc(
-        printed.replace(
-            sample_rate=SAMPLE_RATE,
-            theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
-            theta_min=[1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]],
-            theta_max=[1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]],
-            coulomb=axis.coulomb,
-            coulomb_width=COULOMB_WIDTH,
-            gain_1=factor * printed.gain_1,
-            gain_2=factor * printed.gain_2,
-            observer_gain_1=factor * printed.observer_gain_1,
-            observer_gain_2=factor**2 * printed.observer_gain_2,
-            adaptation=[(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation],
-        )
-    )
 
 
 def observer_problem(
