@@ -106,16 +106,11 @@ def test_a_reader_that_has_gone(folder):
 
 @pytest.mark.skipif(os.name == "nt", reason="a shell of another kind")
 def test_streams_that_are_closed(folder):
-    """As a service may start it: a text has nowhere to go, and the files are written; a result for a program fails."""
+    """As a service may start it: a text has nowhere to go, and the files are written."""
     command = f"{sys.executable} -m cogging.cli.main"
     call = "identify log.csv --model model.toml --free axis.mass --out out.toml"
     assert subprocess.run(f"{command} {call} >&- 2>&-", shell=True, cwd=folder, check=False).returncode == 0
     assert cogging.Model.read(folder / "out.toml").intervals["axis.mass"][0] > 0.0
-    call = " ".join([*SIMULATE, "--json", "-"])
-    done = subprocess.run(f"{command} {call} >&-", shell=True, cwd=folder, stderr=subprocess.PIPE, check=False)
-    line = b"cogging: standard output: must be open for what is asked, got a closed one\n"
-    assert (done.returncode, done.stderr) == (2, line)
-    assert not (folder / "out.csv").exists()
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device")

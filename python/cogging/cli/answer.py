@@ -10,7 +10,7 @@ import argparse
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from cogging.cli.terminal import print_text, require_open_output
+from cogging.cli.terminal import print_text
 from cogging.outputs import to_json, write_files
 from cogging.shown import printable
 
@@ -26,12 +26,8 @@ def add_answer_options(group: argparse._ActionsContainer, *, json: str = "the re
 
 
 def json_file(arguments: argparse.Namespace) -> str | None:
-    """Return the file of `--json`; None without one, and for standard output, which must then be open."""
-    path: str | None = arguments.json
-    if path != STANDARD_OUTPUT:
-        return path
-    require_open_output()
-    return None
+    """Return the file of `--json`; None without one, and for standard output."""
+    return None if arguments.json == STANDARD_OUTPUT else arguments.json
 
 
 def print_part(arguments: argparse.Namespace, text: str) -> None:

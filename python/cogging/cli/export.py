@@ -8,15 +8,12 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from cogging.calls import did_you_mean
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_export
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import status_line
 from cogging.export.forms import FORMS, Option, option_of, shown_forms, to
-from cogging.files import InputError
 from cogging.outputs import check_outputs
-from cogging.shown import quoted
 
 
 def add_parser(commands: Commands) -> None:
@@ -35,7 +32,7 @@ def add_parser(commands: Commands) -> None:
         epilog=f"forms:\n{shown_forms()}",
     )
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
-    command.add_argument("--to", required=True, metavar="FORM", help="one of the forms below")
+    command.add_argument("--to", required=True, choices=FORMS, metavar="FORM", help="one of the forms below")
     maps = [form.name for form in FORMS.values() if form.of_map]
     for name, (option, forms) in _options().items():
         help = f"{option.help} ({'all maps' if forms == maps else ', '.join(forms)})"
@@ -50,17 +47,8 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export the model, write the files, and print what the machine uses of it."""
-    if arguments.to not in FORMS:
-        got = f"{quoted(arguments.to)}: {did_you_mean(arguments.to, FORMS)}"
-        raise InputError(f"--to: must be one of {', '.join(FORMS)}, got {got}")
     form = FORMS[arguments.to]
-    known = {option.name: option for option in form.options}
     options = {name: value for name in _options() if (value := getattr(arguments, name)) is not None}
-    for name in options:
-        if name not in known:
-            rest = ", ".join(map(option_of, sorted(known))) or "no option"
-            rule = f"must be one that the form {form.name} takes ({rest})"
-            raise InputError(f"{option_of(name)}: {rule}, got one that is not")
     json = {"--json": json_file(arguments)}
     check_outputs({"--out": arguments.out, **json}, [arguments.model])
     with status_line(arguments, "export"):

@@ -34,19 +34,11 @@ def replace_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
 
 
-def require_open_output() -> None:
-    """Raise InputError if standard output, which a program is to read, was closed before the command began."""
-    if getattr(sys.stdout, "name", None) == os.devnull:  # the replacement; a redirected one has the name <stdout>
-        raise InputError("standard output: must be open for what is asked, got a closed one")
-
-
 def print_text(text: str, *, plain: bool = False) -> None:
     """Print a text on standard output, with control characters and what the encoding lacks escaped.
 
     If the reader has gone, as `head -1` does, the rest is discarded. `plain`: for a program, never coloured.
     """
-    if plain:
-        require_open_output()
     out = sys.stdout
     encoding = getattr(out, "encoding", None) or "utf-8"
     safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)

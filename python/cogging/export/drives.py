@@ -168,9 +168,7 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
     held = [*kept, *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
     index = "32CB" if channel == "A" else "36CB"
     lines = ["object,type,value", f"{index}:01,INT16,3", f"{index}:02,REAL32,1.0"]
-    for number, one in enumerate(
-        [*kept, *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
-    ):  # from subindex 7 on: n, phi and r of each
+    for number, one in enumerate(held):  # from subindex 7 on: n, phi and r of each
         values = (("UINT32", str(one.times)), ("REAL32", _single(one.phase)), ("REAL32", _single(one.size)))
         lines += [f"{index}:{7 + 3 * number + k:02X},{kind},{value}" for k, (kind, value) in enumerate(values)]
     x, unit, gain = frame.compared(frame.turn), model.units.command, abs(frame.gain)
