@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cogging.cli.terminal import print_error, print_text
@@ -106,11 +106,15 @@ class PrintConstant(argparse.Action):
         parser.exit()
 
 
-def require_whole(option: str, value: int, least: int, most: int) -> None:
-    """Raise InputError for a whole number outside its range."""
-    if not least <= value <= most:
-        rule = f"at least {least}" if value < least else f"at most {most}"
-        raise InputError(f"{option}: must be {rule}, got {quoted(value)}")
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """Return the type of an option that is a whole number within a range."""
+
+    def convert(text: str) -> int:
+        if not (text.removeprefix("-").isdecimal() and len(text) < 30 and least <= int(text) <= most):
+            raise argparse.ArgumentTypeError(f"must be a whole number from {least} to {most}, got {quoted(text)}")
+        return int(text)
+
+    return convert
 
 
 def refuse_unknown(kind: str, name: str, known: Sequence[str]) -> None:
@@ -147,19 +151,9 @@ def run_model(arguments: argparse.Namespace) -> Iterator[tuple[Model, str]]:
 
 def add_threads(command: argparse.ArgumentParser) -> None:
     """Add `--threads`."""
-    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
-
-
-def require_threads(arguments: argparse.Namespace) -> None:
-    """Raise InputError for more threads than a machine has, or fewer than none."""
-    require_whole("--threads", arguments.threads, 0, THREADS_MAX)
+    command.add_argument("--threads", type=whole(0, THREADS_MAX), default=0, metavar="N", help="default: all cores")
 
 
 def add_seed(command: argparse.ArgumentParser, of: str) -> None:
     """Add `--seed`; `of`: what is drawn with it."""
-    command.add_argument("--seed", type=int, default=0, help=f"of {of} (default: 0)")
-
-
-def require_seed(arguments: argparse.Namespace) -> None:
-    """Raise InputError for a seed below 0 or of more than 64 bits."""
-    require_whole("--seed", arguments.seed, 0, SEEDS - 1)
+    command.add_argument("--seed", type=whole(0, SEEDS - 1), default=0, help=f"of {of} (default: 0)")

@@ -8,7 +8,7 @@ import numpy as np
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, add_threads, require_threads
+from cogging.cli.parser import Commands, add_command, add_threads
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
@@ -50,7 +50,6 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.plot.shown_figure import picture
     from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
 
-    require_threads(arguments)
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.sweep))
