@@ -12,7 +12,7 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.next_command import after_export
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import status_line
-from cogging.export.forms import FORMS, Option, option_of, shown_forms, to
+from cogging.export.forms import FORMS, Option, option_of, to
 from cogging.outputs import check_outputs
 
 
@@ -29,7 +29,7 @@ def add_parser(commands: Commands) -> None:
             "cogging export motor.toml --to akd --scale 0.8 --out akd.csv",
             "cogging export model.toml --to cpp --out controller.hpp --json export.json",
         ),
-        epilog=f"forms:\n{shown_forms()}",
+        epilog="forms:\n" + "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values()),
     )
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
     command.add_argument("--to", required=True, choices=FORMS, metavar="FORM", help="one of the forms below")

@@ -305,19 +305,3 @@ def sheet_text(name: str) -> str:
     sheet = SHEETS[name]
     lines = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
     return "\n".join([sheet["drive"], *lines, *(f"{'assumed:':20s}{one}" for one in sheet["assumed"])])
-
-
-def markdown() -> str:
-    """Return the documentation of all drives, as in docs/export.md."""
-    lines = ["| `--to` | drive | takes | entries | between entries |", "|---|---|---|---|---|"]
-    for name, sheet in SHEETS.items():
-        lines.append(f"| `{name}` | {sheet['drive']} | {sheet['quantity']} | {sheet['entries']} | {sheet['between']} |")
-    for sheet in SHEETS.values():
-        rows = [f"| {title} | {sheet[key]} |" for title, key in QUESTIONS.items()]
-        rows += [f"| assumed | {one} |" for one in sheet["assumed"]]
-        lines += ["", f"### {sheet['drive']}", "", "| | |", "|---|---|", *rows]
-    return "\n".join(lines)
-
-
-if __name__ == "__main__":
-    print(markdown())

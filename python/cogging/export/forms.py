@@ -151,8 +151,3 @@ def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Expo
 def option_of(name: str) -> str:
     """Return an option as on the command line."""
     return f"--{name.replace('_', '-')}"
-
-
-def shown_forms() -> str:
-    """Return the forms with their descriptions, a line each."""
-    return "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values())

@@ -72,7 +72,7 @@ USES = {
 }
 #: Controllers by their papers' own rules, and the steps that reproduce() reports.
 OWN = ("pid", *(f"{law} {name}" for name in gantry.CONTROLLERS for law in ("arc", "dcarc")), "output_feedback_arc")
-STEPS = (*OWN, *POLE_RADII, *(f"{name}, equal margin" for name in SCALED))
+STEPS = len((*OWN, *POLE_RADII, *SCALED))
 #: Indexes of a controller by machine and name.
 Found = Mapping[tuple[str, str], Mapping[str, float]]
 
@@ -246,7 +246,7 @@ def winners_table(found: Found) -> Table:
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Run every controller; `progress` is called with each of STEPS."""
+    """Run every controller; `progress` is called with each step."""
     own = {}
     for name, controller in controllers().items():
         own[name], _ = measure(controller)
