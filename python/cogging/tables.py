@@ -14,7 +14,7 @@ import numpy as np
 from cogging.shown import printable, shortened
 
 #: Extra of the package that installs a library.
-EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
+EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet", "control": "control", "shtab": "completion"}
 LONGEST_CELL = 80  # characters
 #: Without colours, so that a table suits light and dark pages.
 STYLE = "border-collapse: collapse; text-align: left; font-size: inherit"

@@ -98,7 +98,7 @@ def live(log: str, operation: str, number: str, processes: str, *words: str) -> 
         if processes == "0":
             return command(list(words))
         with ProcessPoolExecutor(int(processes)) as pool:
-            sweep.run_sweep(words[1], sweep.read_sweep(words[1]), out=out, executor=pool)
+            sweep.sweep(**sweep.read_sweep(words[1]), out=out, executor=pool)
         return 0
 
     return run_command(run)

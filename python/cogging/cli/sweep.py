@@ -48,13 +48,13 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
     from cogging.plot.shown_figure import picture
-    from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
+    from cogging.simulation.sweep import files_of_job, read_sweep, run_job, sweep
 
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.sweep))
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
-    runs = run_sweep(arguments.sweep, asked, **options)
+    runs = run_job(arguments.sweep, sweep, asked, options)
     indexes = {}
     for name in INDEXES:
         values = runs.table[name][np.isfinite(runs.table[name])]

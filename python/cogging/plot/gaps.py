@@ -146,7 +146,7 @@ def _of_arrays(found: Any, residual: npt.ArrayLike, against: Any) -> dict[str, R
 
 
 def _of_result(found: Any) -> dict[str, Rows]:
-    """Return the residuals of a Diagnosis or a Location by label."""
+    """Return the residuals of a Diagnosis or a Location by label, in the rows in motion of all logs."""
     series = getattr(found, "series", None)
     if not isinstance(series, Mapping):
         rule = "must be a Diagnosis, a Location or coordinates with a residual"
@@ -156,11 +156,6 @@ def _of_result(found: Any) -> dict[str, Rows]:
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")
     if "gap_after" in names and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None):
         names.remove("gap_after")  # the same
-    return {GAPS[name]: _rows_in_motion(series, name) for name in names}
-
-
-def _rows_in_motion(series: Mapping[str, Any], name: str) -> Rows:
-    """Return the rows in motion of all logs for a residual of a Diagnosis or a Location (its `series`)."""
     kept = [np.asarray(mask) > 0 for mask in series["mask"]]
     blocks, offset = [], 0
     for time, rows in zip(series["time"], kept, strict=True):
@@ -169,10 +164,11 @@ def _rows_in_motion(series: Mapping[str, Any], name: str) -> Rows:
         blocks.append(block[rows])
     columns = {
         one: np.concatenate([np.asarray(x, dtype=np.float64)[rows] for x, rows in zip(series[one], kept, strict=True)])
-        for one in (name, *COORDINATES)
+        for one in (*names, *COORDINATES)
         if one in series
     }
-    return Rows(columns.pop(name), columns, np.concatenate(blocks))
+    coordinates = {name: values for name, values in columns.items() if name in COORDINATES}
+    return {GAPS[name]: Rows(columns[name], coordinates, np.concatenate(blocks)) for name in names}
 
 
 def shares(diagnosis: Any) -> list[tuple[str, str, float]]:

@@ -547,11 +547,6 @@ def _by_path(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
             yield f"{before}{name}", stated
 
 
-def run_sweep(path: AnyPath, arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
-    """Run the sweep that read_sweep has read."""
-    return run_job(path, sweep, arguments, options)
-
-
 def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str]], needed: Iterable[str]) -> None:
     """Raise FieldError for an unknown key, a missing one that is needed, or one of another type (KEYS)."""
     refuse_unknown_keys(document, keys, "")
