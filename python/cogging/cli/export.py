@@ -12,7 +12,7 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.next_command import after_export
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import status_line
-from cogging.export.forms import FORMS, Option, option_of, to
+from cogging.export.forms import FORMS, Option, to
 from cogging.outputs import check_outputs
 
 
@@ -39,7 +39,7 @@ def add_parser(commands: Commands) -> None:
         how: dict[str, Any] = {"type": option.kind}
         how |= {"choices": option.choices} if option.choices else {"metavar": option.metavar}
         how = {"action": "store_true", "default": None} if option.kind is bool else how
-        command.add_argument(option_of(name), help=help, **how)
+        command.add_argument(f"--{name.replace('_', '-')}", help=help, **how)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="FILE", help="write the file")
     add_answer_options(group, json="the printed text")

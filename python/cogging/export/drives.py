@@ -250,8 +250,11 @@ def _written(
         said.append(f"not in it, as no cogging: {', '.join(frame.left_out)}")
     if not frame.scale_said:
         said.append(f"assumed: 1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)")
-    said += [f"assumed: {one}" for one in SHEETS[name]["assumed"]]
-    beside = "\n".join([sheet_text(name), "", "This file:", *notes, *said, ""])
+    sheet = SHEETS[name]
+    said += [f"assumed: {one}" for one in sheet["assumed"]]
+    known = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
+    known += [f"{'assumed:':20s}{one}" for one in sheet["assumed"]]
+    beside = "\n".join([sheet["drive"], *known, "", "This file:", *notes, *said, ""])
     return Exported(("\n".join(lines) + "\n").encode(), "\n".join([*said, *notes]), {".txt": beside.encode()})
 
 
@@ -295,13 +298,3 @@ def _travel_of(frame: Frame) -> tuple[float, float]:
 def _over_travel(frame: Frame, entries: int, between: str) -> Law:
     low, high = _travel_of(frame)
     return Law(entries, low, high - low, False, between)
-
-
-# The sheets -----------------------------------------------------------------------------------------------------------
-
-
-def sheet_text(name: str) -> str:
-    """Return the documentation of a drive, in lines."""
-    sheet = SHEETS[name]
-    lines = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
-    return "\n".join([sheet["drive"], *lines, *(f"{'assumed:':20s}{one}" for one in sheet["assumed"])])

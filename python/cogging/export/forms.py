@@ -146,8 +146,3 @@ def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Expo
         raise
     except ValueError as error:
         raise InputError(f"{os.fspath(model)}: {error}") from None
-
-
-def option_of(name: str) -> str:
-    """Return an option as on the command line."""
-    return f"--{name.replace('_', '-')}"

@@ -113,11 +113,6 @@ class Table(ByValue):
     before: Table | None = None
     beside: str = "before"
 
-    @property
-    def is_exploratory(self) -> bool:
-        """Whether none of its numbers is one of the paper's."""
-        return all(row.status == "exploratory" for row in self.rows)
-
     def counts(self) -> Counts:
         """Return how many of the numbers lie near the printed ones."""
         errors: dict[str, list[float]] = {"calibrated": [], "predicted": []}
@@ -222,7 +217,7 @@ class Reproduction(ByValue):
         Args:
             every: False lists the tables without a number of the paper by their titles alone.
         """
-        shown = [table for table in self.tables if every or not table.is_exploratory]
+        shown = [table for table in self.tables if every or any(row.status != "exploratory" for row in table.rows)]
         named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
         further = ["\n".join(["Further tables, in no paper (--all shows them):", *named])] if shown and named else []
         return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])
