@@ -59,19 +59,12 @@ def _with_article(name: str) -> str:
 
 @dataclass(frozen=True)
 class Kind:
-    """The types that an argument of a public function may have.
-
-    Attributes:
-        types: accepted types.
-        called: the same in words.
-        several: whether a list of them is accepted too.
-        hints: what to do instead, by the name of a type that users often pass.
-    """
+    """The types that an argument of a public function may have."""
 
     types: tuple[type, ...]
-    called: str
-    several: bool = False
-    hints: Mapping[str, str] = field(default_factory=dict)
+    called: str  # in words
+    several: bool = False  # whether a list of them is accepted too
+    hints: Mapping[str, str] = field(default_factory=dict)  # what to do instead, by the name of a type often passed
 
     def problem(self, value: Any) -> str:
         """Return what is wrong with a value; empty if nothing is."""

@@ -27,13 +27,6 @@ PATTERNS = (
 )
 
 
-def replace_closed_streams() -> None:
-    """Send standard streams to the null device if they are closed: libraries print without checking."""
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
-
-
 def print_text(text: str, *, plain: bool = False) -> None:
     """Print a text on standard output, with control characters and what the encoding lacks escaped.
 

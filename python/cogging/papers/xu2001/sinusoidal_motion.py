@@ -112,9 +112,9 @@ def joint_note(table: Table) -> str:
     return textwrap.fill(
         f"Two assumptions bring the ARC columns near the printed ones: adaptation rates {factor:.3g} times those "
         f"printed, and estimates of theta_1 and theta_2 kept from {runs} earlier runs of each set, where the paper "
-        f"states theta_hat(0). Of {counts['numbers']} fitted numbers {near['15']} lie within 15 % and {near['40']} within "
-        f"40 % (rms log error {left:.3f}); the ARC's error is smaller than the PID's in {smaller} of {len(shares)} cases "
-        f"(paper: {len(shares)}). "
+        f"states theta_hat(0). Of {counts['numbers']} fitted numbers {near['15']} lie within 15 % and {near['40']} "
+        f"within 40 % (rms log error {left:.3f}); the ARC's error is smaller than the PID's in {smaller} of "
+        f"{len(shares)} cases (paper: {len(shares)}). "
         f"Fits to a part of the numbers ask for factors of {others}; table conditions says what the factor may mean. "
         "Before, on the plant of the PID columns with all as printed, the ARC's numbers are "
         f"{min(early):.2g} to {max(early):.2g} times the paper's. The robust terms are off: as printed they cannot run "
