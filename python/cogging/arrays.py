@@ -15,10 +15,7 @@ SIGMAS_95 = 1.959963984540054  # half width of a 95 % interval of a normal varia
 
 
 def no_number_in(values: Any, depth: int = DEEPEST) -> list[Any]:
-    """Return the first truth value or text where numbers belong, in a list; an empty list if there is none.
-
-    numpy converts True to 1 and "3.2" to 3.2, which no caller means.
-    """
+    """Return the first truth value or text where numbers belong (numpy would convert it); an empty list if none."""
     if isinstance(values, bool | np.bool_ | str | bytes):
         return [values]
     if isinstance(values, list | tuple):
@@ -48,11 +45,7 @@ def real_array(name: str, values: npt.ArrayLike) -> FloatArray:
 
 
 def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-12) -> FloatArray:
-    """Return the weights (p,) of least norm with which columns (p, n) best approximate a row (n,).
-
-    Columns are scaled to unit rms first, so that units do not matter. Singular values of the scaled columns below
-    `rcond` times the largest count as zero.
-    """
+    """Return the weights (p,) of least norm with which columns (p, n), scaled to rms 1, best approximate a row (n,)."""
     matrix = np.ascontiguousarray(columns.T)
     size = np.sqrt(np.mean(matrix**2, axis=0))
     size[size == 0.0] = 1.0
@@ -60,10 +53,7 @@ def least_squares(columns: FloatArray, row: FloatArray, rcond: float = 1e-12) ->
 
 
 def cross_correlation(row: FloatArray, other: FloatArray) -> FloatArray:
-    """Return sum_k row_(k + lag) other_k for lags from 1 - m to n - 1, (n + m - 1,), of rows (n,) and (m,).
-
-    Equal to scipy.signal.correlate, whose import takes longer than the correlations computed here.
-    """
+    """Return sum_k row_(k + lag) other_k for lags from 1 - m to n - 1, faster to import than scipy.signal.correlate."""
     from scipy.fft import irfft, next_fast_len, rfft
 
     length = len(row) + len(other) - 1

@@ -9,7 +9,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -59,19 +59,12 @@ def _with_article(name: str) -> str:
 
 @dataclass(frozen=True)
 class Kind:
-    """The types that an argument of a public function may have.
-
-    Attributes:
-        types: accepted types.
-        called: the same in words.
-        several: whether a list of them is accepted too.
-        hints: what to do instead, by the name of a type that users often pass.
-    """
+    """The types that an argument of a public function may have."""
 
     types: tuple[type, ...]
-    called: str
-    several: bool = False
-    hints: Mapping[str, str] = field(default_factory=dict)
+    called: str  # in words
+    several: bool = False  # whether a list of them is accepted too
+    hints: Mapping[str, str] = field(default_factory=dict)  # what to do instead, by the name of a type often passed
 
     def problem(self, value: Any) -> str:
         """Return what is wrong with a value; empty if nothing is."""
@@ -124,103 +117,68 @@ def check_constructor(kind: type[C]) -> type[C]:
 # Functions of the core: the bindings call `explain_mismatch` and `explain_non_number` --------------------------------
 
 
-class Parameter(NamedTuple):
-    """One parameter of a function of the core."""
-
-    name: str
-    annotation: str
-    required: bool
-    keyword_only: bool
-
-
 @functools.cache
-def signature(doc: str) -> tuple[str, tuple[Parameter, ...]]:
-    """Return the name and the parameters of a function of the core, from the first line of its docstring."""
+def signature(doc: str) -> tuple[str, dict[str, inspect.Parameter]]:
+    """Return name and parameters of a function of the core from the first line of its docstring."""
     function: Any = ast.parse(f"def {doc.partition(chr(10))[0]}: ...").body[0]
-    arguments = function.args
-    positional = [*arguments.posonlyargs, *arguments.args]
-    required = len(positional) - len(arguments.defaults)
-    found = [(one, place < required, False) for place, one in enumerate(positional)]
-    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-    found += [(one, default is None, True) for one, default in pairs]
-    return function.name, tuple(
-        Parameter(one.arg, ast.unparse(one.annotation) if one.annotation else "", needed, keyword_only)
-        for one, needed, keyword_only in found
-    )
+    given, empty, found = function.args, inspect.Parameter.empty, {}
+    positional = [*given.posonlyargs, *given.args]
+    defaults = [empty] * (len(positional) - len(given.defaults)) + given.defaults
+    defaults += [empty if default is None else default for default in given.kw_defaults]
+    for place, (one, default) in enumerate(zip([*positional, *given.kwonlyargs], defaults, strict=True)):
+        by_position = place < len(positional)
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if by_position else inspect.Parameter.KEYWORD_ONLY
+        annotation = ast.unparse(one.annotation) if one.annotation else ""
+        found[one.arg] = inspect.Parameter(one.arg, kind, default=default, annotation=annotation)
+    return function.name, found
 
 
-class _Callee(NamedTuple):
-    """A function of the core: its parameters without `self`, and those that take numbers: alone (True) or many."""
-
-    name: str
-    parameters: dict[str, Parameter]
-    by_position: list[str]
-    has_self: bool
-    numbers: dict[str, bool]
-
-
-@functools.cache
-def _callee(doc: str) -> _Callee:
+def _call(
+    doc: str, given: Sequence[Any], named: Mapping[str, Any]
+) -> tuple[str, dict[str, inspect.Parameter], Sequence[Any], list[str], dict[str, Any]]:
+    """Return name, parameters, arguments by position, the words that these have, and all arguments by name."""
     name, parameters = signature(doc)
-    has_self = bool(parameters) and parameters[0].name == "self"  # a constructor or a method
-    if has_self:
-        name, parameters = parameters[0].annotation.split(".")[-1], parameters[1:]
-    numbers = {}
-    for parameter in parameters:
-        annotation = parameter.annotation
-        if _is_array(annotation) or (NUMBER.search(annotation) and "str" not in annotation):
-            numbers[parameter.name] = not _is_array(annotation) and "Sequence[" not in annotation
-    by_position = [parameter.name for parameter in parameters if not parameter.keyword_only]
-    return _Callee(name, {parameter.name: parameter for parameter in parameters}, by_position, has_self, numbers)
-
-
-def _arguments(callee: _Callee, given: Sequence[Any], named: Mapping[str, Any]) -> dict[str, Any]:
-    return {**dict(zip(callee.by_position, given[callee.has_self :], strict=False)), **named}
+    if next(iter(parameters), "") == "self":  # of a constructor or a method
+        (_, own), *rest = parameters.items()
+        name, parameters, given = own.annotation.split(".")[-1], dict(rest), given[1:]
+    places = [word for word, one in parameters.items() if one.kind is not one.KEYWORD_ONLY]
+    return name, parameters, given, places, {**dict(zip(places, given, strict=False)), **named}
 
 
 def explain_mismatch(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
-    """Return in one line why a call does not match the signature of a function of the core.
-
-    Args:
-        doc: docstring of the function, which begins with the signature.
-        given: arguments by position; the first one of a constructor is the object itself.
-        named: arguments by keyword.
-    """
-    callee = _callee(doc)
-    name, parameters, places = callee.name, callee.parameters, callee.by_position
-    count = len(given) - callee.has_self
-    if count > len(places):
+    """Return in one line why a call does not match the signature at the beginning of a docstring of the core."""
+    name, parameters, given, places, arguments = _call(doc, given, named)
+    if len(given) > len(places):
         if not places:
             words = ", ".join(f"{word}=..." for word in list(parameters)[:3])
-            got = described(given[callee.has_self])
-            return f"{name}: must be given its arguments by keyword ({words}), got {got} without one"
-        return f"{name}: must be given {len(places)} arguments by position, got {count}; the rest by keyword"
+            return f"{name}: must be given its arguments by keyword ({words}), got {described(given[0])} without one"
+        return f"{name}: must be given {len(places)} arguments by position, got {len(given)}; the rest by keyword"
     for word in named:
         if word not in parameters:
             return f"{name}: {word}: is not an argument; {did_you_mean(word, parameters)}"
-    arguments = _arguments(callee, given, named)
     for word, value in arguments.items():
         rule = broken_rule(parameters[word].annotation, value)
         if rule:
             return f"{name}: {word}: must be {rule}, got {described(value)}"
-    for parameter in parameters.values():
-        if parameter.required and parameter.name not in arguments:
-            return f"{name}: {parameter.name}: must be given, got nothing"
+    for word, one in parameters.items():
+        if one.default is one.empty and word not in arguments:
+            return f"{name}: {word}: must be given, got nothing"
     return f"{name}: these arguments do not go together: {', '.join(arguments) or 'none'}"
 
 
 def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -> str | None:
     """Return in one line which argument has a truth value or a text where a number belongs; None if none has."""
-    callee = _callee(doc)
-    for word, value in _arguments(callee, given, named).items():
-        if word not in callee.numbers or type(value) in (float, int):
+    name, parameters, _, _, arguments = _call(doc, given, named)
+    for word, value in arguments.items():
+        annotation = parameters[word].annotation if word in parameters else ""
+        of_numbers = _is_array(annotation) or (NUMBER.search(annotation) and "str" not in annotation)
+        if not of_numbers or type(value) in (float, int):
             continue
-        alone = callee.numbers[word] and not isinstance(value, np.ndarray)
+        alone = not (_is_array(annotation) or "Sequence[" in annotation or isinstance(value, np.ndarray))
         wrong = [value] * isinstance(value, bool | np.bool_) if alone else no_number_in(value)
         if wrong:
             among = "" if wrong[0] is value or getattr(value, "ndim", 1) == 0 else " among them"
-            rule = _rule_of(callee.parameters[word].annotation)
-            return f"{callee.name}: {word}: must be {rule}, got {described(wrong[0])}{among}"
+            return f"{name}: {word}: must be {_rule_of(annotation)}, got {described(wrong[0])}{among}"
     return None
 
 

@@ -7,7 +7,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from cogging.calls import did_you_mean
@@ -18,12 +18,9 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-MOST_TEXT = 1 << 28  # bytes of a model, a reference or a sidecar
-DEEPEST = 32  # nested tables and lists; files of this package nest at most four
+MOST_TEXT = 1 << 26  # bytes of a model, a reference or a sidecar
+DEEPEST = 32  # dots of a key; keys of this package have at most four
 DOTTED = rf"""(?<![\w-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.[ \t]*){{{DEEPEST + 1}}}"""
-MARK = re.compile(r"""[=\[{]|\.[ \t]*[\w"'-]+(?=[ \t]*[.=\]])""")  # of a key, a table or a list
-MOST_MARKS = 500_000  # keys, tables and lists in a file; the parser needs at most 7 us and a kilobyte for each
-BYTES_A_MARK, BYTES_A_LETTER = 1100.0, 16.0  # memory of the parser: 1003 and 10 measured
 LARGEST = 1e30  # finite number in any unit: its fourth power is finite
 WHOLE = 1 << 63  # TOML's integers have 64 bits
 
@@ -87,66 +84,40 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Return the content of TOML text of limited nesting and size.
+    """Return the content of TOML text.
 
     Raises:
-        ValueError: the text breaks TOML's grammar or a limit.
-        FieldError: a number exceeds 64 bits; it would become another number or infinite.
+        ValueError: the text breaks TOML's grammar, or nests too deep.
+        FieldError: a whole number exceeds 64 bits.
     """
     if re.search(DOTTED, text):  # the parser's time grows with the square of the dots
         raise ValueError(f"a key must have at most {DEEPEST} dots")
-    marks = sum(1 for _ in MARK.finditer(text))
-    if marks > MOST_MARKS:
-        raise ValueError(f"keys, tables and lists must be at most {MOST_MARKS} together, got {marks}")
-    from cogging._core import require_memory  # not in the processes that read binary logs
-
-    size = BYTES_A_MARK * marks + BYTES_A_LETTER * len(text)
-    require_memory("text", size, f"{marks} keys, tables and lists", f"{len(text)} letters")
     try:
-        document = tomllib.loads(text, parse_float=_float)
+        document = tomllib.loads(text, parse_float=_float_or_text)
+        _require_64_bits(document)
     except RecursionError:
-        raise ValueError(f"tables and lists must be nested at most {DEEPEST} deep") from None
-    except tomllib.TOMLDecodeError:
+        raise ValueError("tables and lists must not be nested so deep") from None
+    except (tomllib.TOMLDecodeError, FieldError):
         raise
     except ValueError:  # Python's own limit of digits
         raise ValueError("a whole number must have 64 bits, got one of thousands of digits") from None
-    for path, value in _entries(document):
-        if isinstance(value, _Overflow) or (isinstance(value, int) and not -WHOLE <= value < WHOLE):
-            *sections, key = path
-            number = value.text if isinstance(value, _Overflow) else quoted(value)
-            raise FieldError(".".join(sections), key, f"must be a number that 64 bits hold, got {number}")
     return document
 
 
-class _Overflow(float):
-    """An infinity that was written as a finite number, `1e309`."""
-
-    text = ""
-
-
-def _float(text: str) -> float:
+def _float_or_text(text: str) -> float | str:
+    """Return a number; as text where it would become infinite (1e309), which no field accepts."""
     value = float(text)
-    if math.isinf(value) and "inf" not in text:
-        value = _Overflow(text)
-        value.text = text
-    return value
+    return text if math.isinf(value) and "inf" not in text else value
 
 
-def _entries(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Yield the keys that lead to each value, and the value; entries of a list have the keys of the list."""
-    pending: list[tuple[tuple[str, ...], Any]] = [((), document)]
-    for _ in range(DEEPEST + 1):
-        below: list[tuple[tuple[str, ...], Any]] = []
-        for path, value in pending:
-            if isinstance(value, Mapping):
-                below += [((*path, key), entry) for key, entry in value.items()]
-            elif isinstance(value, list):
-                below += [(path, entry) for entry in value]
-            else:
-                yield path, value
-        pending = below
-    if pending:
-        raise ValueError(f"tables and lists must be nested at most {DEEPEST} deep")
+def _require_64_bits(value: Any, keys: tuple[str, ...] = ()) -> None:
+    for key, entry in value.items() if isinstance(value, dict) else ():
+        _require_64_bits(entry, (*keys, key))
+    for entry in value if isinstance(value, list) else ():
+        _require_64_bits(entry, keys)
+    if isinstance(value, int) and not -WHOLE <= value < WHOLE:
+        problem = f"must be a number that 64 bits hold, got {quoted(value)}"
+        raise FieldError(".".join(keys[:-1]), keys[-1], problem)
 
 
 def line_of(text: str, section: str, key: str, occurrence: int = 0) -> int | None:

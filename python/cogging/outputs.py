@@ -11,9 +11,8 @@ import math
 import os
 import re
 import secrets
+import shutil
 import stat
-import sys
-import unicodedata
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -30,12 +29,7 @@ synced = True  # data reach the disk before their names do; tests switch it off
 
 
 def check_outputs(outputs: Mapping[str, AnyPath | None], inputs: Sequence[AnyPath] = ()) -> None:
-    """Raise InputError if an output would overwrite an input or another output, or cannot be written.
-
-    Args:
-        outputs: files to write, by the option that names them (`--out`); None where the option was not given.
-        inputs: files to read, with their sidecars (with_sidecars).
-    """
+    """Raise InputError if an output, by option, would overwrite an input or another output, or cannot be written."""
     given = {name: path for name, path in outputs.items() if path is not None}
     for name, path in given.items():
         for other in inputs:
@@ -113,8 +107,7 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
     """Write files that belong together, all or none.
 
     All are written to part files beside their targets and then renamed in reverse order: a log after its sidecar. A
-    link is followed; an existing file keeps its owner and mode, a new one gets those of the user's mask. After an
-    InputError no part file remains.
+    link is followed; an existing file keeps its mode. After an InputError no part file remains.
 
     Args:
         files: content in pieces, by path; None: the file is removed.
@@ -146,16 +139,12 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
 
 
 def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -> None:
-    """Write a new file with the owner and the mode of the one that it will replace."""
-    old = target.stat() if target.exists() else None
+    """Write a new file with the mode of the one that it will replace."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-    descriptor = os.open(part, flags, 0o666 if old is None else 0o600)
+    descriptor = os.open(part, flags, 0o600 if target.exists() else 0o666)
     with os.fdopen(descriptor, "wb") as file:
-        if old is not None and hasattr(os, "fchown"):
-            if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
-                with contextlib.suppress(OSError):  # only an administrator may
-                    os.fchown(descriptor, old.st_uid, old.st_gid)
-            os.fchmod(descriptor, stat.S_IMODE(old.st_mode))
+        if target.exists():
+            shutil.copymode(target, part)
         for piece in pieces:
             file.write(piece)
         if sync:
@@ -191,21 +180,16 @@ def target_of(path: AnyPath) -> Path:
     """Return the file behind links to which an output is written; raise InputError if it cannot be written."""
     called = os.fspath(path) or "."
     try:
-        target = Path(os.path.realpath(called))
-        folder, old, code = target.parent.stat(), None, 0
+        target, mode = Path(os.path.realpath(called)), 0
+        target.parent.stat()
         with contextlib.suppress(FileNotFoundError):
-            old = target.stat()
-        if old is not None and stat.S_ISDIR(old.st_mode):
-            code = errno.EISDIR
-        elif old is not None:
+            mode = target.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if mode:
             require_file(target, called)
-        if not os.access(target.parent, os.W_OK) or (old is not None and not os.access(target, os.W_OK)):
-            code = code or errno.EACCES
-        if old is not None and folder.st_mode & stat.S_ISVTX and hasattr(os, "geteuid"):
-            # In a sticky folder, such as /tmp, only an owner may rename a file over another.
-            code = code or (0 if os.geteuid() in (0, folder.st_uid, old.st_uid) else errno.EPERM)
-        if code:
-            raise OSError(code, os.strerror(code))
+        if not all(os.access(place, os.W_OK) for place in (target.parent, *([target] if mode else []))):
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
         raise InputError(f"{called}: cannot be written: {error.strerror}") from None
     except InputError:
@@ -220,31 +204,21 @@ def same_file(one: AnyPath, other: AnyPath) -> bool:
     try:
         return os.path.samefile(one, other)
     except (OSError, ValueError):
-        return _canonical(one) == _canonical(other)
-
-
-def _canonical(path: AnyPath) -> str:
+        pass
     try:
-        place = os.path.normcase(os.path.realpath(path))
-    except ValueError:  # a zero byte in the name
-        return repr(path)
-    return unicodedata.normalize("NFD", place).casefold() if sys.platform == "darwin" else place
+        return os.path.normcase(os.path.realpath(one)) == os.path.normcase(os.path.realpath(other))
+    except ValueError:  # a zero byte in a name
+        return one == other
 
 
 def to_toml(document: Mapping[str, Any], *, like: str = "") -> str:
-    """Return a document as TOML, numbers to their last bit; raise ValueError for text that UTF-8 cannot encode.
-
-    Args:
-        document: the content.
-        like: an earlier text of it, whose comments and order of lines are kept.
-    """
+    """Return a document as TOML, numbers to their last bit; like: an earlier text, whose comments and order stay."""
     text = tomli_w.dumps(document)
     with contextlib.suppress(ValueError):  # a layout that _updated does not follow
         updated = _updated(like, document) if like else text
         text = updated if parse_toml(updated) == parse_toml(text) else text
-    for line in text.splitlines() if re.search("[\ud800-\udfff]", text) else ():
-        if re.search("[\ud800-\udfff]", line):
-            raise ValueError(f"{printable(line)}: must be text that UTF-8 holds, got half of a pair of surrogates")
+    if broken := re.search(".*[\ud800-\udfff].*", text):
+        raise ValueError(f"{printable(broken[0])}: must be text that UTF-8 holds, got half of a pair of surrogates")
     return text
 
 

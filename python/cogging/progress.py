@@ -14,13 +14,7 @@ Progress = Union[bool, Callable[[str], None]]  # noqa: UP007 - evaluated when it
 
 @contextmanager
 def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[Callable[[str], None]]:
-    """Yield a function to call with each step in words.
-
-    Args:
-        progress: as the user gave it.
-        name: of the computation.
-        total: number of steps, if known.
-    """
+    """Yield a function to call with each step in words; progress: as the user gave it; total: of steps, if known."""
     if callable(progress):
         yield progress
         return

@@ -54,8 +54,7 @@ def require_table(name: str, rows: float, columns: float, copies: float = 1.0) -
 def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job], threads: int | None = None) -> list[Result]:
     """Return the results of jobs in order, run on threads (None: as many as Python chooses).
 
-    The core releases Python's lock. An exception of a job, or a KeyboardInterrupt, stops the other jobs in the core
-    before it is raised.
+    An exception stops the other jobs in the core.
     """
     stop = _core.StopFlag()
     with ThreadPoolExecutor(max_workers=threads, initializer=stop.heed) as pool:
@@ -69,9 +68,7 @@ def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job], threads: int |
 class OneThread:
     """Context in which every loaded BLAS computes on one thread, so that no result depends on their number.
 
-    A BLAS splits the sums of a matrix product over its threads and rounds differently for each number of them. The
-    matrices here are long and narrow: more threads gain nothing. The number of threads belongs to the process; the last
-    of several concurrent contexts restores it.
+    A BLAS rounds sums differently for each number of threads. The last of several concurrent contexts restores it.
     """
 
     def __init__(self) -> None:
@@ -106,11 +103,7 @@ ONE_THREAD = OneThread()
 
 
 def on_one_blas_thread(*, scipy: bool) -> Callable[[F], F]:
-    """Return a decorator that runs a function with BLAS on one thread.
-
-    Args:
-        scipy: load SciPy's BLAS first; if the function itself loaded it, it would keep its own threads.
-    """
+    """Return a decorator that runs a function with BLAS on one thread; scipy: load SciPy's own BLAS before."""
 
     def decorate(function: F) -> F:
         @functools.wraps(function)

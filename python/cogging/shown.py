@@ -14,10 +14,7 @@ BEGINNING = 3  # letters that may abbreviate a name
 
 
 def printable(text: str, keep: str = "") -> str:
-    r"""Return a text with control, formatting and unassigned characters escaped, as `\x1b` or `\u202e`.
-
-    A byte of a file name that is not UTF-8 becomes `\xff`. Characters in `keep`, such as line ends, stay.
-    """
+    r"""Return a text with control, formatting and unassigned characters escaped, as `\x1b`, except those in `keep`."""
     if text.isprintable():
         return text
     shown = []
@@ -54,28 +51,20 @@ def shortened(text: str, longest: int) -> str:
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that was probably meant, or None.
 
-    Case and hyphens do not matter. A name without a dot may mean the last part of a path (`mass`: `axis.mass`), and the
-    beginning of exactly one name means that name.
+    A name without a dot may mean the last part of a path (`mass`: `axis.mass`), and the beginning of exactly one name
+    means that name.
     """
-    written, best, found = _plain(str(name)), SIMILAR, None
+    written = _plain(str(name))
     names = [str(entry) for entry in known if len(str(entry)) <= LONGEST_NAME]
     if len(written) > LONGEST_NAME:
         return None
-    matcher = difflib.SequenceMatcher(None, "", written)
-    for entry in names:
-        plain = _plain(entry)
-        forms = [plain] if "." in written else [plain, plain.rpartition(".")[2]]
-        for rank, form in enumerate(forms):
-            matcher.set_seq1(form)
-            if matcher.real_quick_ratio() < best or matcher.quick_ratio() < best:  # upper bounds of ratio()
-                continue
-            similarity = matcher.ratio() - 0.01 * rank  # the whole name comes first
-            if similarity >= best and (found is None or similarity > best):
-                best, found = similarity, entry
-    if found is None and len(written) >= BEGINNING:
-        begun = [entry for entry in names if _plain(entry).startswith(written)]
-        found = begun[0] if len(begun) == 1 else None
-    return found
+    forms = {_plain(entry): entry for entry in reversed(names)}
+    if "." not in written:
+        forms |= {form: entry for entry in names if (form := _plain(entry).rpartition(".")[2]) not in forms}
+    if similar := difflib.get_close_matches(written, forms, n=1, cutoff=SIMILAR):
+        return forms[similar[0]]
+    begun = [entry for entry in names if _plain(entry).startswith(written)]
+    return begun[0] if len(begun) == 1 and len(written) >= BEGINNING else None
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from cogging.shown import printable, shortened
 
 #: Extra of the package that installs a library.
-EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet"}
+EXTRAS = {"pandas": "frames", "xarray": "frames", "pyarrow": "parquet", "control": "control", "shtab": "completion"}
 LONGEST_CELL = 80  # characters
 #: Without colours, so that a table suits light and dark pages.
 STYLE = "border-collapse: collapse; text-align: left; font-size: inherit"
@@ -32,13 +32,7 @@ def library(name: str, submodule: str = "") -> Any:
 
 
 def frame_of(columns: Mapping[str, Any] | Sequence[Mapping[str, Any]], units: Mapping[str, str], **more: Any) -> Any:
-    """Return a pandas DataFrame with the units of its columns in `attrs["units"]`.
-
-    Args:
-        columns: arrays by name, or rows of values by name.
-        units: by column; those of pure numbers and of words are left out.
-        more: further entries of `attrs`.
-    """
+    """Return a pandas DataFrame of arrays by name, or of rows; `attrs` has the units of its columns, and `more`."""
     frame = library("pandas").DataFrame(dict(columns) if isinstance(columns, Mapping) else list(columns))
     frame.attrs.update(more)
     frame.attrs["units"] = _with_unit(frame.columns, units)
@@ -63,10 +57,7 @@ def _with_unit(names: Iterable[str], units: Mapping[str, str]) -> dict[str, str]
 
 
 def html_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[Any]], notes: Iterable[str] = ()) -> str:
-    """Return a table as HTML with all text escaped: a title, headers, rows, and notes below.
-
-    Numbers have six digits; None and NaN are empty cells.
-    """
+    """Return a table as HTML with all text escaped; numbers have six digits, None and NaN are empty."""
     head = "".join(f'<th style="{RULE}; {SPACED}">{_cell(name)}</th>' for name in headers)
     lines = ("".join(f'<td style="{SPACED}">{_cell(value)}</td>' for value in row) for row in rows)
     body = "".join(f"<tr>{line}</tr>" for line in lines)

@@ -76,11 +76,11 @@ def arguments_of(target: Target, random: np.random.Generator, pool: Pool) -> tup
     named: dict[str, Any] = {}
     wrong = 0.5 if random.random() < 0.7 else 0.0
     for parameter in target.parameters:
-        if not parameter.required and random.random() < 0.5:
+        if parameter.default is not parameter.empty and random.random() < 0.5:
             continue
         bad = random.random() < wrong
         value = hostile(random, pool) if bad else sound(parameter.name, parameter.annotation, random, pool)
-        if parameter.keyword_only or not parameter.required or named:
+        if parameter.kind is parameter.KEYWORD_ONLY or parameter.default is not parameter.empty or named:
             named[parameter.name] = value
         else:
             positional.append(value)

@@ -7,7 +7,7 @@ import re
 from typing import Any, NamedTuple
 
 from cogging import _core
-from cogging.calls import Parameter, signature
+from cogging.calls import signature
 
 LINE = re.compile(r"^(?:\d+\. )?(\w+\(.*\) -> .*)$", re.MULTILINE)  # of each overload
 
@@ -18,7 +18,7 @@ class Target(NamedTuple):
     place: Any
     owner: str
     name: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[inspect.Parameter, ...]
     is_property: bool = False
     is_static: bool = False
 
@@ -44,7 +44,7 @@ def targets() -> list[Target]:
     return found
 
 
-def forms(function: Any) -> list[tuple[Parameter, ...]]:
+def forms(function: Any) -> list[tuple[inspect.Parameter, ...]]:
     """Parameters of each overload of a function."""
     lines = LINE.findall(function.__doc__ or "") if callable(function) else []
-    return [signature(line)[1] for line in lines if "*args" not in line]
+    return [tuple(signature(line)[1].values()) for line in lines if "*args" not in line]

@@ -1,7 +1,7 @@
 """Sweeps that resume from files of which one bit was flipped: `python -m tests.attack.damaged`.
 
 Each case flips one bit of the files that an interrupted sweep has left. The same call must then give the table of an
-undisturbed sweep or, where the bit is one of `sweep.json`, refuse in one line. Options: --cases N, --seed S.
+undisturbed sweep. Options: --cases N, --seed S.
 """
 
 from __future__ import annotations

@@ -58,11 +58,8 @@ class Sweep:
         return subprocess.Popen(command, text=True, start_new_session=True, **pipes)
 
     def pieces(self) -> set[tuple[str, int, int]]:
-        """Finished pieces: name, inode and time of writing; none without `sweep.json`."""
-        settings = self.pieces_folder / "sweep.json"
-        if not settings.exists() or not settings.stat().st_size:
-            return set()
-        found = {path.name: path.stat() for path in self.pieces_folder.glob("[0-9]*.npz")}
+        """Finished pieces: name, inode and time of writing."""
+        found = {path.name: path.stat() for path in self.pieces_folder.glob("*.npz")}
         return {(name, status.st_ino, status.st_mtime_ns) for name, status in found.items()}
 
     def kept(self) -> set[int]:
@@ -101,7 +98,7 @@ def live(log: str, operation: str, number: str, processes: str, *words: str) -> 
         if processes == "0":
             return command(list(words))
         with ProcessPoolExecutor(int(processes)) as pool:
-            sweep.run_sweep(words[1], sweep.read_sweep(words[1]), out=out, executor=pool)
+            sweep.sweep(**sweep.read_sweep(words[1]), out=out, executor=pool)
         return 0
 
     return run_command(run)
@@ -156,7 +153,7 @@ def attack(way: str, cases: int, seed: int, number: signal.Signals, runs: int) -
                     faults.append(f"status {status}, table {done}, {said[:200]!r}")
                 if number != signal.SIGKILL and status and (said.count("\n") != 1 or not said.startswith("cogging: ")):
                     faults.append(f"not one line: {said[:200]!r}")
-                done = done and not (sweep.pieces_folder / "sweep.json").exists()
+                done = done and not sweep.pieces()
                 again += 0 if done or sweep.out.exists() else len(set(begun) - kept)
             if sorted(made) != list(range(runs)) or made.total() != runs + again:
                 faults.append(f"{made.total()} runs made for {runs}, of which {again} were in flight at a kill")

@@ -26,13 +26,13 @@ def arguments(target, place=None, kind=None):
     """Sound arguments of a call, by position and by name; in one place an uninitialised object of a class."""
     random, positional, named = np.random.default_rng(0), [], {}
     for parameter in target.parameters:
-        if parameter is not place and not parameter.required:
+        if parameter is not place and parameter.default is not parameter.empty:
             continue
         value = sound(parameter.name, parameter.annotation, random, POOL)
         if parameter is place:
             value = [raw(kind)] if "Sequence[" in parameter.annotation else raw(kind)
             value = {"force": value} if "Mapping[str" in parameter.annotation else value
-        if parameter.keyword_only or not parameter.required:
+        if parameter.kind is parameter.KEYWORD_ONLY or parameter.default is not parameter.empty:
             named[parameter.name] = value
         else:
             positional.append(value)

@@ -40,4 +40,4 @@ def test_every_shell_reads_its_script_and_bash_completes(shell, tmp_path, capsys
 def test_without_its_library_the_extra_is_named(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert main(["completion", "bash"]) == 2
-    assert capsys.readouterr().err == "cogging: the completion needs shtab: pip install 'cogging[completion]'\n"
+    assert capsys.readouterr().err == "cogging: shtab is needed but not installed: pip install 'cogging[completion]'\n"

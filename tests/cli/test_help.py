@@ -1,6 +1,7 @@
 """Help of the command, and the nearest right word to a mistyped one."""
 
 import contextlib
+import re
 
 import pytest
 
@@ -35,3 +36,18 @@ def test_the_nearest_word_to_a_mistyped_one_is_offered(words, meant, capsys):
     printed = capsys.readouterr()
     assert (printed.out, printed.err.count("\n")) == ("", 1)
     assert f"(did you mean '{meant}'?)" in printed.err
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["sweep a.toml --threads 2000", "tune a.toml --threads -1", "predict a.toml --reference b.toml --samples 1"]
+    + [f"simulate a.toml --reference b.toml --out c.csv {option}" for option in ("--seed -1", "--steps-per-sample x")],
+)
+def test_a_number_out_of_range_is_refused_with_its_option(words, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(words.split())
+    option, value = words.split()[-2:]
+    assert ended.value.code == 2
+    assert re.search(
+        f"argument {option}: must be a whole number from [012] to [0-9]+, got '{value}'", capsys.readouterr().err
+    )

@@ -161,7 +161,7 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
 
 @POSIX
 @pytest.mark.parametrize("mode", [0o600, 0o755])
-def test_a_file_keeps_its_mode_and_owner_and_a_new_one_gets_those_of_the_mask(mode, tmp_path):
+def test_a_file_keeps_its_mode_and_a_new_one_gets_that_of_the_mask(mode, tmp_path):
     """The file beside it, which is renamed, has this mode from its beginning, and another name each time."""
     before, path, parts = os.umask(0o777 & ~mode), tmp_path / "a", set()
     try:
@@ -170,8 +170,6 @@ def test_a_file_keeps_its_mode_and_owner_and_a_new_one_gets_those_of_the_mask(mo
         os.umask(before)
     assert stat.S_IMODE(path.stat().st_mode) == 0o666 & mode
     path.chmod(mode)
-    owner = (1234, 4321) if os.geteuid() == 0 else (os.geteuid(), os.getegid())
-    os.chown(path, *owner)
 
     def pieces():
         (part,) = tmp_path.glob(".*.part")
@@ -278,7 +276,7 @@ STRANGE = {
     "pipe": (getattr(os, "mkfifo", None), "must be a file, got a device or pipe"),
     "endless": (lambda path: path.symlink_to("/dev/zero"), "must be a file, got a device or pipe"),
     "folder": (os.mkdir, "must be a file, got a directory"),
-    "huge": (huge, "must be at most 256 MiB of text, got 1099511627776 bytes"),
+    "huge": (huge, "must be at most 64 MiB of text, got 1099511627776 bytes"),
 }
 READ = [(f"{SIMULATE} new.csv", file) for file in ("model.toml", "ref.toml")]
 READ += [("identify log.csv --model model.toml", file) for file in ("model.toml", "log.csv.toml")]

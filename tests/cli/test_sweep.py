@@ -122,12 +122,9 @@ def test_a_model_that_cannot_be_run_is_named(folder, capsys):
     assert error_of(capsys, "sweep.toml") == "model.toml: controller: must be given to run the model, got none"
 
 
-@pytest.mark.parametrize(
-    ("words", "answer"),
-    [("--threads 2000", "--threads: must be"), ("--out no/runs.csv", "no/runs.csv: cannot be written")],
-)
-def test_a_call_that_cannot_run_is_refused_before_anything_runs(words, answer, folder, capsys):
+def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(folder, capsys):
     (folder / "sweep.toml").write_text(FILES + MASS)
     before = {path: path.read_bytes() for path in folder.iterdir()}
-    assert error_of(capsys, "sweep.toml", *words.split()).startswith(answer)
+    answer = error_of(capsys, "sweep.toml", "--out", "no/runs.csv")
+    assert answer.startswith("no/runs.csv: cannot be written")
     assert {path: path.read_bytes() for path in folder.iterdir()} == before

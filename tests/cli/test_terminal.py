@@ -30,7 +30,8 @@ def settings(monkeypatch, tmp_path):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(paper, "reproduce", lambda done: [*map(done, paper.STEPS)] and Reproduction("a", [], {}))
+    steps = ["step"] * paper.STEPS
+    monkeypatch.setattr(paper, "reproduce", lambda done: [*map(done, steps)] and Reproduction("a", [], {}))
     command_files.write(tmp_path)
     return monkeypatch
 

@@ -8,7 +8,7 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.export.drives import SHEETS, markdown
+from cogging.export.drives import QUESTIONS, SHEETS
 from cogging.export.forms import FORMS
 from tests.fixtures.measured import FOLDER
 
@@ -39,7 +39,9 @@ def row(form, text):
 
 def test_the_sheets_stand_in_the_document():
     assert list(SHEETS) == [name for name, form in FORMS.items() if form.of_map]
-    assert markdown() in DOCUMENT
+    for sheet in SHEETS.values():
+        for said in (sheet["drive"], *(sheet[key] for key in QUESTIONS.values()), *sheet["assumed"]):
+            assert f"| {said} |" in DOCUMENT or f"### {said}" in DOCUMENT, said
 
 
 def test_the_loop_of_the_document(capsys, monkeypatch):

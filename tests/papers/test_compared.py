@@ -50,8 +50,8 @@ def test_counts_are_of_printed_numbers_by_their_status():
     random = np.random.default_rng(21)
     errors, statuses = random.uniform(-0.6, 0.6, 90), random.choice(["calibrated", "predicted"], 90)
     found = counted(errors, statuses).counts()
-    assert (found.numbers, found.free) == (90, 2)
-    assert found.calibrated == (statuses == "calibrated").sum() == 90 - found.predicted
-    assert found.within == tuple((np.abs(errors) <= share).sum() for share in (0.05, 0.15, 0.40))
+    assert (found["numbers"], found["free_parameters"]) == (90, 2)
+    assert found["calibrated"] == (statuses == "calibrated").sum() == 90 - found["predicted"]
+    assert list(found["within"].values()) == [(np.abs(errors) <= share).sum() for share in (0.05, 0.15, 0.40)]
     predicted = np.abs(errors[statuses == "predicted"])
-    assert found.predicted_within == tuple((predicted <= share).sum() for share in (0.05, 0.15, 0.40))
+    assert list(found["predicted_within"].values()) == [(predicted <= share).sum() for share in (0.05, 0.15, 0.40)]

@@ -99,8 +99,7 @@ def printed(paper, name):
             found += [value * scale for value in values for scale in SCALES.get(row.unit, (1.0,))]
             found += [value for _, value, _ in figures_in(" ".join(row.labels.values()))]
         counts = part.counts()
-        found += [*counts.within, *counts.predicted_within, counts.numbers, counts.calibrated, counts.predicted]
-        found += [counts.free]
+        found += [*counts.pop("within").values(), *counts.pop("predicted_within").values(), *counts.values()]
     return found
 
 

@@ -10,7 +10,7 @@ import argparse
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from cogging.cli.terminal import print_text, require_open_output
+from cogging.cli.terminal import print_text
 from cogging.outputs import to_json, write_files
 from cogging.shown import printable
 
@@ -26,12 +26,8 @@ def add_answer_options(group: argparse._ActionsContainer, *, json: str = "the re
 
 
 def json_file(arguments: argparse.Namespace) -> str | None:
-    """Return the file of `--json`; None without one, and for standard output, which must then be open."""
-    path: str | None = arguments.json
-    if path != STANDARD_OUTPUT:
-        return path
-    require_open_output()
-    return None
+    """Return the file of `--json`; None without one, and for standard output."""
+    return None if arguments.json == STANDARD_OUTPUT else arguments.json
 
 
 def print_part(arguments: argparse.Namespace, text: str) -> None:
@@ -52,13 +48,8 @@ def print_result(
 ) -> None:
     """Write the files of a command, all or none, and print its result.
 
-    Args:
-        arguments: of the command, with the options of add_answer_options.
-        text: for a person, or "" if `print_part` has printed it.
-        document, indent: the result for `--json`.
-        files: content in pieces by path.
-        written: files that exist already and are named.
-        next_command: the next command (cogging.cli.next_command), or "".
+    text: for a person; document, indent: for `--json`; files: content in pieces by path; written: files that exist
+    already and are named; next_command: see cogging.cli.next_command.
     """
     target = getattr(arguments, "json", None)
     json = "" if target is None else to_json(document, indent=indent)

@@ -1,7 +1,4 @@
-"""`cogging completion`: a script that completes the command's words in a shell.
-
-shtab writes it from the parser. It contains all completions, so that the TAB key does not start Python.
-"""
+"""`cogging completion`: a script that completes the command's words in a shell, written by shtab from the parser."""
 
 from __future__ import annotations
 
@@ -9,11 +6,10 @@ import argparse
 
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import print_text
-from cogging.files import InputError
 from cogging.papers.reproduction import PAPERS
+from cogging.tables import library
 
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
-EXTRA = "the completion needs shtab: pip install 'cogging[completion]'"
 INSTALLED = """permanently:
   bash         cogging completion bash > ~/.local/share/bash-completion/completions/cogging
   zsh          cogging completion zsh > ~/.zfunc/_cogging      (with fpath+=~/.zfunc before compinit)
@@ -38,10 +34,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the script."""
-    try:
-        import shtab
-    except ImportError:
-        raise InputError(EXTRA) from None
+    shtab = library("shtab")
     whole = arguments.whole
     commands = next(action.choices for action in whole._actions if isinstance(action, argparse._SubParsersAction))
     for parser in (whole, *commands.values()):

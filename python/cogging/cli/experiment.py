@@ -8,7 +8,7 @@ import os
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import command_line, experiment_again, files, log_options, option
-from cogging.cli.parser import Commands, add_command, add_seed, require_seed
+from cogging.cli.parser import Commands, add_command, add_seed
 from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
@@ -67,7 +67,6 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.file_schema import LIMITS
     from cogging.model.model import Model
 
-    require_seed(arguments)
     outputs = {"--out": arguments.out, "--json": json_file(arguments)}
     outputs |= {"its samples": beside(arguments.out, ".csv"), "its plan": beside(arguments.out, ".plan.json")}
     inputs = [arguments.model, arguments.limits, *([arguments.result] if arguments.result is not None else [])]

@@ -21,7 +21,8 @@ from cogging.shown import nearest, quoted
 ONE_FILE = "for one of several files, put its name before: %s"
 NEXT = re.compile(r",(?=[^,=]*=)|,(?=\s*$)")  # before NAME=: a column of a file may have commas in its name
 OPTIONS = ("columns", "scale", "zero", "rows")
-Entries: TypeAlias = dict[str, dict[str, Any]]
+Entries: TypeAlias = dict[str, dict[str, Any]]  # values by file ("": all) and name
+Given: TypeAlias = tuple[str, Entries]  # an option's text, for the next command, and what it says
 
 
 def add_log_options(command: argparse.ArgumentParser) -> None:
@@ -35,19 +36,20 @@ def add_log_options(command: argparse.ArgumentParser) -> None:
         ("--rows", _rows, "FIRST:END", "the data rows to read, from 0", "a.csv:0:500,b.csv:100:"),
     ):
         help = f"{text}; {ONE_FILE % example}"
-        group.add_argument(option, action=_Merge, convert=convert, default={}, metavar=metavar, help=help)
+        group.add_argument(option, action="append", type=convert, default=[], metavar=metavar, help=help)
 
 
 def options_of(arguments: argparse.Namespace, path: str) -> tuple[dict[str, Any], dict[str, float]]:
     """Return columns, scale and rows with which a file is read, and the zeros of columns."""
-    found: list[dict[str, Any]] = []
-    for option in OPTIONS:
-        given: Mapping[str, Mapping[str, Any]] = getattr(arguments, option)
-        found.append(dict(given.get("", {})))
-        for file, entries in given.items():
-            if file and _names_file(file, path):
-                found[-1] |= entries
-    columns, scale, zero, rows = found
+    columns, scale, zero, rows = (
+        {
+            name: value
+            for file in ("", Path(path).name, path)
+            for _, entries in getattr(arguments, option)
+            for name, value in entries.get(file, {}).items()
+        }
+        for option in OPTIONS
+    )
     return {"columns": columns, "scale": scale, "rows": rows.get("rows")}, zero
 
 
@@ -74,39 +76,13 @@ def without_zero(columns: Mapping[str, FloatArray], zero: Mapping[str, float], p
 def require_known(arguments: argparse.Namespace, paths: Sequence[str]) -> None:
     """Raise InputError if an option names a file that the call does not read."""
     for option in OPTIONS:
-        for file in getattr(arguments, option):
-            if file and not any(_names_file(file, path) for path in paths):
+        for file in (file for _, entries in getattr(arguments, option) for file in entries):
+            if file and not any(file in (path, Path(path).name) for path in paths):
                 rule = f"must be a file of this call, {', '.join(paths)}{nearest(file, paths)}"
                 raise InputError(f"--{option}: {quoted(file)}: {rule}")
 
 
-def _names_file(file: str, path: str) -> bool:
-    return file in (path, Path(path).name)
-
-
-class _Merge(argparse.Action):
-    """Option that may be given several times: its entries by file ("": all) and name are merged.
-
-    `log_words` of the result has each option with its text, for the next command.
-    """
-
-    def __init__(self, *words: Any, convert: Callable[[str], Entries], **options: Any) -> None:
-        super().__init__(*words, **options)
-        self.convert = convert
-
-    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, text: Any, *_: Any) -> None:
-        """Merge the entries with those given before."""
-        try:
-            values = self.convert(text)
-        except ValueError as error:
-            raise argparse.ArgumentError(self, str(error)) from None
-        before = getattr(namespace, self.dest)
-        merged = {file: {**before.get(file, {}), **values.get(file, {})} for file in {**before, **values}}
-        setattr(namespace, self.dest, merged)
-        namespace.log_words = [*getattr(namespace, "log_words", ()), (self.option_strings[0], text)]
-
-
-def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> Entries:
+def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> Given:
     pairs: Entries = {}
     for entry in NEXT.split(text):
         key, _, value = entry.partition("=")
@@ -116,22 +92,22 @@ def _pairs(text: str, convert: Callable[[str], Any], rule: str) -> Entries:
                 raise ValueError
             pairs.setdefault(file.strip(), {})[name.strip()] = convert(value.strip())
         except ValueError:
-            raise ValueError(f"must be {rule}, got {quoted(text)}") from None
-    return pairs
+            raise argparse.ArgumentTypeError(f"must be {rule}, got {quoted(text)}") from None
+    return text, pairs
 
 
 _names = partial(_pairs, convert=str, rule="NAME=VALUE,...")
 _factors = partial(_pairs, convert=float, rule="NAME=NUMBER,...")
 
 
-def _zeros(text: str) -> Entries:
-    zeros = _factors(text)
-    if not all(math.isfinite(value) for entries in zeros.values() for value in entries.values()):
-        raise ValueError(f"must be finite numbers, got {quoted(text)}")
-    return zeros
+def _zeros(text: str) -> Given:
+    given = _factors(text)
+    if not all(math.isfinite(value) for entries in given[1].values() for value in entries.values()):
+        raise argparse.ArgumentTypeError(f"must be finite numbers, got {quoted(text)}")
+    return given
 
 
-def _rows(text: str) -> Entries:
+def _rows(text: str) -> Given:
     found: Entries = {}
     for entry in text.split(","):
         before, colon, last = entry.rpartition(":")
@@ -141,8 +117,8 @@ def _rows(text: str) -> Entries:
         except ValueError:
             colon = ""
         if not colon:
-            raise ValueError(f"must be FIRST:END, got {quoted(text)}")
+            raise argparse.ArgumentTypeError(f"must be FIRST:END, got {quoted(text)}")
         if start < 0 or (stop is not None and stop <= start):
-            raise ValueError(f"needs 0 <= FIRST < END, got {quoted(text)}")
+            raise argparse.ArgumentTypeError(f"needs 0 <= FIRST < END, got {quoted(text)}")
         found[file.strip()] = {"rows": slice(start, stop)}
-    return found
+    return text, found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import os
 import sys
 from collections.abc import Sequence
 
@@ -11,7 +12,7 @@ from numpy.linalg import LinAlgError
 
 from cogging import _core
 from cogging.cli.parser import Formatter, Parser, PrintConstant
-from cogging.cli.terminal import print_error, replace_closed_streams
+from cogging.cli.terminal import print_error
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
 from cogging.outputs import require_folder
@@ -31,7 +32,9 @@ cogging help COMMAND says what a command takes, with examples."""
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0 when it is done, 2 if the input or the call is invalid."""
-    replace_closed_streams()
+    for name in ("stdout", "stderr"):  # closed by the caller: libraries print without checking
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
     try:
         parser = _parser()
         parsed = parser.parse_args(arguments)

@@ -1,6 +1,6 @@
 """The next command after each command, in the user's own files and options, to be pasted into a shell.
 
-Words in capitals, such as REF.toml, stand for files that only the user can have (PLACEHOLDERS).
+Words in capitals, such as REF.toml, stand for files that only the user can have.
 """
 
 from __future__ import annotations
@@ -9,14 +9,13 @@ import argparse
 import math
 import os
 import shlex
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.cli.answer import json_file
-from cogging.cli.log_options import options_of
+from cogging.cli.log_options import OPTIONS, options_of
 from cogging.outputs import AnyPath
 from cogging.shown import printable
 
@@ -26,16 +25,6 @@ if TYPE_CHECKING:
     from cogging.identification.identification_result import Identification
     from cogging.model.model import Model
 
-#: Files that a next command may need from the user, and what each is.
-PLACEHOLDERS = {
-    "LOG.csv": "a log of the machine",
-    "OTHER_LOG.csv": "a log of other motion, which took no part in the diagnosis",
-    "NEW_LOG.csv": "the log of the motion that was computed",
-    "MODEL.toml": "a model of the machine",
-    "REF.toml": "a motion of the machine",
-    "LIMITS.toml": "what the machine may do",
-    "TUNE.toml": "which gains are tuned, within which limits",
-}
 NOISE_LEVEL = 1.1  # times the noise: a residual below it counts as explained
 MOSTLY = 0.9  # of the command's power
 
@@ -47,19 +36,10 @@ def command_line(*words: str | Sequence[str]) -> str:
 
 
 def shell_word(word: str) -> str:
-    """Return a word quoted for the shell; characters that the terminal cannot show as $'...' of bash and zsh."""
+    """Return a word quoted for the shell."""
     if os.name == "nt":
         return f'"{word}"' if not word or any(letter in word for letter in " &()^;,'") else word
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    if word.isprintable() and word.encode(encoding, "replace").decode(encoding) == word:
-        return shlex.quote(word)
-    # A lone surrogate is a byte of a file name that is not UTF-8, or occurs in no name.
-    try:
-        content = os.fsencode(word)
-    except UnicodeError:
-        content = word.encode("utf-8", "surrogatepass")
-    letters = (chr(byte) if 0x20 <= byte < 0x7F and chr(byte) not in "'\\" else f"\\x{byte:02x}" for byte in content)
-    return f"$'{''.join(letters)}'"
+    return shlex.quote(word)
 
 
 def files(paths: Sequence[AnyPath]) -> list[str]:
@@ -74,7 +54,7 @@ def option(name: str, *values: AnyPath | None) -> list[str]:
 
 def log_options(arguments: argparse.Namespace) -> list[str]:
     """Return the options with which the logs were read, as given."""
-    given = getattr(arguments, "log_words", ())
+    given = [(f"--{option}", text) for option in OPTIONS for text, _ in getattr(arguments, option)]
     return [word for name, text in given for word in ([f"{name}={text}"] if text.startswith("-") else [name, text])]
 
 
@@ -185,7 +165,7 @@ def _read_otherwise(arguments: argparse.Namespace, mismatch: Mapping[str, Any]) 
     if kind not in ("scale", "columns") or not wrong:
         return _audit(arguments)
     # An option with the file's name takes precedence over one without; a name with a comma cannot stand there.
-    by_file = len(every) > 1 or any(getattr(arguments, kind))
+    by_file = len(every) > 1 or any(any(entries) for _, entries in getattr(arguments, kind))
     if by_file and any("," in path or "=" in path for path in wrong):
         return _audit(arguments)
     for path in wrong:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cogging.cli.terminal import print_error, print_text
@@ -86,16 +86,7 @@ class Parser(argparse.ArgumentParser):
 def add_command(
     commands: Commands, name: str, *, help: str, description: str, examples: Sequence[str] = (), epilog: str = ""
 ) -> argparse.ArgumentParser:
-    """Add a command and return its parser.
-
-    Args:
-        commands: to which it is added.
-        name: of the command.
-        help: what it does, in the list of all commands.
-        description: input and output, above its options.
-        examples: calls, below its options; each begins with `cogging`. A test runs them all.
-        epilog: other text below, such as a file that it reads.
-    """
+    """Add a command and return its parser; examples: calls, below its options, all of which a test runs."""
     parts = [epilog] if epilog else []
     if examples:
         parts.append(EXAMPLES + "\n".join(f"  {line}" for line in examples))
@@ -115,11 +106,15 @@ class PrintConstant(argparse.Action):
         parser.exit()
 
 
-def require_whole(option: str, value: int, least: int, most: int) -> None:
-    """Raise InputError for a whole number outside its range."""
-    if not least <= value <= most:
-        rule = f"at least {least}" if value < least else f"at most {most}"
-        raise InputError(f"{option}: must be {rule}, got {quoted(value)}")
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """Return the type of an option that is a whole number within a range."""
+
+    def convert(text: str) -> int:
+        if not (text.removeprefix("-").isdecimal() and len(text) < 30 and least <= int(text) <= most):
+            raise argparse.ArgumentTypeError(f"must be a whole number from {least} to {most}, got {quoted(text)}")
+        return int(text)
+
+    return convert
 
 
 def refuse_unknown(kind: str, name: str, known: Sequence[str]) -> None:
@@ -138,10 +133,7 @@ def add_run_files(command: argparse.ArgumentParser) -> None:
 
 @contextlib.contextmanager
 def run_model(arguments: argparse.Namespace) -> Iterator[tuple[Model, str]]:
-    """Yield the model of add_run_files with the controller that was asked for, and a line about that or nothing.
-
-    A ValueError of the block names model and reference.
-    """
+    """Yield the model of add_run_files with its controller, and a line about that; a ValueError names both files."""
     from cogging.design.pid import ASSUMED, assumed_pid
     from cogging.model.model import Model
 
@@ -159,19 +151,9 @@ def run_model(arguments: argparse.Namespace) -> Iterator[tuple[Model, str]]:
 
 def add_threads(command: argparse.ArgumentParser) -> None:
     """Add `--threads`."""
-    command.add_argument("--threads", type=int, default=0, metavar="N", help="default: all cores")
-
-
-def require_threads(arguments: argparse.Namespace) -> None:
-    """Raise InputError for more threads than a machine has, or fewer than none."""
-    require_whole("--threads", arguments.threads, 0, THREADS_MAX)
+    command.add_argument("--threads", type=whole(0, THREADS_MAX), default=0, metavar="N", help="default: all cores")
 
 
 def add_seed(command: argparse.ArgumentParser, of: str) -> None:
     """Add `--seed`; `of`: what is drawn with it."""
-    command.add_argument("--seed", type=int, default=0, help=f"of {of} (default: 0)")
-
-
-def require_seed(arguments: argparse.Namespace) -> None:
-    """Raise InputError for a seed below 0 or of more than 64 bits."""
-    require_whole("--seed", arguments.seed, 0, SEEDS - 1)
+    command.add_argument("--seed", type=whole(0, SEEDS - 1), default=0, help=f"of {of} (default: 0)")

@@ -6,7 +6,7 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import can_predict, command_line, experiment, free_name, option
-from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, require_seed, require_whole, run_model
+from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, run_model, whole
 from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs
 from cogging.simulation.reference import files_of_reference
@@ -28,7 +28,9 @@ def add_parser(commands: Commands) -> None:
         ),
     )
     add_run_files(command)
-    command.add_argument("--samples", type=int, default=40, metavar="N", help="machines to draw (default: 40)")
+    command.add_argument(
+        "--samples", type=whole(2, MOST_SAMPLES), default=40, metavar="N", help="machines to draw (default: 40)"
+    )
     add_seed(command, of="machines and noise")
     add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the errors")
 
@@ -37,8 +39,6 @@ def run(arguments: argparse.Namespace) -> None:
     """Predict the errors, write and print them."""
     from cogging.design.error_prediction import predict_error
 
-    require_whole("--samples", arguments.samples, 2, MOST_SAMPLES)
-    require_seed(arguments)
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
     with status_line(arguments, "predict"), run_model(arguments) as (model, controller):
         prediction = predict_error(model, arguments.reference, samples=arguments.samples, seed=arguments.seed)

@@ -6,7 +6,7 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, files, option
-from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, require_seed, require_whole, run_model
+from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, run_model, whole
 from cogging.cli.terminal import status_line
 from cogging.logs.log import performance
 from cogging.model.model import STEPS_MAX
@@ -35,7 +35,7 @@ def add_parser(commands: Commands) -> None:
     add_seed(command, of="the noise")
     command.add_argument(
         "--steps-per-sample",
-        type=int,
+        type=whole(1, STEPS_MAX),
         metavar="N",
         help="least number of integration steps per sample (default: the model's)",
     )
@@ -46,15 +46,11 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Simulate the run, write its log, print its error."""
-    require_seed(arguments)
-    steps = arguments.steps_per_sample
-    if steps is not None:
-        require_whole("--steps-per-sample", steps, 1, STEPS_MAX)
     outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out), "--json": json_file(arguments)}
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
     with status_line(arguments, "simulate") as begin:
         with run_model(arguments) as (model, controller):
-            log = simulate(model, arguments.reference, seed=arguments.seed, steps_per_sample=steps)
+            log = simulate(model, arguments.reference, seed=arguments.seed, steps_per_sample=arguments.steps_per_sample)
         begin("writing the log")
         log.write(arguments.out)
     document = {"log": arguments.out, "rows": len(log), "duration": log.time[-1], "seed": arguments.seed}

@@ -8,8 +8,7 @@ import numpy as np
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, add_threads, require_threads
-from cogging.files import InputError
+from cogging.cli.parser import Commands, add_command, add_threads
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
@@ -49,21 +48,13 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
     from cogging.plot.shown_figure import picture
-    from cogging.simulation.runs_table import is_parquet
-    from cogging.simulation.sweep import files_of_job, read_sweep, run_sweep
-    from cogging.tables import library
+    from cogging.simulation.sweep import files_of_job, read_sweep, run_job, sweep
 
-    require_threads(arguments)
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.sweep))
-    try:
-        if is_parquet(arguments.out):
-            library("pyarrow")
-    except ImportError as error:
-        raise InputError(f"--out: {error}") from None
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
-    runs = run_sweep(arguments.sweep, asked, **options)
+    runs = run_job(arguments.sweep, sweep, asked, options)
     indexes = {}
     for name in INDEXES:
         values = runs.table[name][np.isfinite(runs.table[name])]

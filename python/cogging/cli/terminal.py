@@ -27,30 +27,11 @@ PATTERNS = (
 )
 
 
-def replace_closed_streams() -> None:
-    """Send standard output and error to the null device if they were closed before the command began.
-
-    Libraries print without checking, and the next opened file would get the number of the closed one.
-    """
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the end of the process)
-
-
-def require_open_output() -> None:
-    """Raise InputError if standard output, which a program is to read, was closed before the command began."""
-    if getattr(sys.stdout, "name", None) == os.devnull:  # the replacement; a redirected one has the name <stdout>
-        raise InputError("standard output: must be open for what is asked, got a closed one")
-
-
 def print_text(text: str, *, plain: bool = False) -> None:
     """Print a text on standard output, with control characters and what the encoding lacks escaped.
 
-    If the reader has gone, as `head -1` does, the rest is discarded and the command completes. `plain`: for a program,
-    never coloured; an output that is closed or cannot be written raises InputError.
+    If the reader has gone, as `head -1` does, the rest is discarded. `plain`: for a program, never coloured.
     """
-    if plain:
-        require_open_output()
     out = sys.stdout
     encoding = getattr(out, "encoding", None) or "utf-8"
     safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)
@@ -115,17 +96,7 @@ def coloured(text: str) -> str:
 
 @contextmanager
 def status_line(arguments: argparse.Namespace, name: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal, after the first second, what a command does and for how long; nothing with `--quiet`.
-
-    A thread updates the time, so that the line moves while the core computes.
-
-    Args:
-        arguments: of the command, with `quiet`.
-        name: of the command.
-
-    Yields:
-        A function to call with each step in words (cogging.progress.Progress).
-    """
+    """Show on a terminal, after a second, what a command does and for how long; yield a function to change the text."""
     if arguments.quiet or not sys.stderr.isatty():
         yield lambda step: None
         return

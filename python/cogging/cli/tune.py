@@ -6,8 +6,7 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, add_threads, require_threads
-from cogging.files import InputError
+from cogging.cli.parser import Commands, add_command, add_threads
 from cogging.outputs import check_outputs
 
 FILE = """TUNE.toml:
@@ -50,16 +49,11 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
-    from cogging.design.tuning import files_of_tune, optuna, read_tune, run_tune
+    from cogging.design.tuning import files_of_tune, read_tune, run_tune
 
-    require_threads(arguments)
     asked = read_tune(arguments.tune)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_tune(asked, arguments.tune))
-    try:
-        optuna()
-    except ImportError as error:
-        raise InputError(str(error)) from None
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
     tuning = run_tune(arguments.tune, asked, **options)
     written = [arguments.out] if tuning.model is not None else []

@@ -30,6 +30,8 @@ HOOKS = {
     "command_gain": ("position", "time"),
     "reading_error": ("position",),
 }
+#: Functions of numbers and arrays by name, and their laws; `reading_at` adds the position.
+LAWS = {"force_at": "force", "friction_level_at": "friction_level", "gain_at": "command_gain"}
 NAME = re.compile("[a-z][a-z0-9_]*")  # of an effect or a parameter
 CHANGES = ("mass_change", "viscous_change", "coulomb_change")  # names in results, reserved too
 TRIAL = ([0.02, 0.05, 0.11], [-0.3, 0.0, 0.2], [0.0, 0.4, 1.7])  # m, m/s, s
@@ -185,6 +187,12 @@ class Custom(OwnLaws):
             or returns no finite number in a trial call.
     """
 
+    NAME: str
+    LAW: str
+    HOOKS: tuple[str, ...]
+    FIELDS: dict[str, tuple[str, str]]
+    ROLES: dict[str, dict[str, Any]]
+    KINDS: tuple[Any, ...]
     _definition: Definition
     _values: dict[str, Value]
 
@@ -215,7 +223,7 @@ class Custom(OwnLaws):
             key: one if isinstance(one, Parameter) else Parameter(one) for key, one in (parameters or {}).items()
         }
         for key in specified:
-            if not isinstance(key, str) or not NAME.fullmatch(key) or key in {*dir(type(self)), *PLACES, "name"}:
+            if not isinstance(key, str) or not NAME.fullmatch(key) or key in {*dir(type(self)), *LAWS, *PLACES, "name"}:
                 rule = "must be lower-case letters, digits and _, and no place or method of an effect"
                 raise ValueError(f"{name}.parameters: {rule}, got {key!r}")
         taken = {hook: arguments_of(f"{name}.{hook}", function, hook, specified) for hook, function in laws.items()}
@@ -241,8 +249,18 @@ class Custom(OwnLaws):
         self._try()
 
     def _begin(self, definition: Definition, values: dict[str, Value]) -> None:
-        object.__setattr__(self, "_definition", definition)
-        object.__setattr__(self, "_values", values)
+        rubs = set(definition.laws) == {"friction_level"}
+        for name, value in {
+            "NAME": definition.name,
+            "LAW": definition.law,
+            "HOOKS": tuple("reading" if hook == "reading_error" else hook for hook in definition.laws),
+            "FIELDS": {key: (one.unit, one.meaning) for key, one in definition.parameters.items()},
+            "ROLES": {key: role_of_parameter(one, rubs) for key, one in definition.parameters.items()},
+            "KINDS": definition.kinds,
+            "_definition": definition,
+            "_values": values,
+        }.items():
+            object.__setattr__(self, name, value)
         super().__init__(
             definition.name,
             {hook: _law(definition, hook, values) for hook in definition.laws},
@@ -265,37 +283,6 @@ class Custom(OwnLaws):
                     f"{self.NAME}.{hook}: must give the same for arrays as for numbers, "
                     f"got {along.tolist()} and {alone.tolist()}"
                 )
-
-    @property
-    def NAME(self) -> str:
-        """Name."""
-        return self._definition.name
-
-    @property
-    def LAW(self) -> str:
-        """Formula."""
-        return self._definition.law
-
-    @property
-    def HOOKS(self) -> tuple[str, ...]:
-        """Quantities it acts on (see cogging.effects)."""
-        return tuple("reading" if hook == "reading_error" else hook for hook in self._definition.laws)
-
-    @property
-    def FIELDS(self) -> dict[str, tuple[str, str]]:
-        """Unit and meaning of each parameter."""
-        return {key: (one.unit, one.meaning) for key, one in self._definition.parameters.items()}
-
-    @property
-    def ROLES(self) -> dict[str, dict[str, Any]]:
-        """Role of each parameter in a search (see cogging.effects)."""
-        rubs = set(self._definition.laws) == {"friction_level"}
-        return {key: role_of_parameter(one, rubs) for key, one in self._definition.parameters.items()}
-
-    @property
-    def KINDS(self) -> tuple[Any, ...]:
-        """Groups of parameters (see cogging.effects)."""
-        return self._definition.kinds
 
     def to_dict(self) -> dict[str, Any]:
         """Return all parameters by name."""
@@ -328,21 +315,6 @@ class Custom(OwnLaws):
         return isinstance(other, Custom) and self._definition == other._definition
 
     @property
-    def force_at(self) -> Callable[..., Any]:
-        """Force (V) at positions (m), velocities (m/s) and times (s)."""
-        return self._answer("force")
-
-    @property
-    def friction_level_at(self) -> Callable[..., Any]:
-        """Level (V) added to Fc at positions (m), velocities (m/s) and times (s)."""
-        return self._answer("friction_level")
-
-    @property
-    def gain_at(self) -> Callable[..., Any]:
-        """Addition to the gain 1 of the command at positions (m) and times (s)."""
-        return self._answer("command_gain")
-
-    @property
     def reading_at(self) -> Callable[..., Any]:
         """Reading of the encoder at positions, m, before noise and rounding."""
         error = self._answer("reading_error")
@@ -354,6 +326,9 @@ class Custom(OwnLaws):
         return partial(_values_at, self, hook)
 
     def __getattr__(self, name: str) -> Any:
+        """Return a parameter, or a law (see laws_of)."""
+        if name in LAWS:
+            return self._answer(LAWS[name])
         values = object.__getattribute__(self, "__dict__").get("_values", {})
         if name not in values:
             raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from cogging.design.linear_plant import (
 )
 from cogging.model.model import Model
 from cogging.shown import quoted
+from cogging.tables import library
 from cogging.values import ByValue
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -141,11 +141,7 @@ def to_control(
     pade: int = 3,
 ) -> ControlLoop:
     """Return the linearised model and controller (see Model.to_control)."""
-    try:
-        control = importlib.import_module("control")
-    except ImportError as error:
-        need = "python-control is needed but not installed: pip install 'cogging[control]'"
-        raise ImportError(need) from error
+    control = library("control")
     own_rate = None if model.controller is None else float(model.controller.sample_rate)
     sample_rate = own_rate if sample_rate is None else sample_rate
     if sample_rate is None:

@@ -22,16 +22,6 @@ from cogging.model.model import CONTROLLERS, Model
 from cogging.shown import quoted
 
 WIDTH = 120
-#: Keywords of C++, `main` and `std`.
-TAKEN = re.compile(
-    r"alignas|alignof|and|and_eq|asm|auto|bitand|bitor|bool|break|case|catch|char|char8_t|char16_t|char32_t|class|"
-    r"compl|concept|const|consteval|constexpr|constinit|const_cast|continue|co_await|co_return|co_yield|decltype|"
-    r"default|delete|do|double|dynamic_cast|else|enum|explicit|export|extern|false|float|for|friend|goto|if|"
-    r"inline|int|long|main|mutable|namespace|new|noexcept|not|not_eq|nullptr|operator|or|or_eq|private|protected|"
-    r"public|register|reinterpret_cast|requires|return|short|signed|sizeof|static|static_assert|static_cast|std|"
-    r"struct|switch|template|this|thread_local|throw|true|try|typedef|typeid|typename|union|unsigned|using|"
-    r"virtual|void|volatile|wchar_t|while|xor|xor_eq"
-)
 OWN_INCLUDE = re.compile(r'^#include "(cogging/[^"]+)"\n', re.MULTILINE)
 LIBRARY_INCLUDE = re.compile(r"^#include <([^>]+)>\n", re.MULTILINE)
 DEFINED = re.compile(r"^#define (COGGING_\w+)", re.MULTILINE)
@@ -131,15 +121,7 @@ To use: #include it, then {name}::Controller controller; its comment shows the t
 
 
 def make(model: Model, *, name: str = "axis") -> Exported:
-    """Return the header of a model's controller.
-
-    Args:
-        model: with a `[controller]`.
-        name: of the namespace that contains the header.
-
-    Returns:
-        The header, and a summary of what it contains.
-    """
+    """Return the header of a model's controller in a namespace, and a summary of what it contains."""
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
     require_name(name)
@@ -154,9 +136,9 @@ def make(model: Model, *, name: str = "axis") -> Exported:
 
 
 def require_name(name: str) -> None:
-    """Raise ValueError for a name that is not an identifier in C++."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name or TAKEN.fullmatch(name):
-        rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63, no word of the language"
+    """Raise ValueError for a name that is no identifier of C; words of the language are left to its compiler."""
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name) or "__" in name:
+        rule = "must be a name in C++: a letter, then letters, digits and single _, at most 63"
         raise ValueError(f"name: {rule}, got {quoted(name)}")
 
 

@@ -19,17 +19,15 @@ CLOSES = 0.01  # of a period: tolerance of a whole number of periods in a turn, 
 MANY_SPANS = 20  # compared spans if neither travel nor turn limits the motion
 POSITIONS = 100_000  # at which table and map are compared
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # step of a low-discrepancy sequence
-BETWEEN = ("linear", "hold")
 MOST_SPANS = 100  # over which a mean is taken; of a longer motion so many, evenly spaced
 NEGLIGIBLE = 1e-12  # of the map's rms
 
 
 @dataclass(frozen=True)
 class Frame:
-    """The map in the position p = direction (x - zero) and the quantity of a drive.
+    """The map in the position p = direction (x - zero) and the quantity of a drive, which adds c(p) to its command.
 
-    The drive adds c(p) = direction sign scale F_cogging(x), x = zero + direction p, to its command. A drive that counts
-    the other way also pushes the other way, hence the direction in c.
+    c(p) = direction sign scale F_cogging(x): a drive that counts the other way also pushes the other way.
     """
 
     cogging: CoggingModel | None  # F_cogging(x), in the command unit of the model; None if all is in `waves`
@@ -116,19 +114,10 @@ def frame_of(
     reverse: bool = False,
     turn: float | None = None,
 ) -> Frame:
-    """Return the map of a model in the position and unit of a drive.
+    """Return the map of a model in the position and unit of a drive; options: see Frame.
 
-    Args:
-        model: with `[cogging]`, or effects that are cogging.
-        unit: of the drive.
-        scale: units of the drive per command unit of the model; None if they are the same.
-        sign: 1 or -1.
-        zero: x at the drive's position 0.
-        reverse: whether the drive counts and pushes the other way.
-        turn: x of one revolution; None: 2 pi if the model's position is in rad, else a linear axis.
-
-    Raises:
-        ValueError: no map, a map that is zero or does not close over a turn, another unit, or an option out of range.
+    scale: None if the units are the same; turn: None for 2 pi if the position is in rad, else a linear axis. Raises
+    ValueError for no map, one that is zero or does not close over a turn, another unit, or an option out of range.
     """
     known = [one.resolved(model.axis, model.cogging) for one in model.effects]
     waves = tuple(one for one in known if isinstance(one, CoggingEffect))
@@ -175,10 +164,6 @@ class Law:
     span: float  # range of p
     wraps: bool  # whether the table repeats; otherwise the drive adds nothing outside
     between: str  # "linear" interpolation, entry i at start + i step, or "hold" until the next entry
-
-    def __post_init__(self) -> None:
-        if self.between not in BETWEEN:
-            raise ValueError(f"between: must be one of {', '.join(BETWEEN)}, got {quoted(self.between)}")
 
     @property
     def step(self) -> float:
@@ -234,11 +219,7 @@ class Table:
 def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int = 0) -> Table:
     """Return a table of the map: each entry is the mean over all spans of the motion.
 
-    Args:
-        frame: of the drive.
-        law: how it reads its table.
-        quantum: of an entry, in the drive's unit; 0 = rounded to 24 bits; None = not rounded.
-        steps: for entries that are integers from -steps to steps times a 24-bit factor; 0 = others.
+    quantum: see Table; steps: for entries that are integers from -steps to steps times a 24-bit factor; 0 = others.
     """
     values = folded(frame, law, law.places)
     if steps:

@@ -47,7 +47,6 @@ def csv(
     frame = frame_of(model, unit, **view)
     if over is None:
         over = "turn" if frame.turn > 0.0 else "travel" if frame.bounded else "period"
-    _require_word("over", over, ("travel", "turn", "period"))
     _require_entries(entries)
     if over == "travel":
         law = _over_travel(frame, entries, between)
@@ -124,7 +123,6 @@ def novanta(
 
 def odrive(model: Model, *, quantity: str = "torque", **view: Any) -> Exported:
     """Make the array of an ODrive's map, of "torque" or "current"."""
-    _require_word("quantity", quantity, ("torque", "current"))
     unit, entries = "Nm" if quantity == "torque" else "A", 3600
     frame = frame_of(model, unit, **view)
     table = table_of(frame, Law(entries, 0.0, _turn_of(frame, "the map of an ODrive"), True, "hold"))
@@ -159,33 +157,21 @@ class Wave(NamedTuple):
 
 def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: Any) -> Exported:
     """Make the objects of a Beckhoff AX8000: up to ten waves a turn, with "cosine" or "sine" phase, channel A or B."""
-    _require_word("wave", wave, ("cosine", "sine"))
-    _require_word("channel", channel, ("A", "B"))
     frame = frame_of(model, "Nm", **view)
     _turn_of(frame, "an AX8000 has coefficients for rotary motors alone (0x32D3 has none) and")
-    found = _waves_of(frame, wave)
-    kept = [*found[:COEFFICIENTS], *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(found))]
+    wanted = frame.wanted(frame.axis_position(frame.turn * (np.arange(POINTS) / POINTS)))
+    waves = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
+    sizes, phases = np.abs(waves), np.degrees(np.angle(waves)) + (90.0 if wave == "sine" else 0.0)
+    order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
+    found = [Wave(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
+    kept, more = found[:COEFFICIENTS], found[COEFFICIENTS:]
+    held = [*kept, *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
     index = "32CB" if channel == "A" else "36CB"
     lines = ["object,type,value", f"{index}:01,INT16,3", f"{index}:02,REAL32,1.0"]
-    for number, one in enumerate(kept):  # from subindex 7 on: n, phi and r of each
+    for number, one in enumerate(held):  # from subindex 7 on: n, phi and r of each
         values = (("UINT32", str(one.times)), ("REAL32", _single(one.phase)), ("REAL32", _single(one.size)))
         lines += [f"{index}:{7 + 3 * number + k:02X},{kind},{value}" for k, (kind, value) in enumerate(values)]
-    return _written(model, "ax8000", frame, "Nm", lines, *_summary_of_waves(model, frame, found, wave))
-
-
-def _waves_of(frame: Frame, wave: str) -> list[Wave]:
-    """Return the waves of the map a turn, largest first, as the drive keeps them."""
-    wanted = frame.wanted(frame.axis_position(frame.turn * (np.arange(POINTS) / POINTS)))
-    lines = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
-    sizes, phases = np.abs(lines), np.degrees(np.angle(lines)) + (90.0 if wave == "sine" else 0.0)
-    order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
-    return [Wave(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
-
-
-def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) -> tuple[str, Rest, list[str]]:
-    """Return the first line of the summary, what the drive leaves, and what it cannot hold."""
     x, unit, gain = frame.compared(frame.turn), model.units.command, abs(frame.gain)
-    kept, more = found[:COEFFICIENTS], found[COEFFICIENTS:]
     shape, angle = np.sin if wave == "sine" else np.cos, frame.place(x) / frame.turn
     parts = [one.size * shape(2.0 * np.pi * one.times * angle + np.radians(one.phase)) for one in kept]
     wanted = frame.wanted(x)
@@ -202,8 +188,9 @@ def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) 
     mean = float(wanted.mean()) / gain
     if abs(mean) > 1e-3 * rest.cogging:
         cannot.append(f"cannot hold the mean, {mean:.3g} {unit}")
-    waves = ", ".join(f"{one.times}" for one in kept) or "none"
-    return f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {waves}; ", rest, cannot
+    listed = ", ".join(f"{one.times}" for one in kept) or "none"
+    what = f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {listed}; "
+    return _written(model, "ax8000", frame, "Nm", lines, what, rest, cannot)
 
 
 # The writer -----------------------------------------------------------------------------------------------------------
@@ -212,10 +199,7 @@ def _summary_of_waves(model: Model, frame: Frame, found: list[Wave], wave: str) 
 def _exported(
     model: Model, name: str, table: Table, unit: str, lines: Iterable[str], notes: Iterable[str] = ()
 ) -> Exported:
-    """Return the file of a table from its lines, with the text beside it and the summary.
-
-    `unit`: of an entry; `notes`: what to set in the drive, a line each.
-    """
+    """Return the file of a table from its lines, with text and summary; notes: what to set in the drive."""
     law, frame, units, rest = table.law, table.frame, model.units, table.rest
     bits = f"{53 if table.quantum is None else 24}-bit numbers in {unit}"
     entry = f"steps of {table.quantum:.6g} {unit}" if table.quantum else bits
@@ -266,8 +250,11 @@ def _written(
         said.append(f"not in it, as no cogging: {', '.join(frame.left_out)}")
     if not frame.scale_said:
         said.append(f"assumed: 1 {units.command} of the model is 1 {unit} (--scale, or [units] of the model)")
-    said += [f"assumed: {one}" for one in SHEETS[name]["assumed"]]
-    beside = "\n".join([sheet_text(name), "", "This file:", *notes, *said, ""])
+    sheet = SHEETS[name]
+    said += [f"assumed: {one}" for one in sheet["assumed"]]
+    known = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
+    known += [f"{'assumed:':20s}{one}" for one in sheet["assumed"]]
+    beside = "\n".join([sheet["drive"], *known, "", "This file:", *notes, *said, ""])
     return Exported(("\n".join(lines) + "\n").encode(), "\n".join([*said, *notes]), {".txt": beside.encode()})
 
 
@@ -278,11 +265,6 @@ def _listed(words: list[str]) -> str:
 def _single(value: float) -> str:
     """Return a number of 24 bits in as few digits as restore it."""
     return str(np.float32(value))
-
-
-def _require_word(name: str, value: str, words: tuple[str, ...]) -> None:
-    if value not in words:
-        raise ValueError(f"{name}: must be one of {', '.join(words)}, got {quoted(value)}")
 
 
 def _require_entries(entries: int, most: int = MOST_ENTRIES) -> int:
@@ -316,29 +298,3 @@ def _travel_of(frame: Frame) -> tuple[float, float]:
 def _over_travel(frame: Frame, entries: int, between: str) -> Law:
     low, high = _travel_of(frame)
     return Law(entries, low, high - low, False, between)
-
-
-# The sheets -----------------------------------------------------------------------------------------------------------
-
-
-def sheet_text(name: str) -> str:
-    """Return the documentation of a drive, in lines."""
-    sheet = SHEETS[name]
-    lines = [f"{title + ':':20s}{sheet[key]}" for title, key in QUESTIONS.items()]
-    return "\n".join([sheet["drive"], *lines, *(f"{'assumed:':20s}{one}" for one in sheet["assumed"])])
-
-
-def markdown() -> str:
-    """Return the documentation of all drives, as in docs/export.md."""
-    lines = ["| `--to` | drive | takes | entries | between entries |", "|---|---|---|---|---|"]
-    for name, sheet in SHEETS.items():
-        lines.append(f"| `{name}` | {sheet['drive']} | {sheet['quantity']} | {sheet['entries']} | {sheet['between']} |")
-    for sheet in SHEETS.values():
-        rows = [f"| {title} | {sheet[key]} |" for title, key in QUESTIONS.items()]
-        rows += [f"| assumed | {one} |" for one in sheet["assumed"]]
-        lines += ["", f"### {sheet['drive']}", "", "| | |", "|---|---|", *rows]
-    return "\n".join(lines)
-
-
-if __name__ == "__main__":
-    print(markdown())

@@ -16,7 +16,7 @@ import sys
 import uuid
 import xml.etree.ElementTree as xml
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -66,18 +66,13 @@ class Parameter(NamedTuple):
 
 
 def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) -> Exported:
-    """Return the unit of a model's axis.
-
-    Args:
-        model: its `[controller]` gives the sample rate alone.
-        name: of the unit, a name in C.
-        sample_rate: Hz, at which noise is drawn and the step that is proposed; that of the controller when None.
-
-    Returns:
-        The unit, a zip archive, and a summary of what it contains.
-    """
+    """Return the unit of a model's axis, a zip archive; sample_rate: Hz, of the noise; None: the controller's."""
     require_name(name)
-    rate = _rate(model, sample_rate)
+    if sample_rate is None and model.controller is None:
+        raise FieldError("", "controller", "or an option sample_rate must be there to say how often noise is drawn")
+    rate = float(model.controller.sample_rate) if sample_rate is None else sample_rate  # type: ignore[union-attr]
+    if not (math.isfinite(rate) and rate > 0):
+        raise ValueError(f"sample_rate: must be finite and above 0, got {quoted(rate)}")
     for effect in model.effects:
         if isinstance(effect, Custom):
             raise FieldError("", "effects", f"must be of the core's list to run without Python, got {effect.NAME}")
@@ -85,20 +80,24 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
     numbers = _numbers(model, rate, parameters)
     token = f"{{{uuid.uuid5(NAMESPACE, numbers)}}}"
     library = find_library()
-    content = _archive(
-        {
-            "modelDescription.xml": _description(model, name, token, rate, parameters),
-            "resources/axis.txt": f"cogging_axis 1\ntoken {token}\n{numbers}".encode(),
-            f"binaries/{platform_tuple()}/{name}{library.suffix}": library.read_bytes(),
-            "documentation/licenses/license.txt": licence().encode(),
-        }
-    )
+    files = {
+        "modelDescription.xml": _description(model, name, token, rate, parameters),
+        "resources/axis.txt": f"cogging_axis 1\ntoken {token}\n{numbers}".encode(),
+        f"binaries/{platform_tuple()}/{name}{library.suffix}": library.read_bytes(),
+        "documentation/licenses/license.txt": licence().encode(),
+    }
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as made:
+        for path, content in files.items():
+            entry = zipfile.ZipInfo(path)  # without the time: the same files give the same bytes
+            entry.external_attr = (0o755 if path.startswith("binaries") else 0o644) << 16
+            made.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return Exported(
-        content=content,
+        content=archive.getvalue(),
         text=TEXT.format(
             name=name,
             system=platform_tuple(),
-            size=round(len(content) / 1000),
+            size=round(len(archive.getvalue()) / 1000),
             effects=f"{len(model.effects)} effects" if len(model.effects) != 1 else "1 effect",
             V=model.units.of("V"),
             count=len(parameters),
@@ -150,16 +149,6 @@ def _numbers(model: Model, rate: float, parameters: list[Parameter]) -> str:
 
 def _system() -> str:
     return {"darwin": "darwin", "win32": "windows"}.get(sys.platform, "linux")
-
-
-def _rate(model: Model, given: float | None) -> float:
-    if given is not None:
-        if not (math.isfinite(given) and given > 0):
-            raise ValueError(f"sample_rate: must be finite and above 0, got {quoted(given)}")
-        return given
-    if model.controller is None:
-        raise FieldError("", "controller", "or an option sample_rate must be there to say how often noise is drawn")
-    return float(model.controller.sample_rate)
 
 
 def _initial_position(model: Model) -> float:
@@ -267,15 +256,3 @@ def _variables(model: Model, parameters: list[Parameter]) -> Iterator[tuple[str,
         attributes |= {"description": meaning} if meaning else {}
         attributes |= {"unit": label} if label not in ("", "1") else {}
         yield "UInt64" if name == "seed" else "Float64", attributes
-
-
-def _archive(files: Mapping[str, bytes]) -> bytes:
-    """Return a zip archive; the same files give the same bytes."""
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            entry = zipfile.ZipInfo(name)
-            entry.external_attr = 0o755 << 16 if name.startswith("binaries") else 0o644 << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, content)
-    return made.getvalue()

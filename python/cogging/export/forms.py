@@ -59,10 +59,12 @@ class Form:
 
     def make(self, model: Model, options: Mapping[str, Any]) -> Exported:
         """Return what the form makes of a model, or raise ValueError for an option or a model that it does not take."""
-        names = [option.name for option in self.options]
-        for name in options:
-            if name not in names:
-                raise ValueError(f"{name}: must be an option of the form {self.name}: {did_you_mean(name, names)}")
+        known = {option.name: option for option in self.options}
+        for name, value in options.items():
+            if name not in known:
+                raise ValueError(f"{name}: must be an option of the form {self.name}: {did_you_mean(name, known)}")
+            if (choices := known[name].choices) and value not in choices:
+                raise ValueError(f"{name}: must be one of {', '.join(choices)}, got {quoted(value)}")
         module, function = self.made_by.split(":")
         made: Exported = getattr(importlib.import_module(module), function)(model, **options)
         return made
@@ -144,13 +146,3 @@ def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Expo
         raise
     except ValueError as error:
         raise InputError(f"{os.fspath(model)}: {error}") from None
-
-
-def option_of(name: str) -> str:
-    """Return an option as on the command line."""
-    return f"--{name.replace('_', '-')}"
-
-
-def shown_forms() -> str:
-    """Return the forms with their descriptions, a line each."""
-    return "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values())

@@ -37,7 +37,7 @@ def compared(
 ) -> Figure:
     """Return a figure of errors, a panel each; dashed lines mark the printed values.
 
-    zoom: start and end (s) of a second column; limit: end of the scale, m, where a paper cuts errors off.
+    zoom: start and end (s) of a second column; limit: end of the scale, m.
     """
     sizes = [np.nanmax(np.abs(trace.error)) for trace in traces]
     sizes += [trace.printed for trace in traces if trace.printed is not None]

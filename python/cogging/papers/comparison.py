@@ -72,7 +72,7 @@ USES = {
 }
 #: Controllers by their papers' own rules, and the steps that reproduce() reports.
 OWN = ("pid", *(f"{law} {name}" for name in gantry.CONTROLLERS for law in ("arc", "dcarc")), "output_feedback_arc")
-STEPS = (*OWN, *POLE_RADII, *(f"{name}, equal margin" for name in SCALED))
+STEPS = len((*OWN, *POLE_RADII, *SCALED))
 #: Indexes of a controller by machine and name.
 Found = Mapping[tuple[str, str], Mapping[str, float]]
 
@@ -111,7 +111,23 @@ def scaled(
         friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
         return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
     if name == "output_feedback_arc":
-        return _output_feedback_arc(axis, factor)
+        mass, viscous, _, disturbance = axis.bounds
+        printed = epoxy_motor.arc_parameters()
+        return OutputFeedbackArc(
+            printed.replace(
+                sample_rate=SAMPLE_RATE,
+                theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
+                theta_min=[1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]],
+                theta_max=[1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]],
+                coulomb=axis.coulomb,
+                coulomb_width=COULOMB_WIDTH,
+                gain_1=factor * printed.gain_1,
+                gain_2=factor * printed.gain_2,
+                observer_gain_1=factor * printed.observer_gain_1,
+                observer_gain_2=factor**2 * printed.observer_gain_2,
+                adaptation=[(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation],
+            )
+        )
     if name == "observer_based":
         problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
@@ -119,26 +135,6 @@ def scaled(
     law, structure = name.split()
     gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
     return (Arc if law == "arc" else Dcarc)(gantry.controller_parameters(axis, structure, **gains))
-
-
-def _output_feedback_arc(axis: GantryAxis, factor: float) -> OutputFeedbackArc:
-    mass, viscous, _, disturbance = axis.bounds
-    printed = epoxy_motor.arc_parameters()
-    return OutputFeedbackArc(
-        printed.replace(
-            sample_rate=SAMPLE_RATE,
-            theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
-            theta_min=[1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]],
-            theta_max=[1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]],
-            coulomb=axis.coulomb,
-            coulomb_width=COULOMB_WIDTH,
-            gain_1=factor * printed.gain_1,
-            gain_2=factor * printed.gain_2,
-            observer_gain_1=factor * printed.observer_gain_1,
-            observer_gain_2=factor**2 * printed.observer_gain_2,
-            adaptation=[(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation],
-        )
-    )
 
 
 def observer_problem(
@@ -236,10 +232,7 @@ class Comparison(Table):
 
 
 def winners_table(found: Found) -> Table:
-    """Tabulate for each of USES the controller with the smallest index, and how far behind the next is.
-
-    Over all machines, the index is the worst ratio to the best controller.
-    """
+    """Tabulate for each of USES the controller with the smallest (worst relative) index, and the next one's lag."""
     rows = []
     for use, (index, place) in USES.items():
         shown = [place] if place else list(MACHINES)
@@ -253,7 +246,7 @@ def winners_table(found: Found) -> Table:
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Run every controller; `progress` is called with each of STEPS."""
+    """Run every controller; `progress` is called with each step."""
     own = {}
     for name, controller in controllers().items():
         own[name], _ = measure(controller)
@@ -287,10 +280,7 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
 
 @drawn
 def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
-    """Draw the errors of the last move forth over the position, at equal delay margin, a panel for each machine.
-
-    The scale ends at three times the median of the largest errors.
-    """
+    """Draw the errors of the last move forth over the position, cut off at three times the median of the largest."""
     figure = new_figure((8.0, 2.6 * len(MACHINES)))
     figure.suptitle(
         f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"

@@ -62,7 +62,7 @@ def compare(*, out: str | os.PathLike[str] | None = None, progress: Progress = F
 
 def _run(name: str, out: str | os.PathLike[str] | None, progress: Progress) -> Reproduction:
     module = importlib.import_module(f"cogging.papers.{name}")
-    with steps(progress, name, len(module.STEPS)) as done:
+    with steps(progress, name, module.STEPS) as done:
         result: Reproduction = module.reproduce(done)
     if out is not None:
         result.write(out)

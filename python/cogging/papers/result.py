@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from cogging.outputs import made_folder, to_json, write_files
 from cogging.tables import frame_of
@@ -66,33 +66,6 @@ def explored(controller: str, index: str, unit: str, value: float, **labels: str
 WITHIN = (0.05, 0.15, 0.40)
 
 
-class Counts(NamedTuple):
-    """How many numbers of a table lie near the paper's."""
-
-    numbers: int  # that the paper prints: calibrated or predicted
-    calibrated: int
-    predicted: int
-    within: tuple[int, ...]  # of all, within each of WITHIN
-    predicted_within: tuple[int, ...]  # of the predicted ones
-    free: int  # calibrated parameters
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the counts as in the result file, by percent."""
-        found: dict[str, Any] = self._asdict()
-        for name in ("within", "predicted_within"):
-            found[name] = {f"{100 * share:.0f}": count for share, count in zip(WITHIN, found[name], strict=True)}
-        found["free_parameters"] = found.pop("free")
-        return found
-
-    def text(self) -> str:
-        """Return one line for the screen."""
-        shares = ", ".join(f"{100 * share:.0f} %" for share in WITHIN)
-        near, of_predicted = (", ".join(map(str, counts)) for counts in (self.within, self.predicted_within))
-        predicted = f", of the {self.predicted} predicted {of_predicted}" if self.predicted else ""
-        fitted = f"{self.calibrated} calibrated by {self.free} free parameter{'s' * (self.free != 1)}"
-        return f"{self.numbers} numbers, {fitted}; within {shares}: {near}{predicted}"
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Table(ByValue):
     """A table of the paper beside the simulated one.
@@ -113,30 +86,33 @@ class Table(ByValue):
     before: Table | None = None
     beside: str = "before"
 
-    @property
-    def is_exploratory(self) -> bool:
-        """Whether none of its numbers is one of the paper's."""
-        return all(row.status == "exploratory" for row in self.rows)
-
-    def counts(self) -> Counts:
-        """Return how many of the numbers lie near the printed ones."""
-        errors: dict[str, list[float]] = {"calibrated": [], "predicted": []}
-        for row in self.rows:
-            if row.ratio is not None and row.status in errors:
-                errors[row.status].append(abs(row.ratio - 1.0))
-        calibrated, predicted = errors.values()
-        within, predicted_within = (
-            tuple(sum(error <= share for error in some) for share in WITHIN)
-            for some in (calibrated + predicted, predicted)
+    def counts(self) -> dict[str, Any]:
+        """Return how many printed numbers are calibrated, predicted, and near, as in the result file."""
+        calibrated, predicted = (
+            [abs(row.ratio - 1.0) for row in self.rows if row.ratio is not None and row.status == status]
+            for status in ("calibrated", "predicted")
         )
-        numbers = len(calibrated) + len(predicted)
-        return Counts(numbers, len(calibrated), len(predicted), within, predicted_within, len(self.free))
+        within, predicted_within = (
+            {f"{100 * share:.0f}": sum(error <= share for error in errors) for share in WITHIN}
+            for errors in (calibrated + predicted, predicted)
+        )
+        found: dict[str, Any] = {"numbers": len(calibrated) + len(predicted), "calibrated": len(calibrated)}
+        found |= {"predicted": len(predicted), "within": within, "predicted_within": predicted_within}
+        return {**found, "free_parameters": len(self.free)}
+
+    def _counts_text(self) -> str:
+        found = self.counts()
+        near, of_predicted = (", ".join(map(str, found[name].values())) for name in ("within", "predicted_within"))
+        predicted = f", of the {found['predicted']} predicted {of_predicted}" if found["predicted"] else ""
+        fitted = f"{found['calibrated']} calibrated by {len(self.free)} free parameter{'s' * (len(self.free) != 1)}"
+        shares = ", ".join(f"{name} %" for name in found["within"])
+        return f"{found['numbers']} numbers, {fitted}; within {shares}: {near}{predicted}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the table as in the result file."""
         found: dict[str, Any] = {"id": self.id, "rows": [row.to_dict() for row in self.rows]}
         if self.free:
-            found |= {"free_parameters": list(self.free), "counts": self.counts().to_dict()}
+            found |= {"free_parameters": list(self.free), "counts": self.counts()}
         return found
 
     def _brief(self) -> str:
@@ -169,9 +145,9 @@ class Table(ByValue):
                 f"{_shown(row.simulated, row.unit):>13}{_ratio(row):>8}  {row.status}"
             )
         if self.before is not None and self.before.free:
-            lines.append(f"{'':4}{self.beside}: {self.before.counts().text()}")
+            lines.append(f"{'':4}{self.beside}: {self.before._counts_text()}")
         if self.free:
-            lines += [f"{'':4}{self.counts().text()}", f"{'':4}free: {', '.join(self.free)}"]
+            lines += [f"{'':4}{self._counts_text()}", f"{'':4}free: {', '.join(self.free)}"]
         return "\n".join(lines)
 
 
@@ -222,7 +198,7 @@ class Reproduction(ByValue):
         Args:
             every: False lists the tables without a number of the paper by their titles alone.
         """
-        shown = [table for table in self.tables if every or not table.is_exploratory]
+        shown = [table for table in self.tables if every or any(row.status != "exploratory" for row in table.rows)]
         named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
         further = ["\n".join(["Further tables, in no paper (--all shows them):", *named])] if shown and named else []
         return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])

@@ -63,13 +63,7 @@ def drawn(function: F) -> F:
 
 
 def plot_method(draw: Callable[..., Any], doc: str, axes: str) -> Callable[..., Figure]:
-    """Return the method `plot` of results of a class.
-
-    Args:
-        draw: of cogging.plot, or one with several panels: takes the result, `units` and `ax`.
-        doc: what it plots.
-        axes: that `ax` gives, in words.
-    """
+    """Return the method `plot` of results; draw, doc: what it plots; axes: that `ax` gives, in words."""
 
     def plot(self: Any, *, units: Any = None, ax: Any = None) -> Figure:
         figure: Figure = draw(self, units=units, ax=ax).figure.figure
@@ -85,11 +79,7 @@ def plot_method(draw: Callable[..., Any], doc: str, axes: str) -> Callable[..., 
 
 
 def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
-    """Return an empty figure of a size (inches) that pyplot does not manage, so that it is freed like any object.
-
-    With `window`, in a script with pyplot and a window backend, pyplot manages it and `plt.show()` shows it; not in
-    notebooks, on servers, or in other threads than the main one.
-    """
+    """Return an empty figure of a size (inches); with `window`, one that `plt.show()` of a script in a window shows."""
     from cogging.plot.shown_figure import ShownFigure
 
     pyplot = sys.modules.get("matplotlib.pyplot")

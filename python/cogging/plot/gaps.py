@@ -108,10 +108,7 @@ def residual(
 
 
 def binned(rows: Rows, name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return positions, means and half widths of 95 % intervals in bins of a coordinate, each (bins,).
-
-    Rows of a block count as one observation. Values are NaN in bins of few rows, and half widths in bins of one block.
-    """
+    """Return places, means and half widths of 95 % intervals in bins of a coordinate, NaN in bins of too few rows."""
     x = rows.coordinates[name]
     finite = np.isfinite(x) & np.isfinite(rows.residual)
     x, y, block = x[finite], rows.residual[finite], rows.block[finite]
@@ -149,7 +146,7 @@ def _of_arrays(found: Any, residual: npt.ArrayLike, against: Any) -> dict[str, R
 
 
 def _of_result(found: Any) -> dict[str, Rows]:
-    """Return the residuals of a Diagnosis or a Location by label."""
+    """Return the residuals of a Diagnosis or a Location by label, in the rows in motion of all logs."""
     series = getattr(found, "series", None)
     if not isinstance(series, Mapping):
         rule = "must be a Diagnosis, a Location or coordinates with a residual"
@@ -159,11 +156,6 @@ def _of_result(found: Any) -> dict[str, Rows]:
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")
     if "gap_after" in names and not getattr(found, "effects", ()) and not getattr(found, "unlisted", None):
         names.remove("gap_after")  # the same
-    return {GAPS[name]: _rows_in_motion(series, name) for name in names}
-
-
-def _rows_in_motion(series: Mapping[str, Any], name: str) -> Rows:
-    """Return the rows in motion of all logs for a residual of a Diagnosis or a Location (its `series`)."""
     kept = [np.asarray(mask) > 0 for mask in series["mask"]]
     blocks, offset = [], 0
     for time, rows in zip(series["time"], kept, strict=True):
@@ -172,18 +164,17 @@ def _rows_in_motion(series: Mapping[str, Any], name: str) -> Rows:
         blocks.append(block[rows])
     columns = {
         one: np.concatenate([np.asarray(x, dtype=np.float64)[rows] for x, rows in zip(series[one], kept, strict=True)])
-        for one in (name, *COORDINATES)
+        for one in (*names, *COORDINATES)
         if one in series
     }
-    return Rows(columns.pop(name), columns, np.concatenate(blocks))
+    coordinates = {name: values for name, values in columns.items() if name in COORDINATES}
+    return {GAPS[name]: Rows(columns[name], coordinates, np.concatenate(blocks)) for name in names}
 
 
 def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
-    """Return name, kind and share of each part of a diagnosis' gap, in power; the shares add up to 1.
+    """Return name, kind and share of each part of a diagnosis' gap, in power, which add up to 1.
 
-    The whole is the gap of the given model if it is known and larger than that of the re-tuned model, else the latter.
-    The kinds are `retuned`, `effect`, `rest` (unexplained) and `floor` (noise and quantiser). A negative share enlarged
-    the gap.
+    The whole is the larger gap of the given and the re-tuned model. Kinds: see KINDS; a negative share enlarged it.
     """
     gap, steps = getattr(diagnosis, "gap", None), getattr(diagnosis, "ledger", None)
     if gap is None or steps is None:

@@ -13,7 +13,7 @@ from cogging.calls import described, did_you_mean
 from cogging.plot.canvas import Panels, drawn, grid_of, legend, one_of
 from cogging.plot.scales import labelled, scale_of, units_of
 from cogging.plot.series import LIMIT, look, named
-from cogging.plot.traces import UNITS, column, draw_trace, is_dense, names_of, numbers, require_table, several
+from cogging.plot.traces import UNITS, column, draw_trace, is_dense, numbers, several, table_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,17 +44,18 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
         >>> error.get_ylabel()
         'error (µm)'
     """
-    require_table(log)
-    known = names_of(log)
-    usual = [name for name in ("position", "error", "command") if name in known]
-    chosen = [columns] if isinstance(columns, str) else list(columns or usual or known)
-    found = {name: column(log, name) for name in chosen}
+    table = table_of(log)
+    usual = [name for name in ("position", "error", "command") if name in table]
+    chosen = (
+        [columns] if isinstance(columns, str) else list(columns or usual or [name for name in table if name != "time"])
+    )
+    found = {name: column(table, name) for name in chosen}
     panels = grid_of(ax, len(chosen), size=(WIDTH, 0.7 + PANEL * len(chosen)), sharex=True)
     units = units or units_of(log)
-    time = column(log, "time")
+    time = column(table, "time")
     over = scale_of("s", time)
     for panel, (name, values) in zip(panels, found.items(), strict=True):
-        beside = column(log, "reference") if name == "position" and "reference" in known else None
+        beside = column(table, "reference") if name == "position" and "reference" in table else None
         scale = scale_of(UNITS.get(name, "1"), values, beside, units=units)
         draw_trace(panel, over(time), scale(values), label=named(name), **look(0, is_dense(panel, len(time))))
         if beside is not None:
@@ -87,8 +88,9 @@ def error(log: Any, error: npt.ArrayLike | None = None, *, units: Any = None, ax
     else:
         time = numbers("log", log)
         logs = {"": {"time": time, "error": numbers("error", error, time.size)}}
-    errors = {name: column(one, "error", "log") for name, one in logs.items()}
-    times = {name: column(one, "time") for name, one in logs.items()}
+    tables = {name: table_of(one) for name, one in logs.items()}
+    errors = {name: column(one, "error", "log") for name, one in tables.items()}
+    times = {name: column(one, "time") for name, one in tables.items()}
     axes = one_of(ax)
     units = units or units_of(*logs.values())
     scale, over = scale_of("m", *errors.values(), units=units), scale_of("s", *times.values())

@@ -35,13 +35,7 @@ class Scale:
 
 
 def scale_of(unit: str, *values: npt.ArrayLike | None, units: Any = None) -> Scale:
-    """Return the scale that suits the largest of some values.
-
-    Args:
-        unit: of the values, in V and m: "m", "V/(m/s)"; "1" for a pure number.
-        values: arrays of any shape; None and values that are not finite are ignored.
-        units: labels of the model (cogging.Units), or None.
-    """
+    """Return the scale that suits the largest of some values; unit: in V and m; units: labels of the model, or None."""
     label = labelled(unit, units)
     if unit == "1":
         return Scale(1.0, "")

@@ -16,10 +16,7 @@ LONGEST = 40  # characters of a label
 
 
 def look(place: int, dense: bool = False) -> dict[str, Any]:
-    """Return colour and line style of the series at a place, from 0.
-
-    From 7 on colours repeat with other lines. `dense`: many rows to a pixel, the line is solid.
-    """
+    """Return colour and line style of the series at a place, from 0; dense: many rows to a pixel, the line is solid."""
     round_, colour = divmod(place, len(COLOURS))
     return {"color": COLOURS[colour], "linestyle": "-" if dense else LINES[(colour + round_) % len(LINES)]}
 

@@ -41,12 +41,7 @@ def gaps(time: FloatArray) -> Mask:
 
 
 def trace(time: FloatArray, values: FloatArray, pixels: int) -> tuple[FloatArray, FloatArray]:
-    """Return the points of a line: all rows with NaN in each gap, or the envelope of each pixel of a long trace.
-
-    Args:
-        time: s, increasing, (n,); values likewise, NaN for a gap.
-        pixels: width of the axes.
-    """
+    """Return the points of a line: all rows with NaN in each gap, or the envelope of each pixel of a long trace."""
     broken = gaps(time)
     if len(time) <= ROWS_PER_PIXEL * pixels:
         after = np.flatnonzero(broken) + 1
@@ -94,51 +89,36 @@ def numbers(name: str, values: npt.ArrayLike, length: int | None = None) -> Floa
     return array
 
 
-def is_table(value: Any) -> bool:
-    """Return whether a value has columns with `time`: a log, a mapping of arrays, a DataFrame."""
-    has_keys = hasattr(value, "keys") and "time" in value and not hasattr(value["time"], "position")
-    return has_keys or (hasattr(value, "time") and hasattr(value, "position"))
-
-
-def names_of(log: Any) -> list[str]:
-    """Return the names of the columns that can be plotted."""
-    if hasattr(log, "keys"):
-        names = [str(name) for name in log if name != "time"]
+def table_of(log: Any) -> dict[str, Any]:
+    """Return the columns of a Log or of a mapping such as a DataFrame by name, with `error` if it has a reference."""
+    if hasattr(log, "keys") and "time" in log:
+        table = {str(name): log[name] for name in log}
+    elif hasattr(log, "time") and hasattr(log, "position"):
+        table = {name: getattr(log, name, None) for name in ("time", *UNITS) if name != "error"}
+        table = {name: values for name, values in table.items() if values is not None}
     else:
-        names = [name for name in UNITS if name != "error" and getattr(log, name, None) is not None]
-    return names + ["error"] * ("reference" in names and "position" in names and "error" not in names)
+        raise TypeError(f"log: must be a Log, or columns by name with `time`, got {described(log)}")
+    if "error" not in table and {"position", "reference"} <= set(table):
+        table["error"] = column(table, "position") - column(table, "reference")
+    return table
 
 
-def column(log: Any, name: str, argument: str = "columns") -> FloatArray:
-    """Return a column by name; `error` is position minus reference."""
-    known = names_of(log)
-    if name != "time" and name not in known:
+def column(table: Mapping[str, Any], name: str, argument: str = "columns") -> FloatArray:
+    """Return a column of table_of."""
+    if name not in table:
+        known = [one for one in table if one != "time"]
         raise ValueError(f"{argument}: must be columns of the log, got {name!r}: {did_you_mean(name, known)}")
-    if name == "error" and not (hasattr(log, "keys") and "error" in log):
-        return column(log, "position") - column(log, "reference")
-    values = log[name] if hasattr(log, "keys") else getattr(log, name)
-    time = log["time"] if hasattr(log, "keys") else log.time
-    return numbers(name, values, None if name == "time" else len(time))
-
-
-def require_table(log: Any, argument: str = "log") -> None:
-    """Raise TypeError for a value without columns over time."""
-    if not is_table(log):
-        raise TypeError(f"{argument}: must be a Log, or columns by name with `time`, got {described(log)}")
+    return numbers(name, table[name], None if name == "time" else len(table["time"]))
 
 
 def several(logs: Any) -> dict[str, Any]:
     """Return logs by name, of one log, a sequence of logs, or a mapping."""
-    if is_table(logs):
-        return {"": logs}
-    if isinstance(logs, Mapping):
+    if isinstance(logs, Mapping) and "time" not in logs:
         found = {str(name): log for name, log in logs.items()}
     elif isinstance(logs, Sequence) and not isinstance(logs, str):
         found = {f"run {place}": log for place, log in enumerate(logs)}
     else:
-        raise TypeError(f"log: must be a Log, several, or columns by name with `time`, got {described(logs)}")
-    for log in found.values():
-        require_table(log)
+        found = {"": logs}
     if not found:
         raise ValueError("log: must be at least one, got none")
     return found

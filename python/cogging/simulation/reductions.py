@@ -12,6 +12,7 @@ import numpy as np
 from cogging import _core
 from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
+from cogging.files import FieldError
 from cogging.shown import quoted
 
 #: Fields of Performance, computed for every run.
@@ -54,21 +55,22 @@ class Kept(NamedTuple):
 
 def reduction(name: str) -> tuple[str, str, float]:
     """Return quantity, kind and number of a reduction such as `error_quantile(0.95)`."""
-    found = NAMED.fullmatch(name)
+    found = NAMED.fullmatch(name) if isinstance(name, str) else None
     if found is None:
         known = [f"{quantity}_{kind}" for quantity in QUANTITIES for kind in PLAIN]
         known += [f"{quantity}_{kind}(number)" for quantity in QUANTITIES for kind in NUMBERED]
-        raise ValueError(f"reductions: {quoted(name)} is unknown; {did_you_mean(name, known)}")
+        raise FieldError("", "reductions", f"{quoted(name)} is unknown; {did_you_mean(name, known)}")
     quantity, plain, numbered, text = found.groups()
     try:
         number = float(text) if text else 0.0
     except ValueError:
-        raise ValueError(f"reductions: {name}: must have a number in its brackets, got {quoted(text)}") from None
+        problem = f"{name}: must have a number in its brackets, got {quoted(text)}"
+        raise FieldError("", "reductions", problem) from None
     if numbered == "quantile" and not 0.0 <= number <= 1.0:
-        raise ValueError(f"reductions: {name}: quantile: must be from 0 to 1, got {number:g}")
+        raise FieldError("", "reductions", f"{name}: quantile: must be from 0 to 1, got {number:g}")
     if numbered and numbered != "quantile" and not 0.0 < number < math.inf:
         what = "frequency" if numbered == "tone" else "period"
-        raise ValueError(f"reductions: {name}: {what}: must be finite and above 0, got {number:g}")
+        raise FieldError("", "reductions", f"{name}: {what}: must be finite and above 0, got {number:g}")
     return quantity, plain or numbered, number
 
 
@@ -86,7 +88,7 @@ def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
     names = (*INDEXES, *(name for name in reductions if name not in INDEXES))
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"reductions: must be listed once each, got {name} twice")
+            raise FieldError("", "reductions", f"must be listed once each, got {name} twice")
     return names
 
 
@@ -102,15 +104,8 @@ def kept_of_runs(
 ) -> Kept:
     """Return the results of runs in the core; arguments as of closed_loop_batch.
 
-    Args:
-        plants, controllers: one for each run.
-        references: one for each run, or one for all.
-        window: start, stop and final window, s.
-        reductions, columns: see closed_loop_batch.
-        **options: `seeds`, one for each run; `durations` and `steps_per_sample`, one for each run or one for all;
-            `threads` and `every`; `keeps_refused`: report a run that cannot start as a failure, else it raises;
-            `initial_positions` (m, one for all, one for each or none); for all runs `initial_velocity` and
-            `added_command` (a list); `runs_in_all`, for how many runs memory must suffice.
+    `references` and the options `durations`, `steps_per_sample`, `initial_positions` have one entry for each run or one
+    for all; `keeps_refused` reports a run that cannot start as a failure; memory must suffice for `runs_in_all` runs.
     """
     start, stop, final_window = window
     kept: dict[str, Any] = _core.closed_loop_records(

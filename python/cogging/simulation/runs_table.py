@@ -61,31 +61,27 @@ class RunsTable(ByValue):
         return dataset
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as CSV, or as Parquet with `units` if the name ends in `.parquet`.
+        """Write the table as CSV, NaN as empty, or as Parquet with `units` if the name ends in `.parquet`.
 
         Raises:
             InputError: the file cannot be written.
             ImportError: pyarrow is not installed; names the extra.
         """
-        write_runs(path, *self._rows())
+        table, units = self._rows()
+        if is_parquet(path):
+            write_bytes(path, parquet_of(table, _with_known_units(table, units)))
+            return
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(table)
+        columns = [["" if value != value else value for value in np.asarray(one).tolist()] for one in table.values()]
+        writer.writerows(zip(*columns, strict=True))
+        write_bytes(path, text.getvalue().encode())
 
 
 def is_parquet(path: str | os.PathLike[str]) -> bool:
     """Return whether a file name ends in `.parquet`."""
     return os.fspath(path).lower().endswith(".parquet")
-
-
-def write_runs(path: str | os.PathLike[str], table: Mapping[str, Any], units: Mapping[str, str] | None = None) -> None:
-    """Write columns by name as CSV, or as Parquet with their units; numbers keep their last bit, NaN is empty."""
-    if is_parquet(path):
-        write_bytes(path, parquet_of(table, _with_known_units(table, units or {})))
-        return
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(table)
-    columns = [["" if value != value else value for value in np.asarray(values).tolist()] for values in table.values()]
-    writer.writerows(zip(*columns, strict=True))
-    write_bytes(path, text.getvalue().encode())
 
 
 def _with_known_units(names: Iterable[str], units: Mapping[str, str]) -> dict[str, str]:

@@ -13,21 +13,10 @@ import io
 import itertools
 import math
 import os
-import pickle
 import re
-import sys
-import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -39,11 +28,11 @@ from cogging import plot
 from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
-from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys, require_file
+from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
 from cogging.progress import Progress, steps
-from cogging.shown import nearest, quoted
+from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of
 from cogging.simulation.reductions import INDEXES, kept_of_runs, names_of, reduction, unit_of
@@ -51,7 +40,6 @@ from cogging.simulation.reference import files_of_reference, motion_of, referenc
 from cogging.simulation.runs_table import RunsTable, is_parquet
 from cogging.simulation.varied import (
     BOUNDS,
-    METHODS,
     SEED,
     VARIATION_KEYS,
     Setup,
@@ -67,9 +55,6 @@ from cogging.tables import library
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-if sys.platform != "win32":
-    import fcntl
 
 Table = dict[str, Any]
 Result = TypeVar("Result")
@@ -215,8 +200,8 @@ def sweep(
     rule, is a row with its reason; the others complete. The same arguments give the same table, whatever the executor.
 
     With `out`, finished pieces are stored in a folder beside it (`OUT.pieces`) until the whole is written: after an
-    interruption, a crash or a full disk the same call continues where it was. A custom effect counts as unchanged if
-    its law and everything that it refers to are; a law that cannot be compared stores no pieces (docs/sweep.md).
+    interruption, a crash or a full disk the same call continues where it was. A model with a custom effect, whose law
+    cannot be compared, stores no pieces.
 
     Args:
         model: a Model, or the path of a model file.
@@ -283,19 +268,19 @@ def sweep(
         found = run(None)
         found.write(out)
         return found
-    with Pieces(out, digest) as kept:
-        try:
-            found = run(kept)
-        except BaseException as error:
-            if not kept.finished() or isinstance(error, _NoRunBegan):
-                kept.remove()
-            raise
-        try:
-            found.write(out)
-        except InputError as error:
-            raise InputError(f"{error}; {kept.notice}") from None
-        kept.remove()
-        return found
+    kept = Pieces(out, digest)
+    try:
+        found = run(kept)
+    except BaseException as error:
+        if not kept.finished() or isinstance(error, _NoRunBegan):
+            kept.remove()
+        raise
+    try:
+        found.write(out)
+    except InputError as error:
+        raise InputError(f"{error}; {kept.notice}") from None
+    kept.remove()
+    return found
 
 
 class _NoRunBegan(ValueError):
@@ -331,7 +316,7 @@ def _table(
         if executor is None:
             new: Iterator[Table] = map(run_piece, pieces)
         else:
-            new = run_elsewhere(run_piece, pieces, executor, lambda: "" if kept is None else kept.notice)
+            new = run_elsewhere(pieces, executor, lambda: "" if kept is None else kept.notice)
         count = int(done.sum())
         for table in new:
             tables.append(table)
@@ -395,84 +380,33 @@ def run_piece(piece: Piece) -> Table:
 
 # Finished pieces ------------------------------------------------------------------------------------------------------
 
-ADVICE = "remove it, or write to another file"
-PIECE = re.compile(r"[0-9]{9}-[0-9a-f]{64}\.npz")  # number of the first run, and a checksum
+PIECE = re.compile(r"[0-9a-f]{64}-[0-9]{9}-[0-9a-f]{64}\.npz")  # digest of the sweep, first run, checksum
 
 
 class Pieces:
     """Finished pieces of a sweep in a folder, from which an interrupted sweep continues.
 
-    The process that uses the folder holds a lock on `sweep.json`, which ends with the process. That file is the first
-    to be written and the first to be removed: without it, other files are left over from a completed sweep. The name of
-    a piece contains a checksum of the sweep and of the content, so that a changed piece is computed again. A folder
-    that holds other files is refused, and none of them is ever removed.
+    A piece with another checksum than its name says was damaged and is computed again. No other file is ever removed.
     """
 
     def __init__(self, out: AnyPath, digest: str) -> None:
-        """Create the folder beside an output, or open the one that an earlier call of the same sweep left.
-
-        Raises:
-            InputError: the folder holds something else or another sweep, is in use, or cannot be written.
-        """
+        """Create the folder beside an output; raise InputError if it holds pieces of another sweep."""
         target = target_of(out)
         self.folder = target.with_name(f"{target.name}.pieces")
         self._called = f"{os.fspath(out)}.pieces"
-        self._header = self.folder / "sweep.json"
-        self._digest = digest.encode()
+        self._digest = digest
+        if any(not path.name.startswith(digest) for path in self.finished()):
+            what = "holds pieces of another sweep, or of another version: remove it, or write to another file"
+            raise InputError(f"{self._called}: {what}")
         try:
-            if self.folder.is_symlink():
-                raise InputError(f"{self._called}: must be a folder, got a link: {ADVICE}")
             self.folder.mkdir(exist_ok=True)
-            if others := [path.name for path in self.folder.glob("*") if not self._is_own(path)]:
-                what = f"must hold nothing but the pieces of a sweep, got {quoted(min(others))}"
-                raise InputError(f"{self._called}: {what}: {ADVICE}")
-            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-            self._lock = os.fdopen(os.open(self._header, flags, 0o666), "r+b", buffering=0)
-            try:
-                self._begin(b'{"digest": "' + self._digest + b'"}\n')
-            except BaseException:
-                self._lock.close()
-                raise
-        except BlockingIOError:
-            raise InputError(
-                f"{self._called}: another process is making this sweep, or another to the same file"
-            ) from None
         except OSError as error:
             raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
 
-    def _begin(self, wanted: bytes) -> None:
-        """Lock the header and compare the sweep with it; a new sweep removes left-over pieces."""
-        require_file(self._header)
-        if sys.platform != "win32":
-            fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # not inherited by a forked worker
-        if not os.path.samestat(os.fstat(self._lock.fileno()), os.lstat(self._header)):
-            raise BlockingIOError  # a completed sweep has just removed it
-        if text := self._lock.read(len(wanted) + 1):
-            if text != wanted:
-                what = "holds pieces of another sweep, or of another version"
-                raise InputError(f"{self._called}: {what}: {ADVICE}")
-            return
-        for path in self.finished():
-            path.unlink()
-        try:
-            self._lock.write(wanted)
-            os.fsync(self._lock.fileno())
-        except OSError:
-            self.remove()
-            raise
-
-    def __enter__(self) -> Pieces:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._lock.close()
-
     def keep(self, table: Table) -> None:
         """Write a piece; if the disk is full, an InputError is raised and the earlier pieces are kept."""
-        arrays = {name: np.asarray(values) for name, values in table.items()}
-        arrays = {name: one.astype(str) if one.dtype == object else one for name, one in arrays.items()}
         file = io.BytesIO()
-        np.savez(file, **arrays)  # type: ignore[arg-type]
+        np.savez(file, **table)
         try:
             write_bytes(self.folder / self._name(table["run"][0], file.getvalue()), file.getvalue(), sync=False)
         except InputError as error:
@@ -482,24 +416,23 @@ class Pieces:
         """Return the finished pieces of a sweep of so many runs, each run once; remove damaged ones."""
         done, tables = np.zeros(runs, dtype=bool), []
         for path in self.finished():
-            table = self._read(path)
-            if table is None:
-                with contextlib.suppress(OSError):
-                    path.unlink()
-            elif not done[table["run"]].any():
+            content = path.read_bytes() if path.is_file() else b""
+            if path.name != self._name(int(path.name.split("-")[1]), content):
+                path.unlink()
+                continue
+            with np.load(io.BytesIO(content), allow_pickle=False) as file:
+                table = {name: file[name] for name in file.files}
+            if not done[table["run"]].any():
                 done[table["run"]] = True
                 tables.append(table)
         return tables
 
     def remove(self) -> None:
         """Remove the files of the sweep, and the folder if it is empty then."""
-        own = [path for path in self.folder.glob("*") if self._is_own(path)]
-        if sys.platform == "win32":  # which removes no open file
-            self._lock.close()
-        for path in (self._header, *own):
-            with contextlib.suppress(OSError):
-                path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
+            for path in self.folder.glob("*"):
+                if PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name):
+                    path.unlink(missing_ok=True)
             self.folder.rmdir()
 
     @property
@@ -513,122 +446,54 @@ class Pieces:
         """Return the paths of all pieces."""
         return sorted(path for path in self.folder.glob("*") if PIECE.fullmatch(path.name))
 
-    def _is_own(self, path: Path) -> bool:
-        return bool(path == self._header or PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name))
-
     def _name(self, first: int, content: bytes) -> str:
-        return f"{first:09d}-{hashlib.sha256(self._digest + content).hexdigest()}.npz"
-
-    def _read(self, path: Path) -> Table | None:
-        """Return a piece, or None if it is not as the sweep wrote it."""
-        try:
-            require_file(path)
-            content = path.read_bytes()
-        except (OSError, InputError):
-            return None
-        if path.name != self._name(int(path.name[:9]), content):
-            return None
-        with np.load(io.BytesIO(content), allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
+        return f"{self._digest}-{first:09d}-{hashlib.sha256(content).hexdigest()}.npz"
 
 
 # Executors ------------------------------------------------------------------------------------------------------------
 
 WAITING_MOST = 1024  # pieces submitted ahead: as many workers are kept busy
-LOOK_EVERY = 2.0  # s, between two checks whether workers are left
-GONE_MOST = 60.0  # s, that all workers may be gone, as when they are restarted
+LOOK_EVERY = 2.0  # s, after which a signal is seen where waiting blocks it
 
-#: Program of a worker, sent as text: a worker that lacks the package, or has another version, could not unpickle a
-#: function of it. The task is unpickled only after the versions are known to agree.
-WORKER = """
-def run(version, task):
-    import importlib, importlib.metadata, os, pickle, platform
-    worker = f"{platform.node()}, process {os.getpid()}"
-    try:
-        importlib.import_module("cogging")
-        own = importlib.metadata.version("cogging")
-    except Exception as error:
-        return "cannot import the package", f"{worker}: {type(error).__name__}: {error}"
+
+def run_in_worker(piece: Piece, version: str, call: str) -> Table:
+    """Return the rows of a piece in a worker, which must have the same version; `call` differs for every call."""
+    own = importlib.metadata.version("cogging")
     if own != version:
-        return "has another version of the package", f"{worker}: {own}, where this is {version}"
-    function, piece = pickle.loads(task)
-    return "", function(piece)
-"""
-#: Runs it: `eval` is the one function of every worker that takes a program and returns its value.
-CALL = "(exec(program, space), space['run'](version, task))[1]"
+        raise RuntimeError(f"must have version {version} of the package, has {own}")
+    return run_piece(piece)
 
 
-def run_elsewhere(
-    function: Callable[[Any], Result], pieces: Sequence[Any], executor: Executor, notice: Callable[[], str]
-) -> Iterator[Result]:
-    """Yield the results of a function of the package for each piece, as the workers of an executor finish them.
+def run_elsewhere(pieces: Iterable[Piece], executor: Executor, notice: Callable[[], str]) -> Iterator[Table]:
+    """Yield the rows of pieces as the workers of an executor finish them; `notice` returns where finished work is."""
+    stop, version = StopFlag(), importlib.metadata.version("cogging")
 
-    `notice` returns where finished work is, for the InputError of an executor that failed, has no worker left, or has
-    one that lacks the package or has another version.
-    """
+    def run_until_stopped(piece: Piece) -> Table:
+        stop.heed()
+        return run_piece(piece)
 
-    def failed(what: str) -> InputError:
-        line = f"executor: {type(executor).__name__} {' '.join(what.split())}"
-        return InputError("; ".join(filter(None, (line, notice()))))
+    def submit(piece: Piece) -> Future[Table]:
+        if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can see the flag
+            return executor.submit(run_until_stopped, piece)
+        call = uuid.uuid4().hex  # Dask answers a repeated call with its earlier result, errors too
+        return executor.submit(run_in_worker, piece, version, call)
 
-    client: Any = getattr(executor, "_client", None)  # of Dask, whose tasks wait for a worker for ever; no public name
-    seen = math.inf  # when there was a worker; before the first, as in a queue, waiting has no limit
-    stop = StopFlag()
-    waiting: set[Future[Any]] = set()
-    left = iter(pieces)
+    left, waiting = iter(pieces), set[Future[Table]]()
     try:
-        while True:
-            for piece in itertools.islice(left, WAITING_MOST - len(waiting)):
-                waiting.add(_submitted(function, piece, executor, stop))
-            if not waiting:
-                return
-            done = wait(waiting, LOOK_EVERY, return_when=FIRST_COMPLETED).done
-            failed_last = {one: one.cancelled() or one.exception() is not None or bool(one.result()[0]) for one in done}
-            for future in sorted(done, key=failed_last.__getitem__):
-                waiting.remove(future)
-                refused, found = future.result()
-                if refused:
-                    raise failed(f"has a worker that {refused}: {found}")
-                yield found
-            if hasattr(client, "nthreads"):
-                with contextlib.suppress(Exception):  # its futures report what happened
-                    if done or client.nthreads():
-                        seen = time.monotonic()
-                if time.monotonic() - seen > GONE_MOST:
-                    raise failed(f"has had no worker left for {GONE_MOST:g} s")
+        while waiting := waiting | set(map(submit, itertools.islice(left, WAITING_MOST - len(waiting)))):
+            done, waiting = wait(waiting, LOOK_EVERY, return_when=FIRST_COMPLETED)
+            for future in sorted(done, key=lambda one: one.cancelled() or one.exception() is not None):
+                yield future.result()
     except (InputError, MemoryError):
         raise
     except Exception as error:
-        what = ": ".join(filter(None, (type(error).__name__, str(error))))
-        reasons = {
-            CancelledError: "has cancelled a piece, as one does that was closed or has lost its scheduler",
-            ImportError: f"has a worker that cannot import the package: {what}",
-            BrokenExecutor: f"has died: {what}",
-            Exception: f"could not run a piece: {what}",
-        }
-        raise failed(next(reason for kind, reason in reasons.items() if isinstance(error, kind))) from error
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        line = f"executor: {type(executor).__name__} could not run a piece: {reason}"
+        raise InputError("; ".join(filter(None, (line, notice())))) from error
     finally:
         stop.set()
         for future in waiting:
             future.cancel()
-
-
-def _submitted(function: Callable[[Any], Any], piece: Any, executor: Executor, stop: StopFlag) -> Future[Any]:
-    if isinstance(executor, ThreadPoolExecutor):  # only threads of this process can see the flag
-
-        def run_until_stopped() -> tuple[str, Any]:
-            stop.heed()
-            return "", function(piece)
-
-        return executor.submit(run_until_stopped)
-    given = {
-        "program": WORKER,
-        "space": {},
-        "version": importlib.metadata.version("cogging"),
-        "task": pickle.dumps((function, piece)),
-        "call": uuid.uuid4().hex,  # Dask answers a repeated call with its earlier result, errors too
-    }
-    return executor.submit(eval, CALL, given)
 
 
 # Sweep files, and what they share with tune files ---------------------------------------------------------------------
@@ -657,21 +522,8 @@ def read_sweep(path: AnyPath) -> dict[str, Any]:
     folder = Path(path).parent
     try:
         require_keys(document, KEYS, NEEDED)
-        if document.get("method", "grid") not in METHODS:
-            got = f"{quoted(document['method'])}{nearest(str(document['method']), METHODS)}"
-            raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {got}")
-        window = (document.get("start", -math.inf), document.get("stop", math.inf), document.get("final_window", 2.0))
-        require_numbers(document.get("seed", 0), document.get("runs", 1), document.get("duration", 0.0), window)
-        for name in document.get("reductions", ()):
-            if not isinstance(name, str):
-                raise FieldError("", "reductions", f"must be names, got {quoted(name)}")
-            try:
-                reduction(name)
-                names_of(document["reductions"])
-            except ValueError as error:
-                raise FieldError("", "reductions", str(error).removeprefix("reductions: ")) from None
         for key in ("model", "reference"):
-            if not (folder / document[key]).exists() or not document[key]:
+            if not (folder / document[key]).is_file():
                 raise FieldError("", key, f"must be a file beside the sweep file, got {quoted(document[key])}")
         vary = document["vary"]
         if vary != BOUNDS:
@@ -693,11 +545,6 @@ def _by_path(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
             yield from _by_path(stated, f"{before}{name}.")
         else:
             yield f"{before}{name}", stated
-
-
-def run_sweep(path: AnyPath, arguments: Mapping[str, Any], **options: Any) -> SweepRuns:
-    """Run the sweep that read_sweep has read."""
-    return run_job(path, sweep, arguments, options)
 
 
 def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str]], needed: Iterable[str]) -> None:

@@ -48,11 +48,7 @@ def _structs(setup: Setup) -> dict[str, Any]:
 
 
 def numbers_of(setup: Setup) -> dict[str, float | None]:
-    """Return every number that can vary, by path.
-
-    The paths are those of parameters_of, `encoder.noise`, `controller.kp`, `controller.cogging_harmonics[0]`,
-    `reference.velocity` and `seed`, which has no value (None).
-    """
+    """Return every number that can vary by path (see `sweep`); `seed` has no value (None)."""
     numbers: dict[str, float | None] = {
         path: parameter.value for path, parameter in parameters_of(setup.model, together=True).items()
     }

@@ -69,10 +69,7 @@ def at_harmonic(fit: MapFit, values: FloatArray) -> FloatArray:
 
 
 def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) -> dict[int, float]:
-    """Return the sensor noise (V rms) at which the highest line of each harmonic equals the rule's threshold.
-
-    The power p of a line exceeds white noise sigma if p >= sigma^2 times the threshold.
-    """
+    """Return the sensor noise (V rms) at which the highest line of each harmonic equals the rule's threshold."""
     force = scan_force(cogging, noise=0.0)
     lines = HarmonicSpectrum(POSITION, PITCH, HIGHEST)
     power = np.where(lines.near, lines.power(force - force.mean()), 0.0).max(axis=1)
@@ -82,10 +79,9 @@ def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) ->
 
 
 def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
-    """Tabulate the harmonics in the scan of an axis's map: amplitudes, and which of them the rule keeps.
+    """Tabulate the harmonics in the scan of an axis's map, which of them the rule keeps, and whose own line exceeds it.
 
-    The last two rows count the paper's harmonics that the rule keeps, and those whose own line exceeds the threshold: a
-    harmonic whose amplitude changes its sign along the travel has a line on either side and none between.
+    A harmonic whose amplitude changes its sign along the travel has a line on either side and none between.
     """
     kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
     listed = sorted({*HARMONICS, *kept})

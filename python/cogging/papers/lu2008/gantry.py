@@ -131,10 +131,7 @@ class MapShape:
 def control_points(
     shape: MapShape, amplitudes: Amplitudes, harmonics: Sequence[int], compensated: Sequence[int], count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the control points (V) of sines and cosines of a map, (harmonics, count) each.
-
-    Control points outside the travel continue the modulation.
-    """
+    """Return the control points (V) of sines and cosines of a map, (harmonics, count) each, also outside the travel."""
     periodic, modulated, uncompensated = amplitudes
     number = np.array(harmonics, dtype=float)
     # s = 0 and 1 at the control points 1 and count - 1.
@@ -185,8 +182,7 @@ def controller_parameters(
 ) -> AdaptiveRobustParameters:
     """Return the parameters of C1 (no cogging compensation), C2 (periodic) or C3 (B-spline), all printed numbers.
 
-    The gains are k_s1 alone: epsilon and u_s2 are not reported. Initial estimates are not reported: nominal, and
-    zero for cogging and disturbance. periodic: harmonics of C2; none: those of C3; changes: of any field.
+    Not reported, assumed: k_s1 alone (no u_s2), nominal initial estimates, harmonics of C2 as of C3 unless `periodic`.
     """
     fields: dict[str, Any] = {name: getattr(axis, name) for name in ("error_gain", "feedback_gain", *ESTIMATED[:3])}
     for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):

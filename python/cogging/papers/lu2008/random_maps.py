@@ -60,10 +60,7 @@ def orders(errors: FloatArray) -> dict[str, int]:
 
 
 def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) -> Table:
-    """Tabulate the share of maps of errors_on_maps, by kind and axis, on which each part of the claim holds.
-
-    The last row of each group counts maps on which C3 / C2 is below that of the paper's table.
-    """
+    """Tabulate the share of maps on which each part of the claim holds, and on which C3 / C2 is below the paper's."""
     rows = []
     for kind, by_axis in errors.items():
         for axis, by_index in by_axis.items():

@@ -1,28 +1,7 @@
 """Theorem 1 of Lu, Chen, Yao, Wang 2008 on random machines: A, the bound with u_s2; B, the vanishing error.
 
-ARC: M p' = u_s - phi^T theta~ + d~ (18), so with (19) and (20) the function (22), V = M p^2 / 2, has
-V' <= -k_s1 p^2 + epsilon <= -lambda V + epsilon with lambda = 2 k_s1 / theta_1max, and (23) follows.
-
-DCARC: its regressor is taken at the reference, so that by (24) and (25), with F = theta_2 + theta_3 g_f,
-s = theta_4b^T g_r and e' = p - k_1 e,
-
-    M p' = M k_1 e' - k_s1 p - F e' - s e + u_s2 - phi_d^T theta~ + d~.
-
-Because of the terms in e, V needs M k_1^2 e^2 / 2 beside M p^2 / 2. Its derivative is M k_1^2 e p - M k_1^3 e^2, and
-the mixed terms of M cancel:
-
-    V' = -(k_s1 - M k_1 + F) p^2 + (k_1 F - s) p e - M k_1^3 e^2 + p (u_s2 - phi_d^T theta~ + d~) <= -z^T Q z + epsilon
-
-with z = (p, e), where Q is (29) with M k_1^3 in the lower corner, of which (29) holds half in reserve. Where Q is
-positive, z^T Q z >= lambda V, lambda being its smallest eigenvalue relative to diag(M, M k_1^2) / 2, and (23) holds for
-this V. The estimates appear in neither bound: they only have to stay within theirs, which (14) ensures.
-
-The proof is in continuous time. Here the controllers run at 20 kHz on an ideal encoder, with e' as the reading's
-difference minus the velocity of x_d; epsilon and delta_d are not reported, but assumed.
-
-Theorem 1 B: with d~ = 0 and without u_s2, V + theta~^T Gamma^-1 theta~ / 2 has the derivative -z^T Q z at most, so that
-p and e go to zero whatever is excited. The theorem says nothing about the estimates or the time this takes. In sampled
-time an error of the order of the sample time remains: the command is held, the velocity is a backward difference.
+docs/papers/lu2008.md has the derivation for DCARC. The proof is in continuous time. Here the controllers run at 20 kHz
+on an ideal encoder, with e' as the reading's difference minus the velocity of x_d; epsilon and delta_d are assumed.
 """
 
 from __future__ import annotations
@@ -120,17 +99,11 @@ class Trial:
         return float(np.abs(known(log.true_position) - known(log.reference))[late].max())
 
     def error_bound(self) -> float:
-        """Return the bound of |e| that follows from (23) in the end, m.
-
-        V <= epsilon / lambda bounds p, and e' = p - k_1 e has |e| <= max |p| / k_1; so does the term in e^2 of V.
-        """
+        """Return the bound of |e| in the end, m: by (23) V <= epsilon / lambda bounds p, and |e| <= max |p| / k_1."""
         return float(np.sqrt(2.0 * EPSILON / (self.rate * self.plant.axis.mass)) / self.parameters.error_gain)
 
     def robust_term(self, log: Log) -> tuple[float, float]:
-        """Return the largest p (u_s2 - phi^T theta~ + d~) / epsilon and p u_s2 / epsilon of all samples.
-
-        Both as the controller computes them from its readings, the former with the worst d~ of the sample.
-        """
+        """Return the largest p (u_s2 - phi^T theta~ + d~) / epsilon, d~ the worst, and p u_s2 / epsilon of a run."""
         q = self.parameters
         velocity = np.diff(log.position, prepend=log.position[0]) * q.sample_rate
         error_rate = velocity - known(log.reference_velocity)
@@ -194,8 +167,7 @@ def rate_of(axis: GantryAxis, law: Law, parameters: AdaptiveRobustParameters) ->
 def growth_at_rest(axis: GantryAxis, **gains: Any) -> float:
     """Return the largest V of DCARC over its first one at rest with exact parameters and no d~.
 
-    The machine has the smallest mass and the largest frictions of the bounds and no cogging, and starts at 0.1 mm/s at
-    the (p, e) with the smallest z^T Q z. Where (29) is positive, V only falls.
+    The start is the (p, e) with the smallest z^T Q z at 0.1 mm/s; where (29) is positive, V only falls.
     """
     masses, viscous, coulomb, _ = axis.bounds
     values: dict[str, Any] = {"mass": masses[0], "viscous": viscous[1], "coulomb": coulomb[1]}
@@ -218,11 +190,7 @@ def growth_at_rest(axis: GantryAxis, **gains: Any) -> float:
 
 
 def groups(axis: GantryAxis) -> tuple[tuple[Law, str, dict[str, float]], ...]:
-    """Return the controllers that meet the conditions: law, name of the gains, and keywords of `draw`.
-
-    ARC requires nothing of its gains. DCARC meets (29) with the printed gains if S_f is smooth enough, and with the
-    assumed S_f if the gains are large enough.
-    """
+    """Return law, name of the gains and keywords of `draw` of the controllers that meet the conditions."""
     smooth = {"width": SMOOTHER * least_width(axis)}
     return ((Arc, "printed", {}), (Dcarc, "printed, smooth S_f", smooth), (Dcarc, "sufficient", sufficient_gains(axis)))
 
@@ -231,8 +199,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
     """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains.
 
     held: share of machines whose V stays below its bound; v_settled: largest V over epsilon / lambda after the start;
-    e_bound, e_inf: what (23) says of |e| then, and |e|; the two conditions of (30); the same with a condition dropped.
-    The last rows are of C3 on `machine` with its printed gains and rate and u_s2.
+    e_bound, e_inf: what (23) says of |e| then, and |e|. The last rows: C3 on `machine` with its printed gains and u_s2.
     """
     rows: list[Row] = []
 
@@ -282,8 +249,7 @@ def errors_by_period(
 ) -> FloatArray:
     """Return the rms error (m) of DCARC in each move there and back on a random machine with d~ = 0, (periods,).
 
-    Cogging of C3's harmonics, parameters and initial estimates within the bounds, an ideal encoder, no u_s2. faster:
-    factor on all printed adaptation rates; gains: as of `draw`.
+    faster: factor on all printed adaptation rates; gains: as of `draw`.
     """
     trial, motion = draw(axis, 0, Dcarc), gantry.reference(axis, repeats=periods)
     printed = controller_parameters(axis, "C3")

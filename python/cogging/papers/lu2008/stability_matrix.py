@@ -33,8 +33,7 @@ def steepest(axis: GantryAxis) -> tuple[float, float]:
 def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: Any) -> tuple[float, float]:
     """Return the smallest eigenvalue of (29) over the printed bounds, in SI units, and its decay rate, 1/s.
 
-    friction_slope: the largest g_f, 1/(m/s); share: of the largest |theta_4b^T g_r| within the bounds; gains:
-    error_gain (1/s), feedback_gain (V/(m/s)) in place of the printed ones.
+    friction_slope: the largest g_f, 1/(m/s); share: of the largest |theta_4b^T g_r|; gains: in place of the printed.
     """
     parameters, slope = gantry.controller_parameters(axis, "C3", **gains), share * steepest(axis)[1]
     return _core.desired_compensation_condition(parameters, friction_slope=friction_slope, cogging_slope=slope)
@@ -87,11 +86,7 @@ def least_width(axis: GantryAxis) -> float:
 
 
 def positive_share(axis: GantryAxis, machine: Plant, log: Log) -> float:
-    """Return the share of the samples of the last move at which (29) is positive with the machine's own numbers.
-
-    g_f and theta_4b^T g_r are the quotients of (24) and (25) between the true state and the reference; the latter is of
-    the whole cogging, with the harmonics that C3 lacks.
-    """
+    """Return the share of the last move's samples at which (29) is positive with the quotients (24), (25) there."""
     parameters, motion = gantry.controller_parameters(axis, "C3"), gantry.reference(axis)
     cogging, width = machine.cogging, machine.axis.coulomb_width
     assert isinstance(cogging, CoggingModel)

@@ -39,10 +39,7 @@ SPLITS: dict[str, tuple[str, Callable[[str, str, str], bool]]] = {
 
 
 def table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
-    """Return Table 1 (X) or 2 (Y), all numbers fitted, beside the same family with the other reading of e'.
-
-    The fundamental is one number for both tables and is named in each.
-    """
+    """Return Table 1 (X) or 2 (Y), all numbers fitted, beside the same family with the other reading of e'."""
     errors = np.array([gantry.indexes(logs[name], gantry.reference(axis)) for name in CONTROLLERS])
     title = f"Table {axis.table.removeprefix('table')}: performance indexes, {axis.name} axis"
     free = [name for name in FREE if name.endswith((axis.name, "both"))]
@@ -53,8 +50,7 @@ def table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
 def held_out_table(split: str) -> Table:
     """Return the predictions of a fit to a part of the numbers, beside a guess without a model.
 
-    The guess takes maxima as rms times the other table's ratio of the two, and C3 as C2. The discrete choices of the
-    family were made with all twelve numbers in view.
+    The guess takes maxima as rms times the other table's ratio of the two, and C3 as C2.
     """
     said, seen = SPLITS[split]
     rows, guesses = [], []
@@ -74,11 +70,7 @@ def held_out_table(split: str) -> Table:
 
 
 def maxima_table(logs: Mapping[str, Mapping[str, Log]]) -> Table:
-    """Tabulate the maxima by part of the motion in counts of the encoder, by axis and controller.
-
-    A reading minus x_d is a whole number of counts only where x_d is one too: at constant speed (200 or 40 counts a
-    sample here) and at rest. The printed maxima are whole counts, so they occur there.
-    """
+    """Tabulate the maxima by part of the motion in counts; at constant speed and at rest they are whole, as printed."""
     rows = []
     for axis in AXES.values():
         for printed, (name, log) in zip(axis.error_max, logs[axis.name].items(), strict=True):

@@ -17,15 +17,11 @@ from cogging.papers.malaize2009.linear_motors import MOTORS, accuracy
 from cogging.papers.malaize2009.theorem_3 import further_tables
 from cogging.papers.result import Reproduction
 
-#: The steps that reproduce() reports.
-STEPS = ("table 1", "figures 2 to 4", "imperfections", "causes", "ripple", "robustness", "theorem 3")
+STEPS = 7  # that reproduce() reports
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Return Table I, what it hides, Theorem 3, and the figures; `progress` is called with each of STEPS.
-
-    Without cvxpy (extra `design`) the table of Theorem 3 is left out, and a note says so.
-    """
+    """Return Table I, what it hides, figures, and Theorem 3 where cvxpy is; `progress` is called with each step."""
     logs = accuracies.logs_of_table_1()
     believed, found = accuracies.accuracies_as_believed(), accuracies.accuracies_of_table_1()
     with_friction = accuracies.accuracies_of_table_1(FRICTION)

@@ -134,9 +134,8 @@ def held_out(found: Sequence[Explanation]) -> Table:
 def what_else(found: Sequence[Explanation]) -> Table:
     """Tabulate further consequences of each cause, by which the paper's words and Fig. 3 distinguish them.
 
-    Of the observer: `at_rest`, the largest error while the reference rests; `ramps`, its largest error on ramps over
-    that at constant speed; `lines_left`, at constant speed the largest amplitude of its own periods over the PID's. Of
-    the PID: `beside_lines`, at constant speed the rms of the error without these lines over all of it.
+    at_rest: largest error while the reference rests; ramps: on ramps over at constant speed; lines_left: largest
+    amplitude of its own periods over the PID's; beside_lines, of the PID: rms of the error without them over all.
     """
     rows = []
     for each in found:
@@ -164,10 +163,7 @@ def _speed(log: Log) -> FloatArray:
 
 
 def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[FloatArray, float]:
-    """Fit lines of some periods (m) to the true error at constant speed in each stroke but the first.
-
-    Returns amplitudes (m), rms over the strokes, (periods,), and the rms of the residual over that of all.
-    """
+    """Return the rms amplitude of lines of some periods (m) in the error at constant speed, and its other share."""
     half = 0.5 * reference(motor).period
     powers, left, all_ = [], 0.0, 0.0
     for stroke in range(1, round(log.time[-1] / half)):

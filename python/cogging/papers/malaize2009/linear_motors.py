@@ -124,8 +124,7 @@ def plant(
 ) -> Plant:
     """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
 
-    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2);
-    resolution (m), friction (m/s^2): None for the motor's.
+    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2).
     """
     phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
@@ -218,10 +217,9 @@ def batch_errors(
     strokes: int = 0,
     reduction: str = "true_error_max",
 ) -> FloatArray:
-    """Return `accuracy`, or the rms error, of each machine under its controller, m, (n,); infinite if it diverged.
+    """Return the accuracy, or the rms error, of each machine under its controller, m, (n,); infinite if it diverged.
 
-    The number of a machine is the seed of its encoder noise. strokes: how many, from the start; 0: all; reduction:
-    "true_error_max" or "true_error_rms".
+    The number of a machine is the seed of its encoder noise; strokes: how many, from the start; 0: all.
     """
     period = reference(motor).period
     found = closed_loop_batch(

@@ -34,10 +34,7 @@ def rippled(motor: Motor, share: float) -> Plant:
 
 
 def with_friction(motor: Motor, width: float, excess: float = 0.0) -> Plant:
-    """Return the machine with friction that is smooth about rest over a width (m/s); 0: dry friction that sticks.
-
-    excess: of Stribeck friction at rest over the dry friction.
-    """
+    """Return the machine with friction smooth over a width (m/s; 0: it sticks), and relative Stribeck friction."""
     machine = plant(motor, shipped(motor).amplitude)
     listed = list(machine.effects)
     if excess:

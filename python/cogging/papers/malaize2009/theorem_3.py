@@ -37,11 +37,7 @@ class Solution:
 
 
 def as_printed(task: ObserverProblem, rate: float, *, from_rest: bool = False) -> Solution:
-    """Solve Theorem 3 as it is printed, B_o with its 2 N + 1 columns and no bound on the poles (needs cvxpy).
-
-    rate: 1/s, one over the unit of time in which the problem is given to the solver; the task's pole radius is ignored;
-    from_rest: the range of velocities begins at 0.
-    """
+    """Solve Theorem 3 as printed, without a bound on the poles, in a unit of time of 1 / rate (s) (needs cvxpy)."""
     cp: Any = importlib.import_module("cvxpy")
     task = replace(task, pole_radius=rate)
     vertices = [task.matrices(velocity)[0] for velocity in (0.0 if from_rest else task.velocity_min, task.velocity_max)]
@@ -83,9 +79,8 @@ def _poles(vertices: Iterable[FloatArray], gain: FloatArray) -> FloatArray:
 def unobserved(task: ObserverProblem, velocity: float) -> int:
     """Return how many of the 2 N + 3 states are unobservable from the position at a constant velocity (m/s).
 
-    At rest these are 2 N, and Theorem 3 is not feasible there for any alpha >= 0: for a cosine's state e, A(0) e = 0,
-    C e = 0 and C_o e = 0, so that the block of (15) has 2 alpha P_ee >= 0 on its diagonal and P_ee > 0 beside it by
-    B_o, and is not negative semidefinite.
+    At rest 2 N, so that Theorem 3 is not feasible: for a cosine's state e, A(0) e = 0, C e = 0 and C_o e = 0, so that
+    (15) has 2 alpha P_ee >= 0 on its diagonal and P_ee > 0 beside it by B_o, and is not negative semidefinite.
     """
     a, c, _, _ = task.matrices(velocity)
     rows = [c]

@@ -16,12 +16,11 @@ from cogging.papers.xu2001.epoxy_motor import ALL, CONTROLLERS, HELD_OUT, JOINT_
 from cogging.papers.xu2001.pid_poles import pid_poles_table
 
 DU_RMS = "du_rms = c_u u_rms by (54): derived and not counted. The paper prints it with one digit."
-#: The steps that reproduce() reports.
-STEPS = ("table 1", "figures 2 to 4", "figures 5, 6", "robust terms", "theorem 1, PID poles", "exploration")
+STEPS = 6  # that reproduce() reports
 
 
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
-    """Return Table 1, Figs. 2 to 6, and the claims; `progress` is called with each of STEPS."""
+    """Return Table 1, Figs. 2 to 6, and the claims; `progress` is called with each step."""
     unknowns, joint = epoxy_motor.shipped_unknowns(), epoxy_motor.joint_conditions()
     before = sinusoidal_motion.table_1(Conditions(unknowns).table(), free=PID_FREE)
     table = sinusoidal_motion.table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)

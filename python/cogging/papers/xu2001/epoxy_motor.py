@@ -141,11 +141,7 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
-    """Return the ARC with every printed number (section 4.3), without robust terms: k_1s = g_1, k_2s = g_2.
-
-    With the printed robust terms one encoder count moves the command by 8.25e5 V after the filters have settled
-    (robust_terms.py), so they cannot have run; the conditions of Theorem 1 A are then not met.
-    """
+    """Return the ARC as printed (section 4.3) without robust terms, which cannot run (robust_terms.py)."""
     fields = {
         "sample_rate": SAMPLE_RATE,
         "observer_gain_1": 400.0,
@@ -208,9 +204,7 @@ def run(unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, e
 def after_earlier_runs(machine: Plant, controller: ListedController, earlier_runs: int, seed: int) -> ListedController:
     """Return the controller at the start of the run after some runs of the same machine; a PID is unchanged.
 
-    From each run the next one keeps the estimates of theta_1 and theta_2, which belong to the motor and its payload;
-    theta_3 and the filters start again. Assumed: the paper prints theta_hat(0) = [30, 10, 0] and does not say whether
-    each recorded run began with it.
+    Each next run keeps the estimates of theta_1 and theta_2, of motor and payload; assumed, the paper does not say it.
     """
     if not isinstance(controller, OutputFeedbackArc):
         return controller
@@ -248,10 +242,7 @@ class Conditions:
         return run(self.unknowns, self.controller(controller), seed=seed, earlier_runs=self.earlier_runs)
 
     def by_seed(self, controller: str, sets: Sequence[str] = SETS, seeds: Sequence[int] = SEEDS) -> FloatArray:
-        """Return the indexes of a controller by set, seed of the encoder noise and index, (sets, seeds, 6).
-
-        All seeds share the earlier runs. Raises DivergedError if a run diverged.
-        """
+        """Return the indexes of a controller by set, seed of the encoder noise and index, (sets, seeds, 6)."""
         machines = [plant(self.unknowns, name) for name in sets]
         made = self.controller(controller)
         prepared = [after_earlier_runs(machine, made, self.earlier_runs, seeds[0]) for machine in machines]

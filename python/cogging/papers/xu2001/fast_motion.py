@@ -55,10 +55,7 @@ def run_fast(conditions: Conditions) -> dict[str, Log]:
 
 
 def fast_motion_table(unknowns: Unknowns, joint: Conditions) -> Table:
-    """Tabulate errors of PID and ARC, moving and at rest, on the calibrated plants and variations of the first.
-
-    The paper prints 1 um of the ARC's rest, which depends on the encoder's noise and on whether friction sticks.
-    """
+    """Tabulate errors of PID and ARC, moving and at rest, on the calibrated plants and variations of the first."""
     sticks = epoxy_motor.shipped_unknowns("exact_stribeck")
     plants = {
         "calibrated": unknowns,

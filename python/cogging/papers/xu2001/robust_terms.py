@@ -65,11 +65,7 @@ def increment(factor: float, sample_rate: float, resolution: float) -> float:
 
 
 def one_count(resolution: float, held: int = SETTLED) -> float:
-    """Return the command (V) due to one encoder count (m) with all printed robust terms after samples at rest.
-
-    The gains grow with the filter psi (12), which rises from zero: one sample after the start a count moves the command
-    3,600 times less than settled.
-    """
+    """Return the command (V) due to one encoder count (m) with all printed robust terms after samples at rest."""
     controller = OutputFeedbackArc(arc_parameters(**ALL_TERMS))
     for _ in range(held):
         controller.update(controller.command(reference=0.0, reading=0.0))
@@ -77,10 +73,7 @@ def one_count(resolution: float, held: int = SETTLED) -> float:
 
 
 def by_hand(resolution: float) -> float:
-    """Return the command (V) of a settled count (m): -K_2 K_1 / theta_1min times it.
-
-    K_1 and K_2 of the printed robust terms at rest are from (28), (37), (38), (43), (47): psi_2 = k_1 / k_2 (12).
-    """
+    """Return the command (V) of a settled count (m), -K_2 K_1 / theta_1min times it, by (28), (37), (38), (43)."""
     p = arc_parameters(**ALL_TERMS)
     none, psi = np.zeros((1, 2)), np.array([[1.0, p.observer_gain_1]]) / p.observer_gain_2
     zero = np.zeros(1)
@@ -108,7 +101,7 @@ def time_to_divergence(sample_rate: float, duration: float) -> Lasting:
 def one_count_table() -> Table:
     """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate.
 
-    unstable_from is where K_2 of the robust terms, along a run without them that follows case 1, exceeds its limit.
+    unstable_from: where K_2 along a run without them exceeds its limit.
     """
     name = "ARC, all terms"
     counts = {

@@ -83,7 +83,7 @@ def seeds_table(joint: Conditions) -> Table:
     for words, seeds in (("fitted", SEEDS), ("others", OTHER_SEEDS)):
         runs = {name: joint.by_seed(name, seeds=seeds) for name in CONTROLLERS}
         tables = [table_1({name: runs[name][:, place] for name in CONTROLLERS}) for place in range(len(seeds))]
-        near = [float(table.counts().within[1]) for table in tables]
+        near = [float(table.counts()["within"]["15"]) for table in tables]
         left = [rms_log_error(table.rows) for table in tables]
         for index, values in (("within_15", near), ("rms_log_error", left)):
             for name, value in (("least", min(values)), ("mean", np.mean(values)), ("largest", max(values))):
@@ -106,15 +106,15 @@ def joint_note(table: Table) -> str:
     """Return what Table 1 reproduces, and under which assumptions."""
     joint, counts, shares = epoxy_motor.joint_conditions(), table.counts(), better_shares(table).values()
     early = [row.ratio for row in (table.before or table).rows if row.controller == "ARC" and row.ratio]
-    factor, runs, near = joint.adaptation_factor, joint.earlier_runs, counts.within
+    factor, runs, near = joint.adaptation_factor, joint.earlier_runs, counts["within"]
     smaller, left = sum(share < 1.0 for share in shares), rms_log_error(table.rows)
     others = " and ".join(f"{part['adaptation_factor']:.3g}" for part in shipped_file()["held_out"].values())
     return textwrap.fill(
         f"Two assumptions bring the ARC columns near the printed ones: adaptation rates {factor:.3g} times those "
         f"printed, and estimates of theta_1 and theta_2 kept from {runs} earlier runs of each set, where the paper "
-        f"states theta_hat(0). Of {counts.numbers} fitted numbers {near[1]} lie within 15 % and {near[2]} within 40 "
-        f"% (rms log error {left:.3f}); the ARC's error is smaller than the PID's in {smaller} of {len(shares)} cases "
-        f"(paper: {len(shares)}). "
+        f"states theta_hat(0). Of {counts['numbers']} fitted numbers {near['15']} lie within 15 % and {near['40']} "
+        f"within 40 % (rms log error {left:.3f}); the ARC's error is smaller than the PID's in {smaller} of "
+        f"{len(shares)} cases (paper: {len(shares)}). "
         f"Fits to a part of the numbers ask for factors of {others}; table conditions says what the factor may mean. "
         "Before, on the plant of the PID columns with all as printed, the ARC's numbers are "
         f"{min(early):.2g} to {max(early):.2g} times the paper's. The robust terms are off: as printed they cannot run "
@@ -124,11 +124,7 @@ def joint_note(table: Table) -> str:
 
 
 def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
-    """Return what the paper's fitted numbers say of a withheld set without a model, by index.
-
-    If the controller was seen in several sets: its numbers in set 1. If it was seen in set 1 alone: the other
-    controller's number in the withheld set, times the ratio of the two in set 1.
-    """
+    """Return what the paper's fitted numbers say of a withheld set without a model, by index (GUESS)."""
     guess = np.array(TABLE_1[controller]["1"])
     if len(HELD_OUT[split][controller]) == 1:
         other = next(name for name in CONTROLLERS if name != controller)
@@ -151,7 +147,7 @@ def held_out_table(split: str) -> Table:
     before = Table(f"held_out_{split}_trivial", "", guesses)
     took = ", ".join(f"{controller} sets {' '.join(sets)}" for controller, sets in seen.items())
     factor, runs = conditions.adaptation_factor, conditions.earlier_runs
-    near = [table.counts().predicted_within[1] for table in (Table("", "", predicted), before)]
+    near = [table.counts()["predicted_within"]["15"] for table in (Table("", "", predicted), before)]
     left = [rms_log_error(part) for part in (predicted, guesses)]
     title = (
         f"Held out: all is fitted to {took}, the rest predicted "
@@ -217,10 +213,7 @@ def changes() -> dict[str, dict[str, Any]]:
 
 
 def exploration_table(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
-    """Tabulate the gap of the ARC columns for each of the changes, and on the way to the joint conditions.
-
-    Infinite if a run diverges; arc_logs: of the joint conditions.
-    """
+    """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
     gaps = {}
     for name, change in changes().items():
         try:
