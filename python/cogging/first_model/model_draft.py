@@ -141,11 +141,6 @@ class ModelDraft(ByValue):
         likely: guesses to be checked.
         unsure: what is unknown, each with what to do.
         model: the drafted model.
-
-    Example:
-        >>> draft = cogging.draft_model(log)
-        >>> print(f"{draft.model.axis.mass:.2f} V/(m/s^2), {draft.motion.kind}")
-        0.12 V/(m/s^2), point_to_point
     """
 
     source: str

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cogging.arrays import FloatArray, IntArray, Mask, cross_correlation
+from cogging.arrays import IntArray, Mask, cross_correlation
 from cogging.logs.log import Log
 
 STRETCH = 200  # consecutive equal rows; with noise, no repeated motion reaches that

@@ -28,7 +28,6 @@ SHOWN = 40  # characters of a line in a message
 DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")  # or a decimal comma before three digits
 WHOLE = re.compile(r"[+-]?\d+(?:[eE][+-]?\d+)?")
-QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
 
 
 def read(request: Request) -> dict[str, FloatArray]:
@@ -193,21 +192,13 @@ def _split(line: str, separator: str) -> list[str]:
 
 def _require_whole_quotes(line: str, separator: str, number: int, request: Request) -> None:
     """Refuse quotes that do not close, or have text behind them, as the core does in rows."""
-    blanks = " " if separator == "\t" else " \t"
-    at = 0
-    while at < len(line):
-        start = at = at + len(line[at:]) - len(line[at:].lstrip(blanks))
-        if line.startswith('"', start):
-            quoted = QUOTED.match(line, start)
-            if quoted is None:
-                raise request.refuse(f"line {number}: must close its quotes, got {line[start : start + SHOWN]!r}")
-            behind = line[quoted.end() :]
-            at = quoted.end() if separator == " " else len(line) - len(behind.lstrip(blanks))
-            if at < len(line) and line[at] not in (blanks if separator == " " else separator):
-                got = f"{line[start : start + SHOWN]!r}"
-                raise request.refuse(f"line {number}: must have a separator behind closed quotes, got {got}")
-        ends = [i for i in (line.find(mark, at) for mark in (blanks if separator == " " else separator)) if i >= 0]
-        at = min(ends) + 1 if ends else len(line)
+    line = line.replace("\t", " ") if separator == " " else re.sub(rf'"[ \t]+(?={separator}|$)', '"', line)
+    try:
+        next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True), None)
+    except csv.Error as error:
+        if "limit" not in str(error):  # a long cell
+            rule = "close its quotes" if "end of data" in str(error) else "have a separator behind closed quotes"
+            raise request.refuse(f"line {number}: must {rule}, got {line[:SHOWN]!r}") from None
 
 
 def _separator(line: str, below: Sequence[str] = ()) -> str:
