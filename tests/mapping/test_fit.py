@@ -398,7 +398,7 @@ REFUSED = [
     ({"position": with_value(GRID, 7, np.nan)}, r"position: must be finite numbers, got nan in row 7"),
     ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
-    ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional, got 2 dimensions"),
+    ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional and not empty, got shape \(7, 73\)"),
     ({"force": WAVE + 1j}, r"force: must be real numbers, got ndarray"),
     ({"position": GRID[:3], "force": WAVE[:3]}, r"position: must hold at least 10 points of a scan, got 3"),
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),

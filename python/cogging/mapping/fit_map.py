@@ -309,14 +309,12 @@ def fit_map(
     that the scan does not reach continues its neighbour; it is listed in `unexcited`.
 
     Friction is separated from the offset if the scan goes there and back over one pitch or more. g(x), also periodic,
-    is what else changes its sign with the direction: friction ripple, hysteresis. It is searched in the residual,
-    reported in `direction_amplitudes` and not part of the map.
+    is what else changes its sign with the direction: friction ripple, hysteresis; it is not part of the map.
 
     Harmonics are found in the least-squares spectrum (HarmonicSpectrum.find). Periodic and orders 1 to 4 are compared
-    by 8-fold cross-validation on blocks of an eighth of a pitch (of at most a 64th of the travel), both directions
-    together; the one with the fewest coefficients within one standard error of the best is chosen. Noise correlated
-    over more than a block resembles a modulation. Standard errors use the residual's spectrum at a harmonic's own
-    frequency, and at least the residual's mean square.
+    by 8-fold cross-validation on blocks of an eighth of a pitch, both directions together; the one with the fewest
+    coefficients within one standard error of the best is chosen. Standard errors use the residual's spectrum at a
+    harmonic's own frequency, and at least the residual's mean square.
 
     Args:
         position: m, (n,), in the order of measurement, irregular and repeated at will.

@@ -167,16 +167,9 @@ class MapFit(ByValue):
         }
 
     def to_frame(self) -> Any:
-        """The harmonics as a pandas DataFrame, a row each, with units in `attrs["units"]`.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
-        names = [field.name for field in fields(HarmonicAmplitude)]
-        columns = {name: [getattr(entry, name) for entry in self.amplitudes] for name in names}
-        return frame_of(
-            columns, {"amplitude": self.units.command, "standard_error": self.units.command, "phase": "rad"}
-        )
+        """The harmonics as a pandas DataFrame (extra `frames`), a row each, with units in `attrs["units"]`."""
+        columns = {one.name: [getattr(a, one.name) for a in self.amplitudes] for one in fields(HarmonicAmplitude)}
+        return frame_of(columns, dict.fromkeys(("amplitude", "standard_error"), self.units.command) | {"phase": "rad"})
 
     def _repr_html_(self) -> str:
         v = self.units.command
