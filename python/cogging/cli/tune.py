@@ -50,12 +50,13 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
-    from cogging.design.tuning import files_of_tune, optuna, read_tune, run_tune
+    from cogging.design.tuning import optuna, read_tune, run_tune
+    from cogging.simulation.sweep import files_of_job
 
     require_threads(arguments)
     asked = read_tune(arguments.tune)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
-    check_outputs(outputs, files_of_tune(asked, arguments.tune))
+    check_outputs(outputs, files_of_job(asked, arguments.tune))
     try:
         optuna()
     except ImportError as error:

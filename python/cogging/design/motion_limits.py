@@ -89,12 +89,6 @@ class MotionLimits(ByValue):
 
         Raises:
             InputError: the file cannot be used; names file, line, field, rule and value.
-
-        Example:
-            >>> with open("limits.toml", "w") as file:
-            ...     _ = file.write("travel = [0.0, 0.5]\\nvelocity = 0.5\\nacceleration = 5.0\\nduration = 20.0")
-            >>> cogging.MotionLimits.read("limits.toml")
-            MotionLimits(0 to 0.5 m, 0.5 m/s, 5 m/s^2, 20 s)
         """
         document = read_toml(path)
         try:
@@ -142,31 +136,25 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
     low, high = model.axis.travel
     if not math.isfinite(high - low):
         if not found:
-            raise ValueError(
-                "axis.travel: must be given in the model, or a log in --logs, to draft limits, got neither"
-            )
+            rule = "must be given in the model, or a log in --logs, to draft limits"
+            raise ValueError(f"axis.travel: {rule}, got neither")
         low, high = (end(one.travel[i] for one in found) for i, end in enumerate((min, max)))
-    velocity, acceleration = STROKE * (high - low), STROKE * (high - low) / RAMP
-    source, command = f"assumed: the travel in {1.0 / STROKE:g} s", None
+    velocity, acceleration, command = STROKE * (high - low), STROKE * (high - low) / RAMP, 0.0
+    source, ramp = f"assumed: the travel in {1.0 / STROKE:g} s", f"assumed: {RAMP:g} s to that velocity"
     if found:
         velocity, acceleration, command = (
             max(max(map(abs, getattr(one, name))) for one in found) for name in ("speed", "acceleration", "command")
         )
-        source = "found: the largest in these logs"
-    ramp = source if found else f"assumed: {RAMP:g} s to that velocity"
+        source = ramp = "found: the largest in these logs"
     rows = [
-        ("velocity", f"{velocity:.3g}", f"m/s; {source}"),
-        ("acceleration", f"{acceleration:.3g}", f"m/s^2; {ramp}"),
-        ("duration", "20.0", "s, of the whole motion; assumed"),
-        ("travel", f"[{low:.6g}, {high:.6g}]", "m; of the model" if not found else "m; of the model or these logs"),
-        ("# jerk", f"{acceleration / JERK_RISE:.3g}", "m/s^3; what counts if it is not given"),
+        (f"velocity = {velocity:.3g}", "m/s", source),
+        (f"acceleration = {acceleration:.3g}", "m/s^2", ramp),
+        ("duration = 20.0", "s, of the whole motion", "assumed"),
+        (f"travel = [{low:.6g}, {high:.6g}]", "m", "of the model" + " or these logs" * bool(found)),
+        (f"# jerk = {acceleration / JERK_RISE:.3g}", "m/s^3", "what counts if it is not given"),
+        *([(f"command = {command:.3g}", "V", source)] if command else []),
     ]
-    if command:
-        rows.append(("command", f"{command:.3g}", f"V; {source}"))
-    lines = []
-    for key, value, meaning in rows:
-        unit, _, rest = meaning.partition(";")
-        lines.append(f"{f'{key} = {value}':<27} # {model.units.of(unit)};{rest}")
+    lines = [f"{line:<27} # {model.units.of(unit)}; {meaning}" for line, unit, meaning in rows]
     return "\n".join(["## What the machine may do, drafted by `cogging experiment`: check each line.", *lines, ""])
 
 

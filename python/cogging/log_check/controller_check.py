@@ -283,12 +283,9 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 
     `pid` and `cascade` are recomputed as their equations say (Pid, Cascade), with Ts = 1/`sample_rate` even where the
-    time jitters, and their gains are fitted by least squares on the same regressors; every other type is run on the
-    logged references and readings (replay_controller). The first row, whose differences reach before the log, is
-    left out, and so are rows at the stated command limit when gains are fitted.
-
-    A few missing samples are interpolated, and rows whose command depends on them are not compared; after a longer gap
-    the integral is another constant. Spikes of readings and commands are left out if they alone explain the difference.
+    time jitters, and their gains are fitted by least squares; every other type is run on the logged references and
+    readings (replay_controller). A few missing samples are interpolated, and rows whose command depends on them are not
+    compared; after a longer gap the integral is another constant. Spikes are left out if they explain the difference.
 
     Args:
         log: with a reference.
