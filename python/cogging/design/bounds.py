@@ -153,9 +153,10 @@ class Bounds(ByValue):
     """The bounds of an uncertain axis, and the controllers designed for them.
 
     The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
-    estimates and the feedforward. In what follows w is `bandwidth` (1/s); None: the smaller of 200 1/s, the k_1 of the
-    X axis of Lu et al. 2008, and sample_rate / 25, its ratio. The sample rate is the one of the model's controller,
-    else the struct's default, unless overridden, as any other field may be.
+    estimates and the feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of
+    200 1/s, the k_1 of the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as
+    an override; they raise ValueError for a value that breaks its rule. The sample rate is the one of the model's
+    controller, else the struct's default.
 
     Attributes:
         model: whose bounds they are.
@@ -246,12 +247,8 @@ class Bounds(ByValue):
         w; of cogging a tenth, of Coulomb and viscous friction a hundredth and of mass a thousandth of it: the ratios of
         the paper (1000 to 100, 10, 10, 1 on the X axis). u_s2 is off, as its epsilon is not reported.
 
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of AdaptiveRobustParameters.
-
         Raises:
-            ValueError: periods of the cogging that are no whole fractions of one pitch, a value that breaks its rule.
+            ValueError: periods of the cogging that are no whole fractions of one pitch.
         """
         axis, rate = self.model.axis, self._sample_rate(AdaptiveRobustParameters, overrides)
         w = _bandwidth(bandwidth, rate)
@@ -325,8 +322,6 @@ class Bounds(ByValue):
         Args:
             velocity_min: of the reference velocities at which the cogging is cancelled, m/s, above 0.
             velocity_max: their largest, m/s.
-            bandwidth: w, 1/s.
-            overrides: any field of ObserverProblem.
 
         Raises:
             ValueError: the model has no cogging, or a value breaks its rule.
@@ -351,10 +346,6 @@ class Bounds(ByValue):
         Args:
             problem: what was designed for.
             design: by design_observer.
-            overrides: any field of ObserverBasedParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
         """
         fields: dict[str, Any] = {
             "sample_rate": self._sample_rate(ObserverBasedParameters, overrides),
@@ -375,13 +366,6 @@ class Bounds(ByValue):
         Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
         gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
         Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
-
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of OutputFeedbackArcParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
         """
         axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
@@ -407,15 +391,7 @@ class Bounds(ByValue):
         return OutputFeedbackArcParameters(**{**fields, **overrides})
 
     def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> PidParameters:
-        """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward.
-
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of PidParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
-        """
+        """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward."""
         rate = self._sample_rate(PidParameters, overrides)
         kp, ki, kd = pid_gains([-_bandwidth(bandwidth, rate)] * 3, self.mass[0])
         fields = {"sample_rate": rate, "kp": kp, "ki": ki, "kd": kd, **self._feedforward}
@@ -426,13 +402,6 @@ class Bounds(ByValue):
 
         A smaller mass makes the velocity loop faster, so no mass in the bounds is underdamped. `viscous` is B + kv:
         with kv of it the velocity loop sees the error of velocity, without which the axis would lag by v / kp.
-
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of CascadeParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
         """
         rate = self._sample_rate(CascadeParameters, overrides)
         w = _bandwidth(bandwidth, rate)

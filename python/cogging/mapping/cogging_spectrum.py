@@ -46,9 +46,8 @@ def fit_splines(
 ) -> SplineFit:
     """Fit the coefficients of the cogging model (None: none) and of the nuisance columns (n, q), the first constant.
 
-    The prior: neighbouring control points of a harmonic differ by 0 +- the standard deviation of the force, all
-    harmonics alike. Its weight is therefore the residual's variance over that of the force, small where the points
-    determine the coefficients.
+    The prior: neighbouring control points differ by 0 +- the standard deviation of the force, so that its weight is the
+    residual's variance over that of the force.
     """
     normal, right = normal_equations(basis, position, force, nuisance)
     p = len(normal) - nuisance.shape[1]
@@ -174,22 +173,14 @@ class HarmonicSpectrum:
     """The least-squares spectrum of a force around the harmonics of a pitch.
 
     Lines are at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
-    the distance of two harmonics: each harmonic exactly, and between them as many lines as the travel resolves. The
-    power of a line is half of what its sine and cosine take off the sum of squares, so that white noise of variance
-    sigma^2 gives sigma^2 on average, at any positions. A harmonic whose amplitude changes along the travel (Lu et al.
-    2008, eq. 3) has lines beside it; those within a quarter of the distance of two harmonics count as its own.
+    the distance of two harmonics. The power of a line is half of what its sine and cosine take off the sum of squares,
+    so that white noise of variance sigma^2 gives sigma^2 on average. A harmonic whose amplitude changes along the
+    travel (Lu et al. 2008, eq. 3) has lines beside it; those within a quarter of the distance count as its own.
 
     Args:
         position: m, (n,), in any order.
         pitch: m.
         highest: the last harmonic.
-
-    Attributes:
-        frequency: 1/m, (highest + 1, lines of a harmonic); row h belongs to harmonic h, row 0 to what is slower.
-        present: as `frequency`, whether f > 0.
-        near: as `frequency`, whether a line counts as its harmonic's own.
-        few: whether the lines are too few for a slope of the noise, which is then assumed white.
-        modulated: whether the travel is long enough (four pitches) to separate modulations from other harmonics.
     """
 
     def __init__(self, position: FloatArray, pitch: float, highest: int) -> None:
@@ -201,8 +192,10 @@ class HarmonicSpectrum:
         require_memory("position", POINT * len(position) * lines, size, f"{travel / pitch:g} pitches")
         self.harmonic = np.arange(highest + 1)
         offset = np.arange(-reach, reach + 1)
+        # 1/m, (highest + 1, lines of a harmonic); row h belongs to harmonic h, row 0 to what is slower.
         self.frequency: FloatArray = self.harmonic[:, None] / pitch + offset / travel
         self.present = self.frequency > 0.0
+        # Whether a line is its harmonic's own, lines are too few for a slope of the noise, modulations are separable.
         self.near = (np.abs(offset) <= SIDEBAND * travel / pitch) & (self.harmonic[:, None] > 0)
         self.few = bool(self.present.sum() < FEWEST_FOR_SLOPE)
         self.modulated = bool(self.near.sum(axis=1).max() > 1)
@@ -239,9 +232,8 @@ class HarmonicSpectrum:
     def level(self, power: FloatArray, taken: Lines, mean_square: float) -> tuple[FloatArray, float]:
         """The noise level (V^2, in the shape of `frequency`) and its degrees of freedom.
 
-        The running median of the lines without a component, divided by ln 2: noise power is exponentially distributed,
-        and the median ignores the few significant lines. A power law in f is removed first if it is significant, since
-        friction is noisier over long distances. With too few lines the mean square of the force is used instead.
+        The running median of the lines without a component, divided by ln 2 (noise power is exponentially distributed),
+        after a significant power law in f is removed; with too few lines the mean square of the force.
         """
         free = np.flatnonzero((self.present & ~taken).ravel())
         smallest = np.finfo(float).tiny
