@@ -62,8 +62,7 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
     """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
 
     Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
-    (m/s) and time. To the range at the model's values come, for each field with an interval, the largest changes of
-    force down and up from the value to the ends of it: exact for one amplitude, on the safe side for several. Force
+    (m/s) and time; for each field with an interval come the largest changes from the value to the ends of it. Force
     noise adds 1.96 rms. The estimate is the force in mid-travel at rest at t = 0.
     """
     if not (np.isfinite(velocity_max) and velocity_max > 0):

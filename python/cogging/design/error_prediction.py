@@ -14,7 +14,7 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import Arc, Cascade, Dcarc, ObserverBased, OutputFeedbackArc, Pid, Reference
 from cogging.arrays import FloatArray, real_array
-from cogging.calls import check_arguments, did_you_mean
+from cogging.calls import check_arguments, entry_named
 from cogging.design.bounds import Bounds
 from cogging.design.observer import design_observer
 from cogging.model.controller import AnyController
@@ -232,16 +232,8 @@ class ErrorPrediction(ByValue):
         return f"{', '.join(errors)}; {self.samples} machines"
 
     def __getitem__(self, name: str) -> ControllerPrediction:
-        """The prediction of a controller.
-
-        Raises:
-            KeyError: no such controller.
-        """
-        for controller in self.controllers:
-            if controller.name == name:
-                return controller
-        known = [controller.name for controller in self.controllers]
-        raise KeyError(f"{name}: is no controller of it; {did_you_mean(name, known)}")
+        """The prediction of a controller; KeyError: no such controller."""
+        return entry_named(name, {controller.name: controller for controller in self.controllers}, "controller")
 
     def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
         """Draw the error that each controller would reach (cogging.plot.prediction).

@@ -255,7 +255,15 @@ def plan_experiment(
         if goal == "fit":
             expected = _intervals(evidence, model)
         else:
-            expected = _limits(evidence, vocabulary, document.get("limits") or {}, model.units)
+            # The detection limits that `diagnose` states for a log in which nothing is hidden.
+            found = detection_limits(Outcome(evidence, evidence, evidence, [], [], []), vocabulary)
+            expected = []
+            for name, limit in found.items():
+                known = (document.get("limits") or {}).get(name) or {}
+                before = known.get("value") if known.get("parameter") == limit.parameter else None
+                value = None if limit.value is None else float(f"{limit.value:.4g}")
+                unit = model.units.of(limit.unit)
+                expected.append(Expectation(name, limit.parameter, unit, value, before, limit.why))
     advice = separating(rivals, vocabulary, [log]) if goal == "separate" else None
     return ExperimentPlan(
         goal, elements, motion, scale, limits, taken, tuple(expected), advice, tuple(notes), seed, model.units
@@ -302,20 +310,6 @@ def _evidence(logs: Sequence[Log], stated: Model, model: Model) -> Evidence:
     evidence = Evidence(balances[:1], stated, model).prepare()
     evidence.screen = evidence.fitted([np.asarray(taps / deviation(lfilter(taps, 1.0, left)[mask]))])
     return evidence
-
-
-def _limits(
-    evidence: Evidence, vocabulary: Mapping[str, Effect], today: Mapping[str, Any], units: Units
-) -> list[Expectation]:
-    """Return the detection limits that `diagnose` states for a log in which nothing is hidden."""
-    found = detection_limits(Outcome(evidence, evidence, evidence, [], [], []), vocabulary)
-    expected = []
-    for name, limit in found.items():
-        known = today.get(name) or {}
-        before = known.get("value") if known.get("parameter") == limit.parameter else None
-        value = None if limit.value is None else float(f"{limit.value:.4g}")
-        expected.append(Expectation(name, limit.parameter, units.of(limit.unit), value, before, limit.why))
-    return expected
 
 
 def _intervals(evidence: Evidence, model: Model) -> list[Expectation]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -117,17 +117,15 @@ class MotionLimits(ByValue):
             FieldError: the travel is stated neither here nor by the model, or is not inside the model's.
         """
         low, high = (float(end) for end in model.axis.travel)
-        travel = (low, high) if self.travel is None else self.travel
-        if not (math.isfinite(travel[0]) and math.isfinite(travel[1])):
+        travel = self.travel or (low, high)
+        if not all(map(math.isfinite, travel)):
             raise FieldError("", "travel", "must be given where the model states none, got nothing")
         if not (low <= travel[0] and travel[1] <= high):
             rule = f"must be inside the model's, {low:g} to {high:g} {model.units.position}"
             raise FieldError("", "travel", f"{rule}, got {list(travel)}")
         own = 0.0 if model.controller is None else model.controller.command_limit
-        command = min(self.command or math.inf, own or math.inf)
-        jerk = self.acceleration / JERK_RISE if self.jerk is None else self.jerk
-        known = travel, jerk, command if math.isfinite(command) else None
-        return MotionLimits(self.velocity, self.acceleration, self.duration, *known)
+        command = min((limit for limit in (self.command, own) if limit), default=None)
+        return replace(self, travel=travel, jerk=self.jerk or self.acceleration / JERK_RISE, command=command)
 
 
 def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
@@ -161,8 +159,8 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
 def shares_of_limits(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
     """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
 
-    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes
-    the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
+    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone. The axis must be able to stop
+    inside its travel: x +- v^2 / (2 a) counts.
     """
     planned = motion.samples
     position = log.true_position if log.true_position is not None else log.position

@@ -109,31 +109,28 @@ def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Ma
 
 def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
     """Return one gain from its checked entry in the table of gains."""
-
-    def refuse(rule: str) -> FieldError:
-        return FieldError("gains", path, rule)
-
     if not isinstance(given, Mapping):
-        raise refuse(f"must be a table with from and to, got {quoted(given)}")
+        raise FieldError("gains", path, f"must be a table with from and to, got {quoted(given)}")
     refuse_unknown_keys(given, KEYS, f"gains.{path}")
     for key in ("from", "to"):
         if key not in given:
-            raise refuse(f"{key}: must be given, got nothing")
+            raise FieldError("gains", path, f"{key}: must be given, got nothing")
     for key, value in given.items():
         if key != "scale" and not (is_number(value) and math.isfinite(value)):
-            raise refuse(f"{key}: must be a number, got {quoted(value)}")
+            raise FieldError("gains", path, f"{key}: must be a number, got {quoted(value)}")
     low, high = float(given["from"]), float(given["to"])
-    if not low < high:
-        raise refuse(f"from: must be below to = {high:g}, got {low:g}")
     scale = given.get("scale", "log" if low > 0.0 else "linear")
-    if scale not in ("log", "linear"):
-        raise refuse(f"scale: must be linear or log, got {quoted(scale)}")
-    if scale == "log" and low <= 0.0:
-        raise refuse(f"from: must be above 0 on a logarithmic scale, got {low:g}")
-    middle = math.sqrt(low * high) if scale == "log" else 0.5 * (low + high)
+    middle = math.sqrt(low * high) if scale == "log" and low > 0.0 else 0.5 * (low + high)
+    rules = {
+        f"from: must be below to = {high:g}, got {low:g}": low < high,
+        f"scale: must be linear or log, got {quoted(scale)}": scale in ("log", "linear"),
+        f"from: must be above 0 on a logarithmic scale, got {low:g}": scale != "log" or low > 0.0,
+        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low, high) == (int(low), int(high)),
+    }
+    for rule, holds in rules.items():
+        if not holds:
+            raise FieldError("gains", path, rule)
     start = float(given["start"]) if "start" in given else middle if present is None else float(present)
-    if whole and (low != int(low) or high != int(high)):
-        raise refuse(f"from, to: must be whole numbers, got {low:g} and {high:g}")
     return Gain(path, low, high, scale == "log", start, whole)
 
 
@@ -618,21 +615,19 @@ def _failure_notes(judge: Judge, found: Sequence[Trial], units: Units) -> list[s
     name = max(counts, key=lambda one: counts[one])
     least = min((trial.excess[name] for trial in found if name in trial.excess), default=0.0)
     by = f"at best by {100 * least:.3g} %" if least > 0.0 else "but not in all of them at once"
-    most = f"the one that failed most is {name}: in {counts[name]} of {len(found)} trials, {by}"
-    trials = [judge.present, *found]
-    nearest = min(trials, key=lambda trial: sum(max(value, 0.0) for value in trial.excess.values()))
+    most = (
+        f"no trial keeps all limits; the one that failed most is {name}: in {counts[name]} of {len(found)} trials, {by}"
+    )
+    nearest = min([judge.present, *found], key=lambda trial: sum(max(value, 0.0) for value in trial.excess.values()))
     gains = ", ".join(f"{path} = {value:.4g}" for path, value in nearest.gains.items())
     if RULE in nearest.excess:
-        return [f"no trial keeps all limits; {most}", f"nearest is {gains}: they break a rule of the controller"]
+        return [most, f"nearest is {gains}: they break a rule of the controller"]
     reached = judge.with_margins(nearest.gains, nearest.reached)
-    broken = [
-        limit_text(name, limit, units, getattr(reached, name))
-        for name, limit in judge.limits.items()
-        if nearest.excess[name] > 0.0
-    ]
+    limits = [(name, limit) for name, limit in judge.limits.items() if nearest.excess[name] > 0.0]
+    broken = [limit_text(name, limit, units, getattr(reached, name)) for name, limit in limits]
     if reached.failed:
         broken.append(f"{reached.failed} of {len(judge.machines)} machines do not complete their run")
-    return [f"no trial keeps all limits; {most}", f"nearest is {gains}: {'; '.join(broken)}"]
+    return [most, f"nearest is {gains}: {'; '.join(broken)}"]
 
 
 def _notes(judge: Judge, best: Trial, gains: Sequence[Gain]) -> list[str]:
@@ -644,12 +639,11 @@ def _notes(judge: Judge, best: Trial, gains: Sequence[Gain]) -> list[str]:
         broken = [name for name, value in judge.present.excess.items() if value > 0.0]
         notes.append(f"the present gains break a limit: {', '.join(broken)}")
     for gain in gains:
-        low, high, at = gain.low, gain.high, best.gains[gain.path]
-        if gain.logarithmic:
-            low, high, at = math.log(low), math.log(high), math.log(max(at, low))
+        law: Callable[[float], float] = math.log if gain.logarithmic else float
+        low, high, at = law(gain.low), law(gain.high), law(max(best.gains[gain.path], gain.low))
         share = (at - low) / (high - low)
-        end = "lower" if 0.0 <= share < AT_END else "upper" if 1.0 - AT_END < share <= 1.0 else ""
-        if end:
+        end = "lower" if share < AT_END else "upper" if 1.0 - AT_END < share <= 1.0 else ""
+        if end and best.gains[gain.path] >= gain.low:
             notes.append(f"{gain.path}: the best is at the {end} end of its range, a wider one may do better")
     return notes
 

@@ -136,8 +136,8 @@ class AxisBalance:
     def fit(self, bounds: Bounds, *, shift: int = 0) -> AxisFit:
         """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
 
-        Free beside them: a force of position (linear between nodes), a slow force in time, friction that differs with
-        direction, and drag that is not negative or within its own bounds.
+        Free beside them: forces of position and of slow time, friction that differs with direction, and drag, if not
+        bounded.
         """
         at = np.clip(self.taken + shift, 0, len(self.command) - 1)
         command = self.command[at]
@@ -245,11 +245,9 @@ def bounded(columns: FloatArray, target: FloatArray, limits: FloatArray) -> Floa
 def explained_share(logs: Sequence[Log], model: Model) -> float | None:
     """Share of the command's power in motion that a model explains, with mass and friction as uncertain as stated.
 
-    1 - sum (u - F)^2 / sum u^2 over rows in motion of all logs. u is the low-pass filtered command, F the force that
-    the model needs along the measured motion, through the same filter, with the mass, viscous and Coulomb friction
-    within their bounds that fit best. It is a share of force: no smaller mass makes it larger. Negative
-    where the model is worse than none; None where no log moves or acts. ValueError: the rows of a log cover too little
-    of its time.
+    1 - sum (u - F)^2 / sum u^2 over rows in motion of all logs: u is the low-pass filtered command, F the force that
+    the model needs along the measured motion, through the same filter. None where no log moves or acts. ValueError: the
+    rows of a log cover too little of its time.
     """
     balances = [balance for log in logs if (balance := AxisBalance.of(thinned(log), model)) is not None]
     if not balances:

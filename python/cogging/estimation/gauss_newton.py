@@ -50,8 +50,7 @@ def columns_of(
 def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterations: int) -> Estimate:
     """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
-    The whitening filter of each log is re-estimated in each iteration; logs are weighted by their whitened rms.
-    DivergedError: the model diverges on a log.
+    The whitening filters are re-estimated in each iteration. DivergedError: the model diverges on a log.
     """
     scales = Scales.largest(log.scales for log in logs)
     done = 0

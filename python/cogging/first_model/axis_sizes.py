@@ -67,9 +67,8 @@ class _Fit(NamedTuple):
 def sizes_of(log: Log, units: Units) -> Sizes:
     """Estimate mass and friction of an axis from a log in SI, without a prior model.
 
-    Least squares of the low-pass filtered command on the force that a unit of mass, viscous and Coulomb friction needs
-    along the measured motion and a constant; once with a free force of position beside them (cogging, springs) and once
-    without. Where the former does not identify a size (a sine's acceleration resembles a spring), the latter is used.
+    Least squares of the filtered command on mass, friction and a constant, once with a free force of position beside
+    them (cogging, springs) and once without, which is used where the former does not identify a size.
     """
     balance = _balance(log)
     if balance is None:

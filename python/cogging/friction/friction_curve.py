@@ -12,7 +12,7 @@ from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray, IntArray, least_squares
-from cogging.calls import check_arguments, did_you_mean
+from cogging.calls import check_arguments, entry_named
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
 from cogging.mapping.scan import finite_column, is_number, require
@@ -275,15 +275,8 @@ class FrictionCurve(ByValue):
         return f"{self.best.name} of {len(self.models)} laws, {left} at speeds left out"
 
     def __getitem__(self, name: str) -> FrictionModel:
-        """The model of this name.
-
-        Raises:
-            KeyError: it was not fitted.
-        """
-        known = {model.name: model for model in self.models}
-        if name not in known:
-            raise KeyError(f"{name}: is no model of it; {did_you_mean(name, known)}")
-        return known[name]
+        """The model of this name; KeyError: it was not fitted."""
+        return entry_named(name, {model.name: model for model in self.models}, "model")
 
     def to_frame(self, what: str = "parameters") -> Any:
         """The `parameters` of all laws, a row each, or the `points`, as a pandas DataFrame (extra `frames`).

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging import plot
 from cogging.arrays import FloatArray
-from cogging.calls import did_you_mean
+from cogging.calls import entry_named
 from cogging.identification.unmodelled import MISSING
 from cogging.log_check.log_audit import Audit
 from cogging.model.model import Model
@@ -121,16 +121,8 @@ class Identification(ByValue):
         return f"{which}, {self.estimator}"
 
     def __getitem__(self, path: str) -> ParameterEstimate:
-        """The parameter at a path.
-
-        Raises:
-            KeyError: no such free parameter.
-        """
-        for parameter in self.parameters:
-            if parameter.path == path:
-                return parameter
-        known = [parameter.path for parameter in self.parameters]
-        raise KeyError(f"{path}: is no free parameter of it; {did_you_mean(path, known)}")
+        """The parameter at a path; KeyError: no such free parameter."""
+        return entry_named(path, {parameter.path: parameter for parameter in self.parameters}, "free parameter")
 
     def text(self) -> str:
         """The fit for the screen: warnings, audit of each log, what they can determine, parameters, what is left."""

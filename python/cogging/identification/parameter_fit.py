@@ -317,8 +317,8 @@ class ParameterFit:
     def _doubted_interval(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
         """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
 
-        The interval covers those of both estimators and those beside and with unmodelled forces. The prior is kept
-        unless these exclude it, with its stated uncertainty; then the answer beside those forces replaces it.
+        The interval covers both estimators and the answers beside and with unmodelled forces; the answer beside them
+        replaces a prior that these exclude with its stated uncertainty.
         """
         path = prior.path
         others = [other[path] for other in list(self.others.values())[:2] if path in other]

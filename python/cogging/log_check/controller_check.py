@@ -148,10 +148,9 @@ def root_mean_square(values: FloatArray) -> float:
 def linear_regressors(
     kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
 ) -> dict[str, FloatArray]:
-    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name.
+    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
 
-    Each is the command of the controller with this gain at 1 and the others at 0, without a limit. A `cascade` has kv
-    and `kp kv`, in which it is linear.
+    A `cascade` has kv and `kp kv`, in which it is linear.
     """
     make = CONTROLLERS[kind][1]
     gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
@@ -179,8 +178,7 @@ def fit_samples(
 ) -> tuple[dict[str, float], float, Mask]:
     """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
 
-    With an `integral` the rows after each gap have their own constant. Spikes of the command that the fit does not
-    have are left out.
+    With an `integral` the rows after each gap have their own constant. Spikes that the fit does not have are left out.
     """
     target = samples.command
     if integral and samples.segment[-1]:
@@ -398,10 +396,9 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
-    """The log with rows for missing samples between two rows, and a remark on them.
+    """The log with rows for missing samples between two rows, and a remark, if the model's controller made the log.
 
-    If the model's controller made the log and gaps are of a few samples, readings are interpolated by cubics and
-    commands computed by the controller. Holding the command over the gap would look like an effect.
+    Readings are interpolated by cubics and commands computed: a command held over the gap would look like an effect.
     """
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:

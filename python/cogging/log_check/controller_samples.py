@@ -103,9 +103,7 @@ EVEN = 0.01  # of the step: more even time stamps are kept
 def on_its_clock(log: Log) -> tuple[Log, str]:
     """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and "".
 
-    A controller samples evenly, and a logger may stamp its rows late or early: at 0.4 m/s, 0.3 ms are 0.1 mm, which
-    look like acceleration. Along the true times each reading is close to the cubic through its two neighbours on either
-    side.
+    Along the true times each reading is close to the cubic through its two neighbours on either side.
     """
     if len(log) < 5:
         return log, ""

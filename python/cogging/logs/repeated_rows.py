@@ -51,13 +51,8 @@ def counted_once(
 ) -> tuple[list[Log], list[Mask], tuple[str, ...]]:
     """Return logs without the rows that a longer or earlier log contains.
 
-    Args:
-        logs: to be used together.
-        names: of the logs, for the messages.
-        fewest: rows that must remain; a log with fewer is left out.
-
-    Returns:
-        The remaining logs, which rows (n,) of each given log count, and messages.
+    `fewest`: rows that must remain; a log with fewer is left out. Also returned: which rows (n,) of each given log
+    count, and messages that use the `names`.
     """
     order = sorted(range(len(logs)), key=lambda i: -len(logs[i]))
     kept = [np.ones(len(log), dtype=bool) for log in logs]

@@ -30,10 +30,9 @@ class SplineFit:
     _inverse: FloatArray
 
     def covariance(self, level: FloatArray) -> FloatArray:
-        """Covariance of the coefficients, V^2, (p + q, p + q).
+        """Covariance of the coefficients, V^2, with the noise `level` at each column's frequency, (p + q,).
 
-        A^-1 (D N D + variance prior) A^-1 with N the normal matrix, A = N + prior and D^2 the noise level (V^2) at each
-        column's own frequency, (p + q,), so correlated noise is accounted for.
+        A^-1 (D N D + variance prior) A^-1, N the normal matrix, A = N + prior, D^2 the level: noise may be correlated.
         """
         root = np.sqrt(level)
         noise = self._normal * np.outer(root, root) + self.variance * self.prior
@@ -75,8 +74,7 @@ def cross_validate(
 ) -> tuple[float, float]:
     """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
 
-    The travel is cut in blocks (m) that hold all passes; of each eight neighbouring blocks one, at random, is in each
-    of eight folds, so that a fold's blocks are not all at one phase of a period.
+    Of each eight neighbouring blocks (m) of the travel one, at random, is in each of eight folds.
     """
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
     groups = int(blocks.max()) // FOLDS + 1
@@ -263,9 +261,9 @@ class HarmonicSpectrum:
     ) -> list[Line]:
         """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
 
-        The strongest line is removed with its modulation, offset, friction and trend (`nuisance`, (n, q)), and the rest
-        searched again, so that a strong harmonic neither hides a weak one nor leaks into it. `false_alarm` is the
-        probability at which a scan of noise alone yields any line; `taken` lines are excluded from the start.
+        The strongest line is removed with its modulation and the `nuisance` columns (n, q), and the rest searched
+        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded from
+        the start.
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]

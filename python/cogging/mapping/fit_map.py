@@ -430,8 +430,7 @@ def _choose(
 ) -> tuple[int, SplineFit, list[CrossValidation], list[str]]:
     """Choose the order asked for, or that of fewest coefficients within one standard error of the best prediction.
 
-    Returns:
-        The order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
+    Returns the order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
     """
     notes: list[str] = []
     fits: dict[int, SplineFit] = {}

@@ -49,10 +49,9 @@ def read_scan(
 ) -> Scan:
     """Check a scan, find its directions and average rows that are close together; ValueError: an invalid one.
 
-    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn. Directions come
-    from the reversals: places from which the position goes back by more than 1 % of the travel. Rows within that
-    distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass within a cell
-    of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
+    A travel of one pitch less a spacing is a whole pitch. Directions come from the reversals, from which the position
+    goes back by more than 1 % of the travel; rows within that distance after one are left out, since friction has not
+    yet changed its sign. Rows of one pass within a cell of pitch / (20 highest harmonics) are averaged.
     """
     x, y = finite_column("position", position), finite_column("force", force)
     if y.size != x.size:

@@ -31,9 +31,7 @@ class Intervals:
     sigma; a parameter without a source counts as exact. An infinite interval in `[bounds]` means that the logs do not
     determine the parameter: it needs a `default`.
 
-    Attributes:
-        model: the model.
-        notes: which intervals did not come from `[bounds]`, in words; extended by each call of `of`.
+    `notes`: which intervals did not come from `[bounds]`, in words; extended by each call of `of`.
     """
 
     def __init__(
