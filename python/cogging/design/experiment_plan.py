@@ -272,7 +272,7 @@ def plan_experiment(
 
 def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: int) -> Log:
     """Return the simulated log of a motion; DivergedError or ValueError: the axis left its travel."""
-    options = {"duration": motion.end, "seed": seed, "steps_per_sample": model.steps_per_sample}
+    options: dict[str, Any] = {"duration": motion.end, "seed": seed, "steps_per_sample": model.steps_per_sample}
     return Log.of(closed_loop(model.plant(), controller or model.make_controller(), motion, **options))
 
 

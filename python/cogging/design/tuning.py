@@ -268,7 +268,8 @@ class Judge:
             reached = replace(reached, modulus_margin=0.0 if margin is not None and reached.failed else margin)
         names = [name for name in names if name != "modulus_margin"]
         loops = self.loops(gains, machines) if names and not reached.failed else None
-        return replace(reached, **{name: getattr(loops, name)() if loops is not None else 0.0 for name in names})
+        measured: dict[str, Any] = {n: getattr(loops, n)() if loops is not None else 0.0 for n in names}
+        return replace(reached, **measured)
 
     def _modulus_margin(self, gains: Mapping[str, float], machines: Sequence[Machine]) -> float | None:
         """Return the smallest over the machines; None without a linear part."""
@@ -306,8 +307,8 @@ class Judge:
         try:
             reached = self.run(gains)
         except ValueError:  # these gains together break a rule of the controller
-            margins = dict.fromkeys(MARGINS, 0.0) if self.against in MARGINS else {}
-            worst = Reached(*[math.inf] * 5, failed=len(self.machines), **margins)
+            margins = [0.0] * 3 if self.against in MARGINS else [None] * 3
+            worst = Reached(math.inf, math.inf, math.inf, math.inf, math.inf, len(self.machines), *margins)
             return Trial(gains, worst, {ALL_END: 1.0, **dict.fromkeys(self.limits, 1.0), RULE: 1.0})
         if self.against in MARGINS:
             reached = self.with_margins(gains, reached, names=(self.against,))

@@ -90,15 +90,9 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
         rows = slice(harmonic, harmonic + 1)
         power = spectrum.power(fit.residual + component, rows)
         ratio = np.max(np.where(spectrum.near[rows], power / noise.level[rows], 0.0))
-        entries.append(
-            HarmonicAmplitude(
-                harmonic=harmonic,
-                amplitude=amplitude,
-                standard_error=float(np.sqrt(gradient @ covariance @ gradient)),
-                phase=float(np.arctan2(mean @ c, mean @ s)),
-                false_alarm=float(spectrum.false_alarm(ratio, noise.degrees)),
-            )
-        )
+        error, phase = float(np.sqrt(gradient @ covariance @ gradient)), float(np.arctan2(mean @ c, mean @ s))
+        alarm = float(spectrum.false_alarm(ratio, noise.degrees))
+        entries.append(HarmonicAmplitude(harmonic, amplitude, error, phase, alarm))
     return tuple(entries)
 
 
@@ -126,15 +120,9 @@ def direction_content(
         gradient = np.array([s, c]) / max(amplitude, np.finfo(float).tiny)
         own = covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
         ratio = float(turned[harmonic, middle] / noise.turned[harmonic, middle])
-        entries.append(
-            HarmonicAmplitude(
-                harmonic=harmonic,
-                amplitude=amplitude,
-                standard_error=float(np.sqrt(gradient @ own @ gradient)),
-                phase=float(np.arctan2(c, s)),
-                false_alarm=float(spectrum.false_alarm(ratio, noise.degrees)),
-            )
-        )
+        error, phase = float(np.sqrt(gradient @ own @ gradient)), float(np.arctan2(c, s))
+        alarm = float(spectrum.false_alarm(ratio, noise.degrees))
+        entries.append(HarmonicAmplitude(harmonic, amplitude, error, phase, alarm))
     lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
     return tuple(entries), float(np.sqrt(np.mean(content**2))), lag
 
