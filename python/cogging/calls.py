@@ -36,6 +36,13 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"known: {', '.join(listed) or 'none'}"
 
 
+def entry_named(name: str, entries: Mapping[str, C], what: str) -> C:
+    """Return the entry of a name; KeyError names the nearest one."""
+    if name not in entries:
+        raise KeyError(f"{name}: is no {what} of it; {did_you_mean(name, entries)}")
+    return entries[name]
+
+
 def described(value: Any) -> str:
     """Return a short description of a value of the wrong type."""
     if isinstance(value, np.ndarray):

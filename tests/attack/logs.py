@@ -16,8 +16,9 @@ import numpy as np
 
 import cogging
 from cogging.files import InputError
-from cogging.logs.columns import _request, format_of
+from cogging.logs.columns import format_of
 from cogging.logs.readers import isolate
+from cogging.logs.readers.column_request import Request
 from tests.attack.mutations import of_bytes, of_table
 from tests.fixtures.log_files import COLUMNS, hdf5_bytes, mat_bytes, mdf_bytes
 
@@ -61,7 +62,7 @@ def fault_of(path: str, whole: bool) -> str | None:
             log = cogging.read_log(path)
             found = {name: getattr(log, name) for name in NAMES}
         else:
-            columns = isolate._read(kind, _request(path, NAMES, (), None, None, None, False))
+            columns = isolate._read(kind, Request(path, NAMES, progress=False))
             found = {name: np.asarray(column) for name, column in columns.items()}
     except InputError as refused:
         text = str(refused)

@@ -327,6 +327,7 @@ REFUSED = [
     ),
     ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
+    ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional and not empty, got shape \(7, 73\)"),
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),
     ({"position": 30.0 * GRID}, r"position: must have a point every 0.0133 m or less, got one every 0.03 m"),
     ({"force_sign": 0}, r"force_sign: must be 1 or -1, got 0"),

@@ -49,11 +49,12 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
-    from cogging.design.tuning import files_of_tune, read_tune, run_tune
+    from cogging.design.tuning import read_tune, run_tune
+    from cogging.simulation.sweep import files_of_job
 
     asked = read_tune(arguments.tune)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
-    check_outputs(outputs, files_of_tune(asked, arguments.tune))
+    check_outputs(outputs, files_of_job(asked, arguments.tune))
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
     tuning = run_tune(arguments.tune, asked, **options)
     written = [arguments.out] if tuning.model is not None else []

@@ -34,11 +34,6 @@ from cogging.values import ByValue, brief
 PERIODS_IN_PITCH = 64  # largest ratio of the common pitch to the longest period
 
 
-def periods_of(basis: SplineHarmonics) -> list[float]:
-    """The spatial periods of a cogging model, m, whether given as such or as harmonics of a pitch."""
-    return [2.0 * math.pi / wavenumber for wavenumber in basis.wavenumbers]
-
-
 def pitch_and_harmonics(basis: SplineHarmonics) -> tuple[float, list[int]]:
     """Pitch (m) and harmonics of a cogging model; ValueError where the periods are no whole fractions of one pitch."""
     if basis.harmonics:
@@ -67,14 +62,21 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
     """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
 
     Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
-    (m/s) and time. To the range at the model's values come, for each field with an interval, the largest changes of
-    force down and up from the value to the ends of it: exact for one amplitude, on the safe side for several. Force
+    (m/s) and time; for each field with an interval come the largest changes from the value to the ends of it. Force
     noise adds 1.96 rms. The estimate is the force in mid-travel at rest at t = 0.
     """
     if not (np.isfinite(velocity_max) and velocity_max > 0):
         raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
     low, high, guess, left_out = 0.0, 0.0, 0.0, []
     known = parameters_of(model)
+
+    def is_valid(path: str, value: float) -> bool:
+        try:
+            with_values(model, {path: value})
+        except ValueError:
+            return False
+        return True
+
     for place, (prefix, effect) in enumerate(effect_paths(model.effects)):
         if "force" not in effect.HOOKS and "friction_level" not in effect.HOOKS:
             left_out.append(f"{prefix}: acts on command or reading or has a state, not within the disturbance")
@@ -86,21 +88,12 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
         for path in (p for p in known if p.startswith(f"{prefix}.")):
             changes = [0.0]
             for end in intervals.of(path) or ():
-                value = valid_end(known[path].value, end, partial(_is_valid, model, path))
+                value = valid_end(known[path].value, end, partial(is_valid, path))
                 change = _forces(model, with_values(model, {path: value}).effects[place], points) - forces
                 changes += [float(change.min()), float(change.max())]
             low, high = low + min(changes), high + max(changes)
     noise = SIGMAS_95 * model.noise.force
     return (float(low - noise), float(high + noise)), guess, left_out
-
-
-def _is_valid(model: Model, path: str, value: float) -> bool:
-    """Return whether the model takes this value of a parameter."""
-    try:
-        with_values(model, {path: value})
-    except ValueError:
-        return False
-    return True
 
 
 def _forces(model: Model, effect: Effect, points: FloatArray) -> FloatArray:
@@ -159,9 +152,10 @@ class Bounds(ByValue):
     """The bounds of an uncertain axis, and the controllers designed for them.
 
     The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
-    estimates and the feedforward. In what follows w is `bandwidth` (1/s); None: the smaller of 200 1/s, the k_1 of the
-    X axis of Lu et al. 2008, and sample_rate / 25, its ratio. The sample rate is the one of the model's controller,
-    else the struct's default, unless overridden, as any other field may be.
+    estimates and the feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of
+    200 1/s, the k_1 of the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as
+    an override; they raise ValueError for a value that breaks its rule. The sample rate is the one of the model's
+    controller, else the struct's default.
 
     Attributes:
         model: whose bounds they are.
@@ -212,12 +206,17 @@ class Bounds(ByValue):
                 default, an interval that does not hold the model's value, a path that the model has not.
         """
         intervals = Intervals(model, default, beside=("disturbance",))
-        axis = {name: _axis_interval(intervals, name) for name in ("mass", "viscous", "coulomb")}
-        if axis["mass"][0] <= 0.0:
-            low, high = intervals.of("axis.mass") or axis["mass"]
-            raise ValueError(
-                f"axis.mass: its interval must lie above 0 to design a controller, got [{low:g}, {high:g}]"
-            )
+        axis = {}
+        for name in ("mass", "viscous", "coulomb"):
+            interval = intervals.of(f"axis.{name}")
+            if interval is None:
+                sources = "an interval in [bounds], a 1-sigma in [axis.uncertainty] (0 = exact) or a default"
+                raise ValueError(f"axis.{name}: needs {sources}, got none of them")
+            low, high = interval
+            if name == "mass" and low <= 0.0:
+                rule = "its interval must lie above 0 to design a controller"
+                raise ValueError(f"axis.mass: {rule}, got [{low:g}, {high:g}]")
+            axis[name] = max(low, 0.0), high
         disturbance, guess, notes = disturbance_range(model, intervals, velocity_max)
         width = disturbance[1] - disturbance[0]
         amplitudes = [path for path in intervals.paths if path.startswith("cogging.")]
@@ -247,12 +246,8 @@ class Bounds(ByValue):
         w; of cogging a tenth, of Coulomb and viscous friction a hundredth and of mass a thousandth of it: the ratios of
         the paper (1000 to 100, 10, 10, 1 on the X axis). u_s2 is off, as its epsilon is not reported.
 
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of AdaptiveRobustParameters.
-
         Raises:
-            ValueError: periods of the cogging that are no whole fractions of one pitch, a value that breaks its rule.
+            ValueError: periods of the cogging that are no whole fractions of one pitch.
         """
         axis, rate = self.model.axis, self._sample_rate(AdaptiveRobustParameters, overrides)
         w = _bandwidth(bandwidth, rate)
@@ -274,7 +269,7 @@ class Bounds(ByValue):
             "coulomb_bounds": list(self.coulomb),
             "coulomb_adaptation": 1e-2 * adaptation,
             "coulomb_width": axis.coulomb_width,
-            "disturbance": self._disturbance_within(),
+            "disturbance": self._disturbance_within,
             "disturbance_bounds": list(self.disturbance),
             "disturbance_adaptation": adaptation,
         }
@@ -326,8 +321,6 @@ class Bounds(ByValue):
         Args:
             velocity_min: of the reference velocities at which the cogging is cancelled, m/s, above 0.
             velocity_max: their largest, m/s.
-            bandwidth: w, 1/s.
-            overrides: any field of ObserverProblem.
 
         Raises:
             ValueError: the model has no cogging, or a value breaks its rule.
@@ -335,7 +328,7 @@ class Bounds(ByValue):
         if self.model.cogging is None:
             raise ValueError("cogging: must be in the model to design an observer for its periods, got none")
         w = _bandwidth(bandwidth, self._sample_rate(ObserverBasedParameters, {}))
-        periods = periods_of(self.model.cogging.basis)
+        periods = [2.0 * math.pi / wavenumber for wavenumber in self.model.cogging.basis.wavenumbers]
         fields: dict[str, Any] = {
             "periods": periods,
             "viscous": self.model.axis.viscous / self.model.axis.mass,
@@ -352,10 +345,6 @@ class Bounds(ByValue):
         Args:
             problem: what was designed for.
             design: by design_observer.
-            overrides: any field of ObserverBasedParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
         """
         fields: dict[str, Any] = {
             "sample_rate": self._sample_rate(ObserverBasedParameters, overrides),
@@ -376,13 +365,6 @@ class Bounds(ByValue):
         Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
         gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
         Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
-
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of OutputFeedbackArcParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
         """
         axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
@@ -394,7 +376,7 @@ class Bounds(ByValue):
             "sample_rate": rate,
             "observer_gain_1": 400.0 * r,
             "observer_gain_2": 4e4 * r**2,
-            "theta": [1.0 / axis.mass, axis.viscous / axis.mass, self._disturbance_within() / axis.mass],
+            "theta": [1.0 / axis.mass, axis.viscous / axis.mass, self._disturbance_within / axis.mass],
             "theta_min": quotients.min(axis=0).tolist(),
             "theta_max": quotients.max(axis=0).tolist(),
             "adaptation": [5e5 * c**2, 3e5 * r**2, 20e5 * r**4],
@@ -408,59 +390,37 @@ class Bounds(ByValue):
         return OutputFeedbackArcParameters(**{**fields, **overrides})
 
     def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> PidParameters:
-        """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward.
-
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of PidParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
-        """
+        """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward."""
         rate = self._sample_rate(PidParameters, overrides)
         kp, ki, kd = pid_gains([-_bandwidth(bandwidth, rate)] * 3, self.mass[0])
-        return PidParameters(**{"sample_rate": rate, "kp": kp, "ki": ki, "kd": kd, **self._feedforward(), **overrides})
+        fields = {"sample_rate": rate, "kp": kp, "ki": ki, "kd": kd, **self._feedforward}
+        return PidParameters(**{**fields, **overrides})
 
     def cascade(self, *, bandwidth: float | None = None, **overrides: Any) -> CascadeParameters:
         """Parameters of Cascade: a double pole at -w for the largest mass, kp = w / 2, kv = 2 w M, and feedforward.
 
         A smaller mass makes the velocity loop faster, so no mass in the bounds is underdamped. `viscous` is B + kv:
         with kv of it the velocity loop sees the error of velocity, without which the axis would lag by v / kp.
-
-        Args:
-            bandwidth: w, 1/s.
-            overrides: any field of CascadeParameters.
-
-        Raises:
-            ValueError: a value breaks its rule.
         """
         rate = self._sample_rate(CascadeParameters, overrides)
         w = _bandwidth(bandwidth, rate)
         gain = 2.0 * w * self.mass[1]
-        fields = {"sample_rate": rate, "kp": 0.5 * w, "kv": gain, **self._feedforward()}
+        fields = {"sample_rate": rate, "kp": 0.5 * w, "kv": gain, **self._feedforward}
         fields["viscous"] += overrides.get("kv", gain)
         return CascadeParameters(**{**fields, **overrides})
 
+    @property
     def _feedforward(self) -> dict[str, float]:
         axis = self.model.axis
         return {name: getattr(axis, name) for name in ("mass", "viscous", "coulomb", "coulomb_width")}
 
+    @property
     def _disturbance_within(self) -> float:
         return min(max(self.disturbance_estimate, self.disturbance[0]), self.disturbance[1])
 
     def _sample_rate(self, struct: Any, overrides: Mapping[str, Any]) -> float:
         own = struct() if self.model.controller is None else self.model.controller
         return float(overrides.get("sample_rate", own.sample_rate))
-
-
-def _axis_interval(intervals: Intervals, name: str) -> Interval:
-    interval = intervals.of(f"axis.{name}")
-    if interval is None:
-        raise ValueError(
-            f"axis.{name}: needs an interval in [bounds], a 1-sigma in [axis.uncertainty] (0 = exact) or a default, "
-            "got none of them"
-        )
-    return max(interval[0], 0.0), interval[1]
 
 
 def _bandwidth(bandwidth: float | None, sample_rate: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,10 +14,10 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import Arc, Cascade, Dcarc, ObserverBased, OutputFeedbackArc, Pid, Reference
 from cogging.arrays import FloatArray, real_array
-from cogging.calls import check_arguments, did_you_mean
+from cogging.calls import check_arguments, entry_named
 from cogging.design.bounds import Bounds
 from cogging.design.observer import design_observer
-from cogging.model.controller import AnyController, ListedController
+from cogging.model.controller import AnyController
 from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model, is_number
 from cogging.model.parameters import with_values
@@ -50,9 +50,8 @@ def drawn_machines(
 ) -> tuple[list[DrawnMachine], list[str]]:
     """Draw machines from the intervals of a model, and return them with the parameters that are held, in words.
 
-    Each parameter is normal around the model's value, those of `covariance`, paths (p) and matrix (p, p), jointly; a
-    machine with a value that breaks its field's rule is drawn again. Machine i does not depend on the number of
-    machines. ValueError: an invalid covariance or interval, or intervals with hardly a valid machine.
+    Each parameter is normal around the model's value, those of `covariance`, paths (p) and matrix (p, p), jointly; an
+    invalid machine is drawn again. ValueError: an invalid covariance or interval, or hardly a valid machine.
     """
     model = intervals.model
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
@@ -76,8 +75,9 @@ def drawn_machines(
             normals = numbers.standard_normal(len(joint) + len(spread))
             values = dict(zip(joint, root @ normals[: len(joint)], strict=True))
             values = {path: intervals.value(path) + float(change) for path, change in values.items()}
-            for (path, interval), normal in zip(spread.items(), normals[len(joint) :], strict=True):
-                values[path] = draw(intervals.value(path), interval, float(normal))
+            for (path, (low, high)), normal in zip(spread.items(), normals[len(joint) :].tolist(), strict=True):
+                value = intervals.value(path)  # the median; a normal shape on either side
+                values[path] = value + normal * (high - value if normal > 0 else value - low) / SIGMAS_95
             try:
                 machines.append(DrawnMachine(with_values(model, values), noise_seed, values))
                 break
@@ -86,12 +86,6 @@ def drawn_machines(
         else:
             raise ValueError(f"bounds: {DRAWS_MAX} draws gave no valid machine; the last: {reason}")
     return machines, held
-
-
-def draw(value: float, interval: Interval, normal: float) -> float:
-    """A value by its standard normal number: median `value`, 95 % in the interval, a normal shape on either side."""
-    side = interval[1] - value if normal > 0 else value - interval[0]
-    return value + normal * side / SIGMAS_95
 
 
 def covariance_root(
@@ -118,8 +112,20 @@ def covariance_root(
     return names, root
 
 
-#: The controllers that are designed from the bounds of a model.
-DESIGNED = ("pid", "cascade", "arc", "dcarc", "output_feedback_arc", "observer_based")
+def _designed_observer(bounds: Bounds, velocity: float, bandwidth: float | None) -> ObserverBased:
+    problem = bounds.observer_problem(VELOCITY_RATIO * velocity, velocity, bandwidth=bandwidth)
+    return ObserverBased(bounds.observer_based(problem, design_observer(problem)))
+
+
+#: How each controller is designed from bounds, for a motion of a largest velocity (m/s), with a bandwidth.
+DESIGNED: dict[str, Callable[[Bounds, float, float | None], AnyController]] = {
+    "pid": lambda bounds, _, w: Pid(bounds.pid(bandwidth=w)),
+    "cascade": lambda bounds, _, w: Cascade(bounds.cascade(bandwidth=w)),
+    "arc": lambda bounds, _, w: Arc(bounds.adaptive_robust(bandwidth=w)),
+    "dcarc": lambda bounds, _, w: Dcarc(bounds.adaptive_robust(bandwidth=w)),
+    "output_feedback_arc": lambda bounds, _, w: OutputFeedbackArc(bounds.output_feedback(bandwidth=w)),
+    "observer_based": _designed_observer,
+}
 #: Name of the model's own controller in a prediction.
 OWN = "own"
 VELOCITY_RATIO = 0.25  # smallest over largest reference speed at which an observer cancels (cogging.papers.comparison)
@@ -159,7 +165,7 @@ def chosen_controllers(
             if bounds is None:
                 bounds = Bounds.of(model, default=default, velocity_max=velocity or 1.0)
                 notes += bounds.notes
-            chosen[name] = _designed(name, bounds, velocity, bandwidth)
+            chosen[name] = DESIGNED[name](bounds, velocity, bandwidth)
         except (ValueError, ImportError) as error:
             if controllers is not None:
                 raise ValueError(f"{name}: {error}") from None
@@ -172,57 +178,28 @@ def chosen_controllers(
     return chosen, notes
 
 
-def _designed(name: str, bounds: Bounds, velocity: float, bandwidth: float | None) -> ListedController:
-    """Return a controller of DESIGNED for a motion of this largest velocity (m/s)."""
-    if name == "observer_based":
-        problem = bounds.observer_problem(VELOCITY_RATIO * velocity, velocity, bandwidth=bandwidth)
-        return ObserverBased(bounds.observer_based(problem, design_observer(problem)))
-    kind, design = {
-        "pid": (Pid, bounds.pid),
-        "cascade": (Cascade, bounds.cascade),
-        "arc": (Arc, bounds.adaptive_robust),
-        "dcarc": (Dcarc, bounds.adaptive_robust),
-        "output_feedback_arc": (OutputFeedbackArc, bounds.output_feedback),
-    }[name]
-    made: ListedController = kind(design(bandwidth=bandwidth))
-    return made
-
-
 #: Indexes of a prediction: over the window, and the largest of the whole run.
 INDEXES = ("rms", "max", "max_whole")
 
 
 @dataclass(frozen=True)
 class PredictedIndex:
-    """One index of the error over the drawn machines.
+    """One index of the error over the drawn machines."""
 
-    Attributes:
-        median: m; infinite where more than half the runs diverged.
-        interval: m, between which the index of one more machine lies (see ErrorPrediction.coverage).
-        values: m, (samples,), one a machine, in the order drawn; infinite where the run diverged.
-    """
-
-    median: float
-    interval: Interval
-    values: FloatArray = field(repr=False)
+    median: float  # m; infinite where more than half the runs diverged
+    interval: Interval  # m, between which the index of one more machine lies (see ErrorPrediction.coverage)
+    values: FloatArray = field(repr=False)  # m, (samples,), in the order drawn; infinite where the run diverged
 
 
 @dataclass(frozen=True)
 class ControllerPrediction:
-    """The predicted error of a controller.
+    """The predicted error of a controller."""
 
-    Attributes:
-        name: of the controller.
-        rms, max: of encoder reading minus reference, m, over the window.
-        max_whole: largest over the whole run, m.
-        diverged: share of the machines on which the run diverged.
-    """
-
-    name: str
-    rms: PredictedIndex
+    name: str  # of the controller
+    rms: PredictedIndex  # rms, max: of encoder reading minus reference, m, over the window
     max: PredictedIndex
-    max_whole: PredictedIndex
-    diverged: float
+    max_whole: PredictedIndex  # largest over the whole run, m
+    diverged: float  # share of the machines on which the run diverged
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -239,11 +216,6 @@ class ErrorPrediction(ByValue):
         machines: what was drawn, by path, and `seed` of the noise: arrays (samples,) in the order drawn, as the
             `values` of each index.
         units: labels of the model's units.
-
-    Example:
-        >>> prediction = cogging.predict_error(model, move, ["own"], samples=4)
-        >>> prediction["own"].diverged
-        0.0
     """
 
     controllers: tuple[ControllerPrediction, ...]
@@ -260,16 +232,8 @@ class ErrorPrediction(ByValue):
         return f"{', '.join(errors)}; {self.samples} machines"
 
     def __getitem__(self, name: str) -> ControllerPrediction:
-        """The prediction of a controller.
-
-        Raises:
-            KeyError: no such controller.
-        """
-        for controller in self.controllers:
-            if controller.name == name:
-                return controller
-        known = [controller.name for controller in self.controllers]
-        raise KeyError(f"{name}: is no controller of it; {did_you_mean(name, known)}")
+        """The prediction of a controller; KeyError: no such controller."""
+        return entry_named(name, {controller.name: controller for controller in self.controllers}, "controller")
 
     def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
         """Draw the error that each controller would reach (cogging.plot.prediction).
@@ -296,15 +260,11 @@ class ErrorPrediction(ByValue):
         names = np.repeat(np.array([one.name for one in self.controllers], dtype=object), self.samples)
         return {"controller": names, "machine": np.tile(np.arange(self.samples), count), **drawn, **found}
 
-    def to_pandas(self) -> Any:
-        """The table as a pandas DataFrame, with the units of the indexes in `attrs["units"]`.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
+    def to_frame(self) -> Any:
+        """The table as a pandas DataFrame (extra `frames`), with the units of the indexes in `attrs["units"]`."""
         return frame_of(self.table(), dict.fromkeys(INDEXES, self.units.of("m")))
 
-    to_frame = to_pandas
+    to_pandas = to_frame
 
     def text(self) -> str:
         """The table for the screen, um."""
@@ -325,16 +285,16 @@ class ErrorPrediction(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging predict --json` writes; null stands for infinite, of runs that diverged."""
-        controllers = []
-        for controller in self.controllers:
-            entry: dict[str, Any] = {"controller": controller.name, "diverged": controller.diverged}
-            for name in INDEXES:
-                index: PredictedIndex = getattr(controller, name)
-                numbers = [value if np.isfinite(value) else None for value in (index.median, *index.interval)]
-                entry[name] = {"unit": self.units.of("m"), "median": numbers[0], "interval": numbers[1:]}
-            controllers.append(entry)
+
+        def entry_of(index: PredictedIndex) -> dict[str, Any]:
+            median, *interval = (value if np.isfinite(value) else None for value in (index.median, *index.interval))
+            return {"unit": self.units.of("m"), "median": median, "interval": interval}
+
         return {
-            "controllers": controllers,
+            "controllers": [
+                {"controller": one.name, "diverged": one.diverged, **{n: entry_of(getattr(one, n)) for n in INDEXES}}
+                for one in self.controllers
+            ],
             "window": list(self.window),
             "samples": self.samples,
             "seed": self.seed,
@@ -365,12 +325,8 @@ def predict_error(
     """Predict rms and largest tracking error of controllers on a reference, for the machine that a model describes.
 
     Machines are drawn from the model's 95 % intervals: each parameter normal around the model's value (each side with
-    its own width where the interval is not symmetric), redrawn while a value is not valid, or jointly normal where a
-    covariance is given. Each has the model's effects, encoder and noise, the noise with a seed of its own. All
-    controllers run on the same machines. A pure function: the same arguments give the same numbers, whatever the
-    threads; more samples keep those of fewer.
-
-    Effects that the machine has and the model lacks are not predicted.
+    its own width), or jointly normal where a covariance is given. All controllers run on the same machines. The same
+    arguments give the same numbers, whatever the threads. Effects that the model lacks are not predicted.
 
     Args:
         model: a Model, or the path of a model file.
@@ -419,8 +375,12 @@ def predict_error(
     chosen, left_out = chosen_controllers(model, motion, duration, controllers, bandwidth, default)
     found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count() or 1)
     predictions = []
+    tail = 0.5 * (1.0 - COVERAGE)
     for name, values in zip(chosen, found, strict=True):
-        indexes = {index: _index(values[:, i]) for i, index in enumerate(INDEXES)}
+        indexes = {}
+        for index, column in zip(INDEXES, values.T, strict=True):
+            median, low, high = (_quantile(column, share) for share in (0.5, tail, 1.0 - tail))
+            indexes[index] = PredictedIndex(median, (low, high), column)
         predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
     drawn = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
     return ErrorPrediction(
@@ -475,12 +435,6 @@ def _errors(
         values[[failure.run for failure in kept.failures]] = np.inf
         found[first : first + size] = values
     return found.reshape(len(controllers), len(plants), len(INDEXES))
-
-
-def _index(values: FloatArray) -> PredictedIndex:
-    """Return the median and interval of one index over the machines."""
-    tail = 0.5 * (1.0 - COVERAGE)
-    return PredictedIndex(_quantile(values, 0.5), (_quantile(values, tail), _quantile(values, 1.0 - tail)), values)
 
 
 def _quantile(values: FloatArray, share: float) -> float:

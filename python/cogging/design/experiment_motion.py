@@ -32,13 +32,7 @@ class Element(NamedTuple):
 
 
 class Track:
-    """A reference built move by move, from rest in the middle of the travel.
-
-    Args:
-        limits: with travel and jerk (MotionLimits.of).
-        rate: of the samples, Hz.
-        scale: of speed, acceleration and jerk.
-    """
+    """A reference built move by move, from rest in the middle of the travel; `limits` have travel and jerk."""
 
     def __init__(self, limits: MotionLimits, rate: float, scale: float) -> None:
         assert limits.travel is not None

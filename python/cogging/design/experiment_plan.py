@@ -56,24 +56,15 @@ class NoMotion(ValueError):
 
 
 class Expectation(NamedTuple):
-    """What a planned motion is expected to show of one effect or parameter.
+    """What a planned motion is expected to show of one effect or parameter."""
 
-    Attributes:
-        name: of the effect; for a fit, the path of the parameter.
-        parameter: field that measures the size of the effect; empty for a fit.
-        unit: of the numbers.
-        expected: smallest size that `diagnose` finds with probability 95 %; for a fit, half of the 95 % interval.
-            None: the motion does not show it.
-        today: the same before the motion; None: unknown.
-        why: why there is no number; empty if there is one.
-    """
-
-    name: str
-    parameter: str
-    unit: str
+    name: str  # of the effect; for a fit, the path of the parameter
+    parameter: str  # field that measures the size of the effect; empty for a fit
+    unit: str  # of the numbers
+    #: Smallest size that `diagnose` finds with probability 95 %; for a fit, half of the 95 % interval. None: not shown.
     expected: float | None
-    today: float | None = None
-    why: str = ""
+    today: float | None = None  # the same before the motion; None: unknown
+    why: str = ""  # why there is no number; empty if there is one
 
     def text(self) -> str:
         """One line."""
@@ -102,13 +93,6 @@ class ExperimentPlan(ByValue):
         notes: assumptions.
         seed: of the noise and the random moves.
         units: labels of the model's units.
-
-    Example:
-        >>> limits = cogging.MotionLimits(velocity=0.3, acceleration=5.0, duration=3.0)
-        >>> plan = cogging.plan_experiment(model, limits, goal="fit")
-        >>> log = cogging.simulate(model, plan.motion)
-        >>> bool(abs(log.command).max() > 0.0)
-        True
     """
 
     goal: str
@@ -197,11 +181,8 @@ def plan_experiment(
 ) -> ExperimentPlan:
     """Make a motion within a machine's limits that shows every effect, and compute what it is expected to show.
 
-    The motion is one recipe for all machines and goals: strokes over the travel at several speeds, random moves, creep
-    with small reversals, and a sweep. It is simulated in closed loop, with noise and encoder, and slowed down until
-    travel with room to stop, speed, acceleration, jerk, duration and command keep the limits.
-
-    Goals: `separate` and `detect` state the detection limits that `diagnose` would reach with the simulated log,
+    The motion is one recipe for all machines and goals, simulated in closed loop and slowed down until it keeps the
+    limits. `separate` and `detect` state the detection limits that `diagnose` would reach with the simulated log,
     `separate` also which motion distinguishes the alternatives of a result; `fit` states the intervals of the model's
     parameters, given its `[bounds]`.
 
@@ -248,7 +229,18 @@ def plan_experiment(
     if goal == "separate" and not rivals:
         raise ValueError("goal: separate needs a result with alternatives, got none; detect and fit need none")
     notes: list[str] = []
-    model = _with_loop_and_noise(model, controller, limits, notes)
+    if controller is None and model.controller is None:
+        model = model.replace(controller=assumed_pid(model.axis))
+        notes.append(
+            f"the model states no controller: planned with {ASSUMED}; the motion under yours may exceed the limits"
+        )
+    if model.noise.force == model.encoder.resolution == model.encoder.noise == 0.0:
+        force = QUIET * model.axis.mass * limits.acceleration
+        model = model.replace(noise=model.noise.replace(force=force))
+        notes.append(
+            f"the model states neither noise nor the encoder's resolution: {force:.3g} {model.units.of('V')} rms "
+            "assumed, 1 % of the force of the largest acceleration"
+        )
     seed += len(logs)
     with steps(progress, "experiment") as begin:
         begin("simulating the motion")
@@ -263,7 +255,15 @@ def plan_experiment(
         if goal == "fit":
             expected = _intervals(evidence, model)
         else:
-            expected = _limits(evidence, vocabulary, document.get("limits") or {}, model.units)
+            # The detection limits that `diagnose` states for a log in which nothing is hidden.
+            found = detection_limits(Outcome(evidence, evidence, evidence, [], [], []), vocabulary)
+            expected = []
+            for name, limit in found.items():
+                known = (document.get("limits") or {}).get(name) or {}
+                before = known.get("value") if known.get("parameter") == limit.parameter else None
+                value = None if limit.value is None else float(f"{limit.value:.4g}")
+                unit = model.units.of(limit.unit)
+                expected.append(Expectation(name, limit.parameter, unit, value, before, limit.why))
     advice = separating(rivals, vocabulary, [log]) if goal == "separate" else None
     return ExperimentPlan(
         goal, elements, motion, scale, limits, taken, tuple(expected), advice, tuple(notes), seed, model.units
@@ -272,10 +272,8 @@ def plan_experiment(
 
 def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: int) -> Log:
     """Return the simulated log of a motion; DivergedError or ValueError: the axis left its travel."""
-    running = model.make_controller() if controller is None else controller
-    substeps = model.steps_per_sample
-    run = closed_loop(model.plant(), running, motion, duration=motion.end, seed=seed, steps_per_sample=substeps)
-    return Log.of(run)
+    options: dict[str, Any] = {"duration": motion.end, "seed": seed, "steps_per_sample": model.steps_per_sample}
+    return Log.of(closed_loop(model.plant(), controller or model.make_controller(), motion, **options))
 
 
 def _simulated(
@@ -298,25 +296,6 @@ def _simulated(
     raise NoMotion(f"no motion of this machine keeps the limits, not even at a fifth of the speed: {reached}")
 
 
-def _with_loop_and_noise(
-    model: Model, controller: AnyController | None, limits: MotionLimits, notes: list[str]
-) -> Model:
-    """The model with a controller and noise: its own, or an assumed PID and noise, with a note."""
-    if controller is None and model.controller is None:
-        model = model.replace(controller=assumed_pid(model.axis))
-        notes.append(
-            f"the model states no controller: planned with {ASSUMED}; the motion under yours may exceed the limits"
-        )
-    if model.noise.force == 0.0 and model.encoder.resolution == 0.0 and model.encoder.noise == 0.0:
-        force = QUIET * model.axis.mass * limits.acceleration
-        model = model.replace(noise=model.noise.replace(force=force))
-        notes.append(
-            f"the model states neither noise nor the encoder's resolution: {force:.3g} {model.units.of('V')} rms "
-            "assumed, 1 % of the force of the largest acceleration"
-        )
-    return model
-
-
 def _evidence(logs: Sequence[Log], stated: Model, model: Model) -> Evidence:
     """Return the evidence of the first log, with the noise filter of all."""
     from scipy.signal import lfilter
@@ -331,20 +310,6 @@ def _evidence(logs: Sequence[Log], stated: Model, model: Model) -> Evidence:
     evidence = Evidence(balances[:1], stated, model).prepare()
     evidence.screen = evidence.fitted([np.asarray(taps / deviation(lfilter(taps, 1.0, left)[mask]))])
     return evidence
-
-
-def _limits(
-    evidence: Evidence, vocabulary: Mapping[str, Effect], today: Mapping[str, Any], units: Units
-) -> list[Expectation]:
-    """Return the detection limits that `diagnose` states for a log in which nothing is hidden."""
-    found = detection_limits(Outcome(evidence, evidence, evidence, [], [], []), vocabulary)
-    expected = []
-    for name, limit in found.items():
-        known = today.get(name) or {}
-        before = known.get("value") if known.get("parameter") == limit.parameter else None
-        value = None if limit.value is None else float(f"{limit.value:.4g}")
-        expected.append(Expectation(name, limit.parameter, units.of(limit.unit), value, before, limit.why))
-    return expected
 
 
 def _intervals(evidence: Evidence, model: Model) -> list[Expectation]:

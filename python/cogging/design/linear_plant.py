@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -61,18 +61,21 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     if position is None:
         stiffness = sum(one.stiffness for one in known if isinstance(one, effects.CableSpring))
     else:
-        above, below = (_friction(model, known, position + way * STEP, speed or 0.0) for way in (1.0, -1.0))
-        stiffness = (above - below) / (2.0 * STEP)
+        stiffness = _slope(lambda x: _friction(model, known, x, speed or 0.0), position, STEP)
         stiffness += float(model.cogging.slope(position)) if model.cogging is not None else 0.0
     damping = axis.viscous
     if speed is not None:
         there = [one for one in known if position is not None or isinstance(one, OF_SPEED)]
         step = STEP * max(abs(speed), axis.coulomb_width)
-        above, below = (_friction(model, there, position or 0.0, speed + way * step) for way in (1.0, -1.0))
-        damping = (above - below) / (2.0 * step)
-    gain = 1.0 / axis.mass
+        damping = _slope(lambda v: _friction(model, there, position or 0.0, v), speed, step)
+    gain, reading = 1.0 / axis.mass, 1.0
+    for one in known:
+        if isinstance(one, effects.EncoderScaleError):
+            reading += one.scale
+        elif "reading" in one.HOOKS and position is not None:
+            reading += _slope(laws_of(one).reading_at, position, STEP) - 1.0
     a = np.array([[0.0, 1.0], [-stiffness / axis.mass, -damping / axis.mass]])
-    c = np.array([[_reading_slope(known, position), 0.0]])
+    c = np.array([[reading, 0.0]])
     for one in known:
         if isinstance(one, effects.FlexibleMode) and one.mass_ratio > 0.0 and math.isfinite(one.frequency):
             # Motor and load on a spring: m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'.
@@ -102,6 +105,11 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     return LinearPlant(a, b, c, delay, _left_out(model, speed, position))
 
 
+def _slope(law: Callable[[float], Any], at: float, step: float) -> float:
+    """Derivative of a law by central differences."""
+    return (float(law(at + step)) - float(law(at - step))) / (2.0 * step)
+
+
 def held(plant: LinearPlant, sample_time: float) -> HeldPlant:
     """The plant behind a command that is held over a sample (s) and acts after its delay, exactly."""
     from scipy.linalg import expm
@@ -126,18 +134,6 @@ def _friction(model: Model, known: list[Effect], position: float, velocity: floa
             force += float(laws_of(one).force_at(position=position, velocity=velocity))
     sign = float(smooth_sign(velocity, model.axis.coulomb_width))
     return model.axis.viscous * velocity + level * sign - force
-
-
-def _reading_slope(known: list[Effect], position: float | None) -> float:
-    """Slope of the reading over the position."""
-    slope = 1.0
-    for one in known:
-        if isinstance(one, effects.EncoderScaleError):
-            slope += one.scale
-        elif "reading" in one.HOOKS and position is not None:
-            above, below = (float(laws_of(one).reading_at(position=position + way * STEP)) for way in (1.0, -1.0))
-            slope += (above - below) / (2.0 * STEP) - 1.0
-    return slope
 
 
 def _left_out(model: Model, speed: float | None, position: float | None) -> tuple[str, ...]:
@@ -173,19 +169,22 @@ def modulus_margin(model: Model) -> float | None:
     Returns:
         1, from 0 to 1, or None where the controller has no such part.
     """
+    from scipy.signal import ss2tf
+
     controller = linear_controller(model)
     if controller is None or model.controller is None:
         return None
-    sample_time = 1.0 / model.controller.sample_rate
-    numerator, denominator = controller
-    plant_numerator, plant_denominator = _plant(model, sample_time)
-    loop = np.polymul(numerator, plant_numerator)
-    characteristic = np.polyadd(np.polymul(denominator, plant_denominator), loop)
+    kept = [one for one in model.effects if isinstance(one, effects.CommandDelay | effects.ActuatorLag)]
+    plant, none = held(linear_plant(model.replace(effects=kept)), 1.0 / model.controller.sample_rate), np.zeros((1, 1))
+    now, poles = ss2tf(plant.transition, plant.now, plant.output, none)
+    old, _ = ss2tf(plant.transition, plant.before, plant.output, none)
+    numerator = np.polyadd(np.polymul(now[0], [1.0, 0.0]), old[0])
+    denominator = np.polymul(controller[1], np.polymul(poles, np.eye(1, plant.whole + 2)[0]))
+    characteristic = np.polyadd(denominator, np.polymul(controller[0], numerator))
     if not np.isfinite(characteristic).all() or np.abs(np.roots(characteristic)).max(initial=0.0) >= UNIT_CIRCLE:
         return 0.0
     z = np.exp(2j * np.pi * np.geomspace(LOWEST, 0.5, FREQUENCIES))
-    open_loop = np.polyval(np.polymul(denominator, plant_denominator), z)
-    return float(np.abs(np.polyval(characteristic, z) / open_loop).min())
+    return float(np.abs(np.polyval(characteristic, z) / np.polyval(denominator, z)).min())
 
 
 def linear_controller(model: Model, *, speed: float | None = None) -> Polynomials | None:
@@ -203,7 +202,13 @@ def linear_controller(model: Model, *, speed: float | None = None) -> Polynomial
     ts = 1.0 / p.sample_rate
     of = p.to_dict()
     difference = np.array([1.0, -1.0]) / ts  # over z
-    measured = -_compensated(of, speed) if of.get("feedforward_velocity") == "measured" else 0.0
+    measured = 0.0
+    if of.get("feedforward_velocity") == "measured":
+        measured = -of["viscous"]
+        if speed is not None and of["coulomb"] != 0.0:
+            width = of["coulomb_width"]
+            slope = _slope(lambda v: smooth_sign(v, width), speed, STEP * max(abs(speed), width))
+            measured = -(of["viscous"] + of["coulomb"] * slope)
     if model.controller_type == "pid":
         proportional = np.polymul([of["kp"], 0.0], [1.0, -1.0])
         integral = of["ki"] * ts * np.array([1.0, 0.0, 0.0])
@@ -225,25 +230,3 @@ def linear_controller(model: Model, *, speed: float | None = None) -> Polynomial
         model_part = known * np.polymul(difference, [1.0, -1.0])
         return np.polyadd(np.polymul(switching, gain), model_part), np.array([1.0, -1.0, 0.0])
     return None
-
-
-def _compensated(of: Mapping[str, float], speed: float | None) -> float:
-    """Slope of the friction that a controller compensates, V/(m/s)."""
-    if speed is None or of["coulomb"] == 0.0:
-        return of["viscous"]
-    step = 1e-6 * max(abs(speed), of["coulomb_width"])
-    above, below = (float(smooth_sign(speed + way * step, of["coulomb_width"])) for way in (1.0, -1.0))
-    return of["viscous"] + of["coulomb"] * (above - below) / (2.0 * step)
-
-
-def _plant(model: Model, sample_time: float) -> Polynomials:
-    """Numerator and denominator in z of the reading over the command: the rigid axis, its delays and current loops."""
-    from scipy.signal import ss2tf
-
-    kept = [one for one in model.effects if isinstance(one, effects.CommandDelay | effects.ActuatorLag)]
-    plant = held(linear_plant(model.replace(effects=kept)), sample_time)
-    none = np.zeros((1, 1))
-    now, denominator = ss2tf(plant.transition, plant.now, plant.output, none)
-    old, _ = ss2tf(plant.transition, plant.before, plant.output, none)
-    numerator = np.polyadd(np.polymul(now[0], [1.0, 0.0]), old[0])
-    return numerator, np.polymul(denominator, np.eye(1, plant.whole + 2)[0])

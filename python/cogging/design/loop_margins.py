@@ -125,11 +125,10 @@ def push_of(motion: Reference, sample_rate: float, duration: float, command_max:
 class Loops:
     """Machines under one controller, pushed with more delay and gain than they have.
 
-    The trace of a push is the difference of the true position between two runs with and without it, equal in all else.
-    The loop holds on a machine if both runs complete, the trace is at most GROWN times the largest of the unchanged
-    loop, and its rms in the second half of the moving rows after the push is at most FORGOTTEN of its largest in the
-    first half, and of that in the unchanged loop. If no unchanged loop holds, as for a speed loop, the trace of the
-    velocity is used.
+    The trace of a push is the difference of the true position (of the velocity if no unchanged loop holds, as for a
+    speed loop) between two runs with and without it. The loop holds on a machine if both runs complete, the trace is at
+    most GROWN times the largest of the unchanged loop, and its rms in the second half of the moving rows after the push
+    is at most FORGOTTEN of its largest in the first half, and of that in the unchanged loop.
     """
 
     def __init__(self, machines: Sequence[Machine], controller: AnyController, push: Push, *, threads: int = 0) -> None:

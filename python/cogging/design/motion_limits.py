@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -89,12 +89,6 @@ class MotionLimits(ByValue):
 
         Raises:
             InputError: the file cannot be used; names file, line, field, rule and value.
-
-        Example:
-            >>> with open("limits.toml", "w") as file:
-            ...     _ = file.write("travel = [0.0, 0.5]\\nvelocity = 0.5\\nacceleration = 5.0\\nduration = 20.0")
-            >>> cogging.MotionLimits.read("limits.toml")
-            MotionLimits(0 to 0.5 m, 0.5 m/s, 5 m/s^2, 20 s)
         """
         document = read_toml(path)
         try:
@@ -123,17 +117,15 @@ class MotionLimits(ByValue):
             FieldError: the travel is stated neither here nor by the model, or is not inside the model's.
         """
         low, high = (float(end) for end in model.axis.travel)
-        travel = (low, high) if self.travel is None else self.travel
-        if not (math.isfinite(travel[0]) and math.isfinite(travel[1])):
+        travel = self.travel or (low, high)
+        if not all(map(math.isfinite, travel)):
             raise FieldError("", "travel", "must be given where the model states none, got nothing")
         if not (low <= travel[0] and travel[1] <= high):
             rule = f"must be inside the model's, {low:g} to {high:g} {model.units.position}"
             raise FieldError("", "travel", f"{rule}, got {list(travel)}")
         own = 0.0 if model.controller is None else model.controller.command_limit
-        command = min(self.command or math.inf, own or math.inf)
-        jerk = self.acceleration / JERK_RISE if self.jerk is None else self.jerk
-        known = travel, jerk, command if math.isfinite(command) else None
-        return MotionLimits(self.velocity, self.acceleration, self.duration, *known)
+        command = min((limit for limit in (self.command, own) if limit), default=None)
+        return replace(self, travel=travel, jerk=self.jerk or self.acceleration / JERK_RISE, command=command)
 
 
 def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
@@ -142,39 +134,33 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
     low, high = model.axis.travel
     if not math.isfinite(high - low):
         if not found:
-            raise ValueError(
-                "axis.travel: must be given in the model, or a log in --logs, to draft limits, got neither"
-            )
+            rule = "must be given in the model, or a log in --logs, to draft limits"
+            raise ValueError(f"axis.travel: {rule}, got neither")
         low, high = (end(one.travel[i] for one in found) for i, end in enumerate((min, max)))
-    velocity, acceleration = STROKE * (high - low), STROKE * (high - low) / RAMP
-    source, command = f"assumed: the travel in {1.0 / STROKE:g} s", None
+    velocity, acceleration, command = STROKE * (high - low), STROKE * (high - low) / RAMP, 0.0
+    source, ramp = f"assumed: the travel in {1.0 / STROKE:g} s", f"assumed: {RAMP:g} s to that velocity"
     if found:
         velocity, acceleration, command = (
             max(max(map(abs, getattr(one, name))) for one in found) for name in ("speed", "acceleration", "command")
         )
-        source = "found: the largest in these logs"
-    ramp = source if found else f"assumed: {RAMP:g} s to that velocity"
+        source = ramp = "found: the largest in these logs"
     rows = [
-        ("velocity", f"{velocity:.3g}", f"m/s; {source}"),
-        ("acceleration", f"{acceleration:.3g}", f"m/s^2; {ramp}"),
-        ("duration", "20.0", "s, of the whole motion; assumed"),
-        ("travel", f"[{low:.6g}, {high:.6g}]", "m; of the model" if not found else "m; of the model or these logs"),
-        ("# jerk", f"{acceleration / JERK_RISE:.3g}", "m/s^3; what counts if it is not given"),
+        (f"velocity = {velocity:.3g}", "m/s", source),
+        (f"acceleration = {acceleration:.3g}", "m/s^2", ramp),
+        ("duration = 20.0", "s, of the whole motion", "assumed"),
+        (f"travel = [{low:.6g}, {high:.6g}]", "m", "of the model" + " or these logs" * bool(found)),
+        (f"# jerk = {acceleration / JERK_RISE:.3g}", "m/s^3", "what counts if it is not given"),
+        *([(f"command = {command:.3g}", "V", source)] if command else []),
     ]
-    if command:
-        rows.append(("command", f"{command:.3g}", f"V; {source}"))
-    lines = []
-    for key, value, meaning in rows:
-        unit, _, rest = meaning.partition(";")
-        lines.append(f"{f'{key} = {value}':<27} # {model.units.of(unit)};{rest}")
+    lines = [f"{line:<27} # {model.units.of(unit)}; {meaning}" for line, unit, meaning in rows]
     return "\n".join(["## What the machine may do, drafted by `cogging experiment`: check each line.", *lines, ""])
 
 
 def shares_of_limits(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
     """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
 
-    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone, since each new command makes
-    the machine's jump. The axis must be able to stop inside its travel: x +- v^2 / (2 a) counts.
+    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone. The axis must be able to stop
+    inside its travel: x +- v^2 / (2 a) counts.
     """
     planned = motion.samples
     position = log.true_position if log.true_position is not None else log.position

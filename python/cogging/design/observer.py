@@ -22,6 +22,7 @@ from cogging.values import ByValue, brief
 # By how much the solver is asked to keep the inequalities, so that they hold in truth. Tried in turn: what stops it for
 # one of them (it is near the end of double precision there) often does not for the next.
 MARGINS = (1e-5, 1e-6, 1e-4)
+POSITIVE = ("omega", "damping", "pole_radius")
 POLE_GRID = 41  # velocities at which the frozen poles are looked at
 
 
@@ -97,25 +98,29 @@ class ObserverProblem(ByValue):
     affine: bool = False
 
     def __post_init__(self) -> None:
-        _require(len(self.periods) > 0, "periods", "must list at least one", "none")
-        for period in self.periods:
-            _require(np.isfinite(period) and period > 0, "periods", "each must be above 0", period)
-        rule = "must be above 0: at rest zeta is not observable, and no gain is feasible"
-        _require(np.isfinite(self.velocity_min) and self.velocity_min > 0, "velocity_min", rule, self.velocity_min)
-        rule = f"must be above velocity_min = {self.velocity_min:g}"
-        _require(
-            np.isfinite(self.velocity_max) and self.velocity_max > self.velocity_min,
-            "velocity_max",
-            rule,
-            self.velocity_max,
-        )
-        _require(np.isfinite(self.viscous) and self.viscous >= 0, "viscous", "must be at least 0", self.viscous)
-        for name in ("omega", "damping", "pole_radius"):
-            value = getattr(self, name)
-            _require(np.isfinite(value) and value > 0, name, "must be above 0", value)
-        _require(self.decay_rate >= 0, "decay_rate", "must be at least 0", self.decay_rate)
-        rule = f"must be below {self.slowest:g} 1/s, the position loop's slowest pole"
-        _require(self.decay_rate < self.slowest, "decay_rate", rule, self.decay_rate)
+        rest = "must be above 0: at rest zeta is not observable, and no gain is feasible"
+        rules: list[tuple[str, float, bool, str]] = [
+            *(("periods", period, period > 0, "each must be above 0") for period in self.periods),
+            ("velocity_min", self.velocity_min, self.velocity_min > 0, rest),
+            (
+                "velocity_max",
+                self.velocity_max,
+                self.velocity_max > self.velocity_min,
+                f"must be above velocity_min = {self.velocity_min:g}",
+            ),
+            ("viscous", self.viscous, self.viscous >= 0, "must be at least 0"),
+            *((name, getattr(self, name), getattr(self, name) > 0, "must be above 0") for name in POSITIVE),
+        ]
+        if not len(self.periods):
+            raise ValueError("periods: must list at least one, got none")
+        for name, value, holds, rule in rules:
+            if not (holds and np.isfinite(value)):
+                raise ValueError(f"{name}: {rule}, got {value}")
+        if not self.decay_rate >= 0:
+            raise ValueError(f"decay_rate: must be at least 0, got {self.decay_rate}")
+        if not self.decay_rate < self.slowest:
+            rule = f"must be below {self.slowest:g} 1/s, the position loop's slowest pole"
+            raise ValueError(f"decay_rate: {rule}, got {self.decay_rate}")
 
     @property
     def slowest(self) -> float:
@@ -176,18 +181,14 @@ def design_observer(problem: ObserverProblem) -> ObserverDesign:
         True
     """
     design = _solve(problem)
-    if design is None:
-        largest = largest_decay_rate(problem)
-        if largest >= problem.decay_rate:
-            raise ValueError(
-                f"pole_radius: must be smaller for the solver to certify a gain in double precision, "
-                f"got {problem.pole_radius:g}"
-            )
-        raise ValueError(
-            f"decay_rate: must be at most {largest:.3g} 1/s for these velocities and this "
-            f"pole_radius, got {problem.decay_rate:g}"
-        )
-    return design
+    if design is not None:
+        return design
+    largest = largest_decay_rate(problem)
+    if largest >= problem.decay_rate:
+        rule = "must be smaller for the solver to certify a gain in double precision"
+        raise ValueError(f"pole_radius: {rule}, got {problem.pole_radius:g}")
+    rule = f"must be at most {largest:.3g} 1/s for these velocities and this pole_radius"
+    raise ValueError(f"decay_rate: {rule}, got {problem.decay_rate:g}")
 
 
 def largest_decay_rate(problem: ObserverProblem) -> float:
@@ -203,14 +204,28 @@ def largest_decay_rate(problem: ObserverProblem) -> float:
 
 
 def _solve(problem: ObserverProblem) -> ObserverDesign | None:
+    """Solve the inequalities, kept by a margin, for the smallest gamma_o; None if no solution is certified."""
     try:
         cp: Any = importlib.import_module("cvxpy")
     except ImportError:
         raise ImportError("cvxpy is not installed: pip install 'cogging[design]'") from None
+    size = 3 + 2 * len(problem.periods)
     for margin in MARGINS:
-        design = _attempt(cp, problem, margin)
-        if design is not None:
-            return design
+        p, gamma_square = cp.Variable((size, size), symmetric=True), cp.Variable()
+        q = [cp.Variable((size, 1)) for _ in range(2)] if problem.affine else [cp.Variable((size, 1))] * 2
+        constraints = [p >> margin * np.eye(size)]
+        for matrix in inequalities(problem, p, q, gamma_square, cp.bmat):
+            constraints.append(-(matrix + matrix.T) / 2 >> margin * np.eye(matrix.shape[0]))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an inaccurate solution is judged below, by its eigenvalues
+            try:
+                cp.Problem(cp.Minimize(gamma_square), constraints).solve(solver=cp.CLARABEL)
+            except cp.error.SolverError:
+                continue
+        if p.value is not None and q[0].value is not None and q[1].value is not None:
+            design = _certify(problem, p.value, [gain.value for gain in q], float(gamma_square.value))
+            if design is not None:
+                return design
     return None
 
 
@@ -228,25 +243,6 @@ def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_s
         found.append(block([[corner, p @ b_o], [b_o.T @ p, -gamma_square * np.eye(b_o.shape[1])]]))
         found.append(block([[-p, closed], [closed.T, -p]]))
     return found
-
-
-def _attempt(cp: Any, problem: ObserverProblem, margin: float) -> ObserverDesign | None:
-    """Solve the inequalities, kept by a margin, for the smallest gamma_o; None if that fails or is not certified."""
-    size = 3 + 2 * len(problem.periods)
-    p, gamma_square = cp.Variable((size, size), symmetric=True), cp.Variable()
-    q = [cp.Variable((size, 1)) for _ in range(2)] if problem.affine else [cp.Variable((size, 1))] * 2
-    constraints = [p >> margin * np.eye(size)]
-    for matrix in inequalities(problem, p, q, gamma_square, cp.bmat):
-        constraints.append(-(matrix + matrix.T) / 2 >> margin * np.eye(matrix.shape[0]))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # an inaccurate solution is judged below, by its eigenvalues
-        try:
-            cp.Problem(cp.Minimize(gamma_square), constraints).solve(solver=cp.CLARABEL)
-        except cp.error.SolverError:
-            return None
-    if p.value is None or q[0].value is None or q[1].value is None:
-        return None
-    return _certify(problem, p.value, [gain.value for gain in q], float(gamma_square.value))
 
 
 def _certify(
@@ -289,8 +285,3 @@ def _certify(
         slowest_pole=slowest,
         slowest_pole_at_rest=poles(0.0, 3),
     )
-
-
-def _require(holds: Any, name: str, rule: str, value: Any) -> None:
-    if not holds:
-        raise ValueError(f"{name}: {rule}, got {value}")

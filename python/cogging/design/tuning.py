@@ -9,8 +9,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,7 +26,7 @@ from cogging.files import FieldError, InputError, read_text, read_toml, refuse_u
 from cogging.model.controller import AnyController
 from cogging.model.model import Model, is_number
 from cogging.model.units import Units
-from cogging.outputs import AnyPath, target_of, write_text
+from cogging.outputs import target_of, write_text
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
@@ -35,7 +34,7 @@ from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
-from cogging.simulation.sweep import files_of_job, require_keys, run_job
+from cogging.simulation.sweep import require_keys, run_job
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
 
 #: The gains tuned by default: those of these fields that are not zero.
@@ -80,64 +79,58 @@ class Gain(NamedTuple):
     whole: bool  # whether it is a whole number
 
 
-def gains_of_model(setup: Setup, ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of the model's controller; ranges: tables by path, None for the usual ones."""
-    fields = make_controller(setup.model).parameters.to_dict()
-    numbers = {path: value for path, value in numbers_of(setup).items() if path.startswith(PREFIX)}
-    if ranges is None:
-        paths = [f"{PREFIX}{name}" for name in USUAL.get(setup.model.controller_type or "", ())]
-        values = {path: float(numbers.get(path) or 0.0) for path in paths}
-        ranges = {p: {"from": v / DECADE, "to": v * DECADE, "scale": "log"} for p, v in values.items() if v > 0.0}
-    gains = []
-    for path, given in ranges.items():
-        if path not in numbers:
-            raise FieldError("gains", path, f"is no number of the controller; {did_you_mean(path, numbers)}")
-        name, _, place = path.removeprefix(PREFIX).partition("[")
-        entry = fields[name][int(place.rstrip("]"))] if place else fields[name]
-        gains.append(_gain(path, given, numbers[path], isinstance(entry, int)))
-    return gains
+def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Mapping[str, Any] | None) -> list[Gain]:
+    """Return the gains of the model's controller, or of one that a user's function makes from them by keyword.
 
-
-def gains_of_function(make: Callable[..., AnyController], ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of a user's own controller, which a function makes from them by keyword."""
-    parameters = inspect.signature(make).parameters
-    open_ended = any(one.kind is one.VAR_KEYWORD for one in parameters.values())
+    `ranges`: tables by path; None for the usual gains of the model's controller.
+    """
+    known: dict[str, float | None]
+    if make is None:
+        fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
+        known = {path: value for path, value in numbers_of(setup).items() if path.startswith(PREFIX)}
+        if ranges is None:
+            paths = [f"{PREFIX}{name}" for name in USUAL.get(setup.model.controller_type or "", ())]
+            values = {path: float(known.get(path) or 0.0) for path in paths}
+            ranges = {p: {"from": v / DECADE, "to": v * DECADE, "scale": "log"} for p, v in values.items() if v > 0.0}
+    else:
+        parameters = inspect.signature(make).parameters.values()
+        fields, what, is_open = {}, "argument", any(one.kind is one.VAR_KEYWORD for one in parameters)
+        known = {one.name: one.default if is_number(one.default) else None for one in parameters}
     gains = []
     for path, given in (ranges or {}).items():
-        if path not in parameters and not open_ended:
-            raise FieldError("gains", path, f"is no argument of the controller; {did_you_mean(path, parameters)}")
-        value = parameters[path].default if path in parameters else None
-        gains.append(_gain(path, given, value if is_number(value) else None, False))
+        if path not in known and not is_open:
+            raise FieldError("gains", path, f"is no {what} of the controller; {did_you_mean(path, known)}")
+        name, _, place = path.removeprefix(PREFIX).partition("[")
+        entry = fields.get(name)
+        entry = entry[int(place.rstrip("]"))] if isinstance(entry, list) else entry
+        gains.append(_gain(path, given, known.get(path), isinstance(entry, int)))
     return gains
 
 
 def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
     """Return one gain from its checked entry in the table of gains."""
-
-    def refuse(rule: str) -> FieldError:
-        return FieldError("gains", path, rule)
-
     if not isinstance(given, Mapping):
-        raise refuse(f"must be a table with from and to, got {quoted(given)}")
+        raise FieldError("gains", path, f"must be a table with from and to, got {quoted(given)}")
     refuse_unknown_keys(given, KEYS, f"gains.{path}")
     for key in ("from", "to"):
         if key not in given:
-            raise refuse(f"{key}: must be given, got nothing")
+            raise FieldError("gains", path, f"{key}: must be given, got nothing")
     for key, value in given.items():
         if key != "scale" and not (is_number(value) and math.isfinite(value)):
-            raise refuse(f"{key}: must be a number, got {quoted(value)}")
+            raise FieldError("gains", path, f"{key}: must be a number, got {quoted(value)}")
     low, high = float(given["from"]), float(given["to"])
-    if not low < high:
-        raise refuse(f"from: must be below to = {high:g}, got {low:g}")
     scale = given.get("scale", "log" if low > 0.0 else "linear")
-    if scale not in ("log", "linear"):
-        raise refuse(f"scale: must be linear or log, got {quoted(scale)}")
-    if scale == "log" and low <= 0.0:
-        raise refuse(f"from: must be above 0 on a logarithmic scale, got {low:g}")
-    middle = math.sqrt(low * high) if scale == "log" else 0.5 * (low + high)
+    middle = math.sqrt(low * high) if scale == "log" and low > 0.0 else 0.5 * (low + high)
+    rules = {
+        f"from: must be below to = {high:g}, got {low:g}": low < high,
+        f"scale: must be linear or log, got {quoted(scale)}": scale in ("log", "linear"),
+        f"from: must be above 0 on a logarithmic scale, got {low:g}": scale != "log" or low > 0.0,
+        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low, high) == (int(low), int(high)),
+    }
+    for rule, holds in rules.items():
+        if not holds:
+            raise FieldError("gains", path, rule)
     start = float(given["start"]) if "start" in given else middle if present is None else float(present)
-    if whole and (low != int(low) or high != int(high)):
-        raise refuse(f"from, to: must be whole numbers, got {low:g} and {high:g}")
     return Gain(path, low, high, scale == "log", start, whole)
 
 
@@ -209,37 +202,29 @@ class Trial(NamedTuple):
         return all(value <= 0.0 for value in self.excess.values())
 
 
+@dataclass
 class Judge:
-    """Runs gains on drawn machines, and compares what they reach with limits.
+    """Runs gains on drawn machines, and compares what they reach with limits."""
 
-    The `present` gains set the push that measures margins, and the limits relative to them. `make` makes the controller
-    from values of the gains, `with_gains` the model with them (None for a user's own controller). A margin is measured
-    in each trial if it is the second objective, `against`.
-    """
+    machines: Sequence[Machine]
+    make: Callable[[Mapping[str, float]], AnyController]  # the controller from values of the gains
+    with_gains: Callable[[Mapping[str, float]], Model] | None  # the model with them; None for a user's own controller
+    given_limits: Mapping[str, Any]
+    against: str | None  # the second objective: a margin of this name is measured in each trial
+    duration: float  # s, of a run
+    window: tuple[float, float]  # s, of the indexes
+    quantile: float
+    threads: int
 
-    def __init__(
-        self,
-        machines: Sequence[Machine],
-        present: Mapping[str, float],
-        make: Callable[[Mapping[str, float]], AnyController],
-        with_gains: Callable[[Mapping[str, float]], Model] | None,
-        limits: Mapping[str, Any],
-        against: str | None,
-        *,
-        duration: float,
-        window: tuple[float, float],
-        quantile: float,
-        threads: int,
-    ) -> None:
-        self.machines, self.against, self._make, self._with_gains = machines, against, make, with_gains
-        self._duration, self._window, self._quantile, self._threads = duration, (*window, 2.0), quantile, threads
-        reached, setup = self.run(present), machines[0].setup
+    def measure_present(self, present: Mapping[str, float]) -> None:
+        """Run the present gains, which set the push that measures margins, and the limits relative to them."""
+        reached, setup = self.run(present), self.machines[0].setup
         command = reached.command_max if math.isfinite(reached.command_max) else 0.0
         # A loop that fails has no command of its own: that of 1 m/s^2 is used.
         command = command or setup.model.axis.mass
-        self._push = push_of(setup.reference, make(present).sample_rate, duration, command)
+        self.push = push_of(setup.reference, self.make(present).sample_rate, self.duration, command)
         reached = self.with_margins(present, reached)
-        self.limits = limits_as_numbers(limits, reached)
+        self.limits = limits_as_numbers(self.given_limits, reached)
         self.present = Trial(present, reached, self._excesses(present, reached))
 
     def run(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Reached:
@@ -247,27 +232,28 @@ class Judge:
         machines = machines or self.machines
         kept = kept_of_runs(
             [machine.setup.model.plant() for machine in machines],
-            [self._make(gains)] * len(machines),
+            [self.make(gains)] * len(machines),
             [machine.setup.reference for machine in machines],
-            durations=[self._duration],
+            durations=[self.duration],
             seeds=[machine.seed for machine in machines],
             steps_per_sample=[machines[0].setup.model.steps_per_sample],
-            threads=self._threads,
-            window=self._window,
+            threads=self.threads,
+            window=(*self.window, 2.0),
             reductions=("command_max",),
             keeps_refused=True,
         )
         if len(kept.failures) == len(machines) and all(math.isnan(one.time) for one in kept.failures):
             raise ValueError(kept.failures[0].reason)
-        names = names_of(("command_max",))
-        values = dict(zip(names, np.where(np.isnan(kept.values), np.inf, kept.values).T, strict=True))
+        values = dict(
+            zip(names_of(("command_max",)), np.where(np.isnan(kept.values), np.inf, kept.values).T, strict=True)
+        )
         largest = {name: float(values[name].max()) for name in TUNE_INDEXES if name in values}
-        error = upper_quantile(values["error_rms"], self._quantile) if not kept.failures else math.inf
+        error = upper_quantile(values["error_rms"], self.quantile) if not kept.failures else math.inf
         return Reached(error, failed=len(kept.failures), **largest)
 
     def loops(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Loops:
         """Return the loops of these gains, on which a push measures margins."""
-        return Loops(machines or self.machines, self._make(gains), self._push, threads=self._threads)
+        return Loops(machines or self.machines, self.make(gains), self.push, threads=self.threads)
 
     def with_margins(
         self,
@@ -277,23 +263,19 @@ class Judge:
         names: Sequence[str] = MARGINS,
     ) -> Reached:
         """Return the same with margins; those that this controller does not have stay None."""
-        loops = None if reached.failed else self.loops(gains, machines)
-        measured: dict[str, Any] = {}
-        for name in names:
-            if name == "modulus_margin":
-                margin = self._modulus_margin(gains, machines or self.machines)
-                measured[name] = margin if margin is None or not reached.failed else 0.0
-            elif loops is None:
-                measured[name] = 0.0
-            else:
-                measured[name] = loops.delay_margin() if name == "delay_margin" else loops.gain_margin()
+        if "modulus_margin" in names:
+            margin = self._modulus_margin(gains, machines or self.machines)
+            reached = replace(reached, modulus_margin=0.0 if margin is not None and reached.failed else margin)
+        names = [name for name in names if name != "modulus_margin"]
+        loops = self.loops(gains, machines) if names and not reached.failed else None
+        measured: dict[str, Any] = {n: getattr(loops, n)() if loops is not None else 0.0 for n in names}
         return replace(reached, **measured)
 
     def _modulus_margin(self, gains: Mapping[str, float], machines: Sequence[Machine]) -> float | None:
         """Return the smallest over the machines; None without a linear part."""
-        if self._with_gains is None:
+        if self.with_gains is None:
             return None
-        controller = self._with_gains(gains).controller
+        controller = self.with_gains(gains).controller
         found = [modulus_margin(machine.setup.model.replace(controller=controller)) for machine in machines]
         return min((margin for margin in found if margin is not None), default=None)
 
@@ -303,15 +285,14 @@ class Judge:
         loops = None
         for name, limit in self.limits.items():
             value = getattr(reached, name)
+            if value is None and reached.failed:
+                found[name] = 1.0
+                continue
             if name in ("delay_margin", "gain_margin") and value is None:
-                loops = None if reached.failed else loops or self.loops(gains)
-                tried = {"delay" if name == "delay_margin" else "gain": limit}
-                found[name] = 1.0 if loops is None else loops.share_lost(**tried)
+                loops = loops or self.loops(gains)
+                found[name] = loops.share_lost(**{name.removesuffix("_margin"): limit})
                 continue
             if name == "modulus_margin" and value is None:
-                if reached.failed:
-                    found[name] = 1.0
-                    continue
                 value = self._modulus_margin(gains, self.machines)
             if value is None or not math.isfinite(value):
                 found[name] = BEYOND
@@ -326,9 +307,8 @@ class Judge:
         try:
             reached = self.run(gains)
         except ValueError:  # these gains together break a rule of the controller
-            worst = Reached(math.inf, math.inf, math.inf, math.inf, math.inf, failed=len(self.machines))
-            if self.against in MARGINS:
-                worst = replace(worst, delay_margin=0.0, gain_margin=0.0, modulus_margin=0.0)
+            margins = [0.0] * 3 if self.against in MARGINS else [None] * 3
+            worst = Reached(math.inf, math.inf, math.inf, math.inf, math.inf, len(self.machines), *margins)
             return Trial(gains, worst, {ALL_END: 1.0, **dict.fromkeys(self.limits, 1.0), RULE: 1.0})
         if self.against in MARGINS:
             reached = self.with_margins(gains, reached, names=(self.against,))
@@ -349,17 +329,6 @@ def optuna() -> Any:
         raise ImportError("optuna is needed for this and is not there: pip install 'cogging[tune]'") from error
 
 
-@contextmanager
-def _quiet(library: Any) -> Iterator[None]:
-    """Let Optuna report errors only."""
-    before = library.logging.get_verbosity()
-    library.logging.set_verbosity(library.logging.ERROR)
-    try:
-        yield
-    finally:
-        library.logging.set_verbosity(before)
-
-
 def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
     """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
 
@@ -367,15 +336,17 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     any other, and continues as it would have.
     """
     library, against = optuna(), judge.against
-    sampler = library.samplers.TPESampler(seed=seed)
     other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
-    study = library.create_study(sampler=sampler, directions=["minimize", *other])
+    study = library.create_study(sampler=library.samplers.TPESampler(seed=seed), directions=["minimize", *other])
     if all(gain.low <= gain.present <= gain.high for gain in gains):
         study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
+    kinds = {
+        True: (library.distributions.IntDistribution, int),
+        False: (library.distributions.FloatDistribution, float),
+    }
     space = {}
     for gain in gains:
-        kind, number = ("IntDistribution", int) if gain.whole else ("FloatDistribution", float)
-        distribution = getattr(library.distributions, kind)
+        distribution, number = kinds[gain.whole]
         space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
     for place in range(count):
         proposed = study.ask(space)
@@ -397,53 +368,42 @@ class KeptTrials:
 
     def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
         target = target_of(out)
-        self._path = target.with_name(f"{target.name}.trials")
-        self._called = f"{os.fspath(out)}.trials"
-        self._digest = digest
-        self._trials: list[Trial] = []
-        self._written = time.monotonic()
-        if not self._path.exists():
+        self.path, self.name = target.with_name(f"{target.name}.trials"), f"{os.fspath(out)}.trials"
+        self.digest, self.trials, self.written = digest, list[Trial](), time.monotonic()
+        if not self.path.exists():
             return
         try:
-            document = json.loads(self._path.read_text(encoding="utf-8"))
-            digest = document["digest"]
-            trials = [Trial(gains, Reached(**reached), excess) for gains, reached, excess in document["trials"]]
+            document = json.loads(self.path.read_text(encoding="utf-8"))
+            is_own = document["digest"] == digest
+            self.trials = [Trial(gains, Reached(**reached), excess) for gains, reached, excess in document["trials"]]
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{self._called}: cannot be used: {error}") from None
-        if digest != self._digest:
-            raise InputError(
-                f"{self._called}: holds trials of another tuning, or of another version: "
-                "remove it, or write to another file"
-            )
-        self._trials = trials
+            raise InputError(f"{self.name}: cannot be used: {error}") from None
+        if not is_own:
+            rule = "holds trials of another tuning, or of another version: remove it, or write to another file"
+            raise InputError(f"{self.name}: {rule}")
 
     def read(self, number: int, values: Mapping[str, float]) -> Trial | None:
         """Return the stored trial of this number, or None; trials after a different one are dropped."""
-        if number < len(self._trials) and self._trials[number].gains == values:
-            return self._trials[number]
-        del self._trials[number:]
+        if number < len(self.trials) and self.trials[number].gains == values:
+            return self.trials[number]
+        del self.trials[number:]
         return None
 
     def keep(self, trial: Trial) -> None:
         """Store one more trial; written every half second. InputError: for example on a full disk."""
-        self._trials.append(trial)
-        if time.monotonic() - self._written > WRITTEN_EVERY:
+        self.trials.append(trial)
+        if time.monotonic() - self.written > WRITTEN_EVERY:
             self.write()
 
     def write(self) -> None:
         """Write the trials; InputError: they cannot be written."""
-        entries = [[dict(t.gains), vars(t.reached), dict(t.excess)] for t in self._trials]
+        entries = [[dict(t.gains), vars(t.reached), dict(t.excess)] for t in self.trials]
         try:
-            write_text(self._path, json.dumps({"digest": self._digest, "trials": entries}) + "\n")
+            write_text(self.path, json.dumps({"digest": self.digest, "trials": entries}) + "\n")
         except InputError as error:
-            said = f"finished trials are in {self._called}, the same call continues from there"
+            said = f"finished trials are in {self.name}, the same call continues from there"
             raise InputError(f"{error}; {said}") from None
-        self._written = time.monotonic()
-
-    def remove(self) -> None:
-        """Delete the file."""
-        with suppress(OSError):
-            self._path.unlink(missing_ok=True)
+        self.written = time.monotonic()
 
 
 def best_of(trials: Sequence[Trial]) -> Trial | None:
@@ -500,12 +460,9 @@ def tune(
     limits on every machine. Optuna's TPE sampler proposes the gains with the excess of each limit as a constraint; the
     present gains come first. The result is evaluated on machines held out.
 
-    Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller: the largest
-    delay of the command, and the largest factor on it, with which every machine recovers (docs/tune.md). For a
-    controller with a linear part, `modulus_margin` is the smallest |1 + L|.
-
-    With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an interruption or a crash
-    the same call continues. On an interruption the best gains so far are written to `out`.
+    Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller
+    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an
+    interruption the same call continues, and the best gains so far are in `out`.
 
     Args:
         model: a Model, or the path of a model file; its controller is tuned.
@@ -545,12 +502,12 @@ def tune(
         >>> tuning.tuned.drawn.error_rms < tuning.present.drawn.error_rms, tuning.tuned.drawn.delay_margin >= 1e-3
         (True, True)
     """
-    optuna()
+    library = optuna()
     _require_numbers({"machines": machines, "held_out": held_out, "trials": trials}, seed, quantile, against)
     model = model if isinstance(model, Model) else Model.read(model)
     motion, own = motion_of(reference)
     setup, duration = Setup(model, motion), duration or own
-    ranges = gains_of_model(setup, gains) if controller is None else gains_of_function(controller, gains)
+    ranges = gains_of(setup, controller, gains)
     if not ranges:
         raise FieldError("", "gains", "must name at least one, got none")
     given = checked_limits(limits or {})
@@ -567,8 +524,8 @@ def tune(
 
     present = {gain.path: gain.present for gain in ranges}
     of_model = with_gains if controller is None else None
-    options: dict[str, Any] = {"duration": duration, "window": (start, stop), "quantile": quantile, "threads": threads}
-    judge = Judge(drawn, present, make, of_model, given, against, **options)
+    judge = Judge(drawn, make, of_model, given, against, duration, (start, stop), quantile, threads)
+    judge.measure_present(present)
     kept = None
     if out is not None and controller is None:
         described = {
@@ -581,13 +538,15 @@ def tune(
         digest = digest_of(model, described)
         kept = None if digest is None else KeptTrials(out, digest)
     found: list[Trial] = []
+    verbosity = library.logging.get_verbosity()
+    library.logging.set_verbosity(library.logging.ERROR)
     try:
-        with _quiet(optuna()), steps(progress, "tune", trials) as step:
-            least = math.inf
+        with steps(progress, "tune", trials) as step:
+            leader: Trial | None = None
             for number, trial in enumerate(run_trials(ranges, trials, seed, judge, kept), 1):
                 found.append(trial)
-                least = min(least, trial.reached.error_rms) if trial.kept else least
-                shown = f", best {1e6 * least:.4g} {model.units.of('um')}" if least < math.inf else ""
+                leader = best_of([trial] if leader is None else [leader, trial])
+                shown = "" if leader is None else f", best {1e6 * leader.reached.error_rms:.4g} {model.units.of('um')}"
                 step(f"trial {number}{shown}")
         best, front = best_of([judge.present, *found]), front_of(found, against or CHATTER)
         if len(front) > FRONT_MOST:
@@ -608,6 +567,8 @@ def tune(
         if out is not None and of_model is not None and nearest is not None and nearest is not judge.present:
             of_model(nearest.gains).write(out)
         raise
+    finally:
+        library.logging.set_verbosity(verbosity)
     tuned_model = None if best is None or of_model is None else of_model(best.gains)
     table, trade_off = _tables(found, front, margins, against or CHATTER)
     result = Tuning(
@@ -629,7 +590,7 @@ def tune(
     if out is not None and tuned_model is not None:
         tuned_model.write(out)
     if kept is not None:
-        kept.remove()
+        kept.path.unlink(missing_ok=True)
     return result
 
 
@@ -655,21 +616,19 @@ def _failure_notes(judge: Judge, found: Sequence[Trial], units: Units) -> list[s
     name = max(counts, key=lambda one: counts[one])
     least = min((trial.excess[name] for trial in found if name in trial.excess), default=0.0)
     by = f"at best by {100 * least:.3g} %" if least > 0.0 else "but not in all of them at once"
-    most = f"the one that failed most is {name}: in {counts[name]} of {len(found)} trials, {by}"
-    trials = [judge.present, *found]
-    nearest = min(trials, key=lambda trial: sum(max(value, 0.0) for value in trial.excess.values()))
+    most = (
+        f"no trial keeps all limits; the one that failed most is {name}: in {counts[name]} of {len(found)} trials, {by}"
+    )
+    nearest = min([judge.present, *found], key=lambda trial: sum(max(value, 0.0) for value in trial.excess.values()))
     gains = ", ".join(f"{path} = {value:.4g}" for path, value in nearest.gains.items())
     if RULE in nearest.excess:
-        return [f"no trial keeps all limits; {most}", f"nearest is {gains}: they break a rule of the controller"]
+        return [most, f"nearest is {gains}: they break a rule of the controller"]
     reached = judge.with_margins(nearest.gains, nearest.reached)
-    broken = [
-        limit_text(name, limit, units, getattr(reached, name))
-        for name, limit in judge.limits.items()
-        if nearest.excess[name] > 0.0
-    ]
+    limits = [(name, limit) for name, limit in judge.limits.items() if nearest.excess[name] > 0.0]
+    broken = [limit_text(name, limit, units, getattr(reached, name)) for name, limit in limits]
     if reached.failed:
         broken.append(f"{reached.failed} of {len(judge.machines)} machines do not complete their run")
-    return [f"no trial keeps all limits; {most}", f"nearest is {gains}: {'; '.join(broken)}"]
+    return [most, f"nearest is {gains}: {'; '.join(broken)}"]
 
 
 def _notes(judge: Judge, best: Trial, gains: Sequence[Gain]) -> list[str]:
@@ -681,12 +640,11 @@ def _notes(judge: Judge, best: Trial, gains: Sequence[Gain]) -> list[str]:
         broken = [name for name, value in judge.present.excess.items() if value > 0.0]
         notes.append(f"the present gains break a limit: {', '.join(broken)}")
     for gain in gains:
-        low, high, at = gain.low, gain.high, best.gains[gain.path]
-        if gain.logarithmic:
-            low, high, at = math.log(low), math.log(high), math.log(max(at, low))
+        law: Callable[[float], float] = math.log if gain.logarithmic else float
+        low, high, at = law(gain.low), law(gain.high), law(max(best.gains[gain.path], gain.low))
         share = (at - low) / (high - low)
-        end = "lower" if 0.0 <= share < AT_END else "upper" if 1.0 - AT_END < share <= 1.0 else ""
-        if end:
+        end = "lower" if share < AT_END else "upper" if 1.0 - AT_END < share <= 1.0 else ""
+        if end and best.gains[gain.path] >= gain.low:
             notes.append(f"{gain.path}: the best is at the {end} end of its range, a wider one may do better")
     return notes
 
@@ -714,11 +672,6 @@ def read_tune(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise error.in_file(path, read_text(path)) from None
     folder = Path(path).parent
     return {**document, **{key: folder / document[key] for key in ("model", "reference")}}
-
-
-def files_of_tune(arguments: Mapping[str, Any], path: str | os.PathLike[str]) -> list[AnyPath]:
-    """Return the files that a tuning reads: the tune file, its model, its reference and the files this names."""
-    return files_of_job(arguments, path)
 
 
 def run_tune(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> Tuning:

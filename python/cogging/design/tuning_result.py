@@ -26,43 +26,26 @@ SCALED = {"error_rms": (1e6, "um"), "error_max": (1e6, "um"), "delay_margin": (1
 
 @dataclass(frozen=True)
 class Reached:
-    """What gains reach on a set of machines.
+    """What gains reach on a set of machines; a margin is the smallest over them, None where it is not measured."""
 
-    Attributes:
-        error_rms: m, the quantile over the machines; infinite where a run did not complete.
-        error_max: m, the largest of all machines, as are the command's indexes.
-        command_max, command_rms: V.
-        command_chatter: of the command (see Performance).
-        failed: number of machines on which the run did not complete.
-        delay_margin: s, the smallest over the machines, as the other margins; None: not measured.
-        gain_margin: factor.
-        modulus_margin: None also for a controller without a linear part.
-    """
-
-    error_rms: float
-    error_max: float
-    command_max: float
-    command_rms: float
-    command_chatter: float
-    failed: int = 0
-    delay_margin: float | None = None
-    gain_margin: float | None = None
-    modulus_margin: float | None = None
+    error_rms: float  # m, the quantile over the machines; infinite where a run did not complete
+    error_max: float  # m, the largest of all machines, as are the command's indexes
+    command_max: float  # V
+    command_rms: float  # V
+    command_chatter: float  # of the command (see Performance)
+    failed: int = 0  # number of machines on which the run did not complete
+    delay_margin: float | None = None  # s
+    gain_margin: float | None = None  # factor
+    modulus_margin: float | None = None  # None also for a controller without a linear part
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Gains and what they reach.
+    """Gains and what they reach."""
 
-    Attributes:
-        gains: by path.
-        drawn: on the machines tuned with.
-        held_out: on machines held out.
-    """
-
-    gains: Mapping[str, float]
-    drawn: Reached
-    held_out: Reached
+    gains: Mapping[str, float]  # by path
+    drawn: Reached  # on the machines tuned with
+    held_out: Reached  # on machines held out
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,12 +68,6 @@ class Tuning(ByValue):
         seed: of machines, noise and trials.
         notes: limits that no trial keeps, gains at the end of their range, and the like.
         units: labels of the model's units.
-
-    Example:
-        >>> few = {"trials": 2, "machines": 2, "held_out": 2, "duration": 0.2}
-        >>> tuning = cogging.tune(model, move, {"controller.kp": {"from": 5e3, "to": 2e4}}, **few)
-        >>> len(tuning.trials["kept"]), tuning.present.gains
-        (2, {'controller.kp': 9600.0})
     """
 
     present: Setting
@@ -153,18 +130,14 @@ class Tuning(ByValue):
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
     def to_frame(self, what: str = "trials") -> Any:
-        """The trials or the front as a pandas DataFrame, with units in `attrs["units"]`.
-
-        Args:
-            what: `trials` or `front`.
+        """The `trials` or the `front` as a pandas DataFrame (extra `frames`), with units in `attrs["units"]`.
 
         Raises:
             ValueError: `what` is neither.
-            ImportError: pandas is not there; names the extra that brings it.
         """
         if what not in ("trials", "front"):
             raise ValueError(f"what: must be trials or front, got {what!r}")
-        units = {"error_rms": "m", "error_max": "m", "command_max": "V", "command_rms": "V", "delay_margin": "s"}
+        units = {"error_rms": "m", **{name: unit for name, (unit, *_) in TUNE_INDEXES.items() if unit != "1"}}
         labels = {name: self.units.of(unit) for name, unit in units.items()}
         return frame_of(self.trials if what == "trials" else self.front, labels)
 
@@ -172,22 +145,24 @@ class Tuning(ByValue):
         """What `cogging tune --json` writes; null stands for infinite and for not measured."""
 
         def entry_of(setting: Setting) -> dict[str, Any]:
-            drawn, held_out = dict(vars(setting.drawn)), dict(vars(setting.held_out))
-            return {"gains": dict(setting.gains), "drawn": drawn, "held_out": held_out}
+            return {"gains": dict(setting.gains), "drawn": vars(setting.drawn), "held_out": vars(setting.held_out)}
 
+        names = (
+            "improved",
+            "against",
+            "front",
+            "trials",
+            "limits",
+            "machines",
+            "held_out",
+            "quantile",
+            "seed",
+            "notes",
+        )
         return {
             "present": entry_of(self.present),
             "tuned": None if self.tuned is None else entry_of(self.tuned),
-            "improved": self.improved,
-            "against": self.against,
-            "front": dict(self.front),
-            "trials": dict(self.trials),
-            "limits": list(self.limits),
-            "machines": self.machines,
-            "held_out": self.held_out,
-            "quantile": self.quantile,
-            "seed": self.seed,
-            "notes": list(self.notes),
+            **{name: getattr(self, name) for name in names},
         }
 
     plot = plot_method(

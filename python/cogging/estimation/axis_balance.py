@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -137,16 +136,15 @@ class AxisBalance:
     def fit(self, bounds: Bounds, *, shift: int = 0) -> AxisFit:
         """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
 
-        Free beside them: a force of position (linear between nodes), a slow force in time, friction that differs with
-        direction, and drag that is not negative or within its own bounds.
+        Free beside them: forces of position and of slow time, friction that differs with direction, and drag, if not
+        bounded.
         """
         at = np.clip(self.taken + shift, 0, len(self.command) - 1)
         command = self.command[at]
         target = self.freed((command + self.known[self.taken])[None])[0]
-        columns, size, factors = self._columns
         limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
-        weights = bounded(size, factors, target, limits)
-        left = (target - weights @ columns) ** 2
+        weights = bounded(self._columns, target, limits)
+        left = (target - weights @ self._columns) ** 2
         return AxisFit(
             whole=float(np.mean(command**2)),
             free=float(np.mean(target**2)),
@@ -157,7 +155,7 @@ class AxisBalance:
 
     def gain(self, values: Mapping[str, float]) -> float:
         """Factor on the command at which it is nearest to the force that these parameters need."""
-        columns, target = self._columns[0], self.freed((self.command + self.known)[self.taken][None])[0]
+        columns, target = self._columns, self.freed((self.command + self.known)[self.taken][None])[0]
         needed = np.array([values[name] for name in AXIS]) @ columns[:3]
         product = float(needed @ target)
         return float(needed @ needed) / product if product else 0.0
@@ -186,10 +184,9 @@ class AxisBalance:
         return float(np.max(total[high + 1] - total[low])) / max(float(total[-1]), 1e-300)
 
     @cached_property
-    def _columns(self) -> tuple[FloatArray, FloatArray, Any]:
-        """Columns of the parameters and of drag without the free forces, (4, m), their sizes, and their QR factors."""
-        columns = self.freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
-        return columns, *_factors(columns)
+    def _columns(self) -> FloatArray:
+        """Columns of the parameters and of drag without the free forces, (4, m)."""
+        return self.freed(np.array([*self.needs.values(), self.speed * np.abs(self.speed)]))
 
     def freed(self, rows: FloatArray) -> FloatArray:
         """Rows (p, m) orthogonal to the free forces."""
@@ -232,44 +229,25 @@ class AxisBalance:
         return node, right, matrix
 
 
-def _factors(columns: FloatArray) -> tuple[FloatArray, Any]:
-    """Rms of each column (p, m), and Q (m, p) and R (p, p) of the columns over it."""
-    size = np.sqrt(np.mean(columns**2, axis=1))
-    size[size == 0.0] = 1.0
-    return size, np.linalg.qr((columns / size[:, None]).T)
-
-
-def bounded(size: FloatArray, factors: Any, target: FloatArray, limits: FloatArray) -> FloatArray:
-    """Least-squares weights (p,) of columns on a target (m,), within limits (p, 2); `size` and `factors`: _factors."""
+def bounded(columns: FloatArray, target: FloatArray, limits: FloatArray) -> FloatArray:
+    """Least-squares weights (p,) of columns (p, m) on a target (m,), within limits (p, 2)."""
     from scipy.optimize import lsq_linear
 
-    orthogonal, triangle = factors
+    size = np.sqrt(np.mean(columns**2, axis=1))
+    size[size == 0.0] = 1.0
+    orthogonal, triangle = np.linalg.qr((columns / size[:, None]).T)
     low, high = limits.T * size
     high = np.maximum(high, low + 1e-12 * np.abs(low) + 1e-300)  # a parameter that is exact
     return np.asarray(lsq_linear(triangle, target @ orthogonal, bounds=(low, high), method="bvls").x / size)
-
-
-def stated_bounds(model: Model) -> Bounds:
-    """Mass and friction within their stated uncertainty: 0 is exact; without one, within a factor of three."""
-    bounds = {}
-    for name in AXIS:
-        value, sigma = getattr(model.axis, name), model.uncertainty.get(name)
-        if sigma is None:
-            bounds[name] = (value / FACTOR, value * FACTOR)
-        else:
-            bounds[name] = (value * max(1.0 - SIGMAS * sigma, 0.0), value * (1.0 + SIGMAS * sigma))
-    return bounds
 
 
 @np.errstate(all="ignore")  # extreme values are refused where they are used
 def explained_share(logs: Sequence[Log], model: Model) -> float | None:
     """Share of the command's power in motion that a model explains, with mass and friction as uncertain as stated.
 
-    1 - sum (u - F)^2 / sum u^2 over rows in motion of all logs. u is the low-pass filtered command, F the force that
-    the model needs along the measured motion, through the same filter, with the mass, viscous and Coulomb friction
-    within their bounds (stated_bounds) that fit best. It is a share of force: no smaller mass makes it larger. Negative
-    where the model is worse than none; None where no log moves or acts. ValueError: the rows of a log cover too little
-    of its time.
+    1 - sum (u - F)^2 / sum u^2 over rows in motion of all logs: u is the low-pass filtered command, F the force that
+    the model needs along the measured motion, through the same filter. None where no log moves or acts. ValueError: the
+    rows of a log cover too little of its time.
     """
     balances = [balance for log in logs if (balance := AxisBalance.of(thinned(log), model)) is not None]
     if not balances:
@@ -280,6 +258,10 @@ def explained_share(logs: Sequence[Log], model: Model) -> float | None:
     power = float(np.mean(command**2))
     if power == 0.0:
         return None
-    bounds = stated_bounds(model)
-    found = bounded(*_factors(columns), target, np.array([bounds[name] for name in AXIS]))
+    bounds = []
+    for name in AXIS:  # within the stated uncertainty: 0 is exact; without one, within a factor of three
+        value, sigma = getattr(model.axis, name), model.uncertainty.get(name)
+        exact = None if sigma is None else (value * max(1.0 - SIGMAS * sigma, 0.0), value * (1.0 + SIGMAS * sigma))
+        bounds.append(exact or (value / FACTOR, value * FACTOR))
+    found = bounded(columns, target, np.array(bounds))
     return 1.0 - float(np.mean((target - found @ columns) ** 2)) / power

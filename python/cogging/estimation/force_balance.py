@@ -46,11 +46,10 @@ class Motion:
 class ForceBalance:
     """Command minus the force that a model needs along the measured motion, low-pass filtered, V.
 
-    The rows form an even grid with the log's median step: readings are interpolated, commands averaged over each step.
-    Long pauses take few rows, whatever their length (`running_time`). A held command moves the axis along parabolas,
-    which the rows show as a command that is smaller by (omega h)^2 / 12; the command enters as the rows show it.
-    Effects that falsify the reading are removed from it. Motor and load of an effect with states (backlash,
-    flexible_mode) are treated as one body, and presliding as sliding: exact only in steady motion.
+    The rows form an even grid with the log's median step: readings are interpolated, commands averaged over each step;
+    long pauses take few rows (`running_time`). A held command moves the axis along parabolas, which the rows show as a
+    command that is smaller by (omega h)^2 / 12; the command enters as the rows show it. Motor and load of an effect
+    with states (backlash, flexible_mode) are treated as one body, and presliding as sliding.
 
     Args:
         log: measured, or simulated in its place.
@@ -58,15 +57,15 @@ class ForceBalance:
         hold: s, for which a command was held where the rows are further apart; None: from row to row.
         rest: m/s; slower rows do not count. None: 2 % of the largest speed.
 
-    Attributes:
-        even: times of the rows, s, (n,).
-        readings, command: position (m) and command (V) in the rows, (n,).
-        motion: smoothed through the readings.
-        pauses: whether pauses were shortened.
-
     Raises:
         ValueError: the rows of the log cover too little of its time.
     """
+
+    even: FloatArray  # times of the rows, s, (n,)
+    readings: FloatArray  # position in the rows, m, (n,)
+    command: FloatArray  # in the rows, V, (n,)
+    motion: Motion  # smoothed through the readings
+    pauses: bool  # whether pauses were shortened
 
     def __init__(self, log: Log, *, cutoff: float, hold: float | None = None, rest: float | None = None) -> None:
         self.log, self.cutoff, self.hold, self._rest = log, cutoff, hold, rest

@@ -12,7 +12,7 @@ from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
 from cogging.estimation.statistics import SINGULAR, jackknife
-from cogging.estimation.whitening import Whitened, whitened
+from cogging.estimation.whitening import whitened
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
@@ -50,8 +50,7 @@ def columns_of(
 def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterations: int) -> Estimate:
     """Least squares of the whitened residuals of all logs, by Gauss-Newton with step halving.
 
-    The whitening filter of each log is re-estimated in each iteration; logs are weighted by their whitened rms.
-    DivergedError: the model diverges on a log.
+    The whitening filters are re-estimated in each iteration. DivergedError: the model diverges on a log.
     """
     scales = Scales.largest(log.scales for log in logs)
     done = 0
@@ -60,7 +59,13 @@ def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterat
         parameters = [known[path] for path in paths]
         residuals, columns = columns_of(model, parameters, logs, scales)
         seen = [whitened(log, r, c) for log, r, c in zip(logs, residuals, columns, strict=True)]
-        curvature, gradient = _normal_equations(paths, seen)
+        with np.errstate(over="ignore", invalid="ignore"):
+            curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
+            gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
+        bad = ~(np.isfinite(np.diag(curvature)) & np.isfinite(gradient))
+        if bad.any():
+            rule = "the change that it makes in the motion has no bound: the log is not of this model"
+            raise DivergedError(f"{paths[int(np.argmax(bad))]}: {rule}")
         values = np.array([p.value for p in parameters])
         if done >= iterations or not paths:
             break
@@ -75,20 +80,6 @@ def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterat
             iterations = done  # one more evaluation, at the final values
     cost = float(sum(len(w.residual) * np.log(w.rms) for w in seen))
     return Estimate(tuple(paths), values, *jackknife(seen), cost)
-
-
-def _normal_equations(paths: Sequence[str], seen: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
-    """Curvature (p, p) and gradient (p,) of half the sum of squares; DivergedError: they are not finite."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        curvature = np.asarray(sum(s.columns @ s.columns.T for s in seen))
-        gradient = np.asarray(sum(s.columns @ s.residual for s in seen))
-    if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
-        bad = ~(np.isfinite(np.diag(curvature)) & np.isfinite(gradient))
-        worst = paths[int(np.argmax(bad))]
-        raise DivergedError(
-            f"{worst}: the change that it makes in the motion has no bound: the log is not of this model"
-        )
-    return curvature, gradient
 
 
 def _move(

@@ -98,8 +98,8 @@ class Innovations:
     def columns(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and derivatives (p, n) by the parameters.
 
-        Force parameters are differentiated along the prediction and propagated through the observer; parameters with
-        memory, of the amplifier or of the encoder by central differences of whole predictions.
+        Forces are differentiated along the prediction and propagated through the observer, other parameters by central
+        differences of whole predictions.
         """
         plant, along = quiet_plant(model), self.prediction(model)
         columns = np.zeros((len(parameters), len(self.log)))
@@ -135,10 +135,9 @@ class Innovations:
     def rows_of_plants(
         self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
     ) -> FloatArray:
-        """First-order change of residuals from a plant to others that differ in forces alone, over `spans`, (p, n).
+        """First-order change of residuals from a plant to others that differ in forces and mass, over `spans`, (p, n).
 
-        `along` is the prediction of `plant`, all without quantiser and noise; another mass counts by the acceleration
-        that its forces make.
+        `along` is the prediction of `plant`, all without quantiser and noise.
         """
         force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
         # The same acceleration, as a force on the plant's own mass.

@@ -42,7 +42,7 @@ class Replay:
                 f"time: must be evenly spaced by the controller's 1 / sample_rate = {sample_time:g} s to be replayed, "
                 f"got steps from {steps.min():g} to {steps.max():g} s"
             )
-        self.log = log
+        self.log, self.period = log, sample_time
         self.added_command = None if added_command is None else real_array("added_command", added_command)
         time = np.arange(len(log)) * sample_time
         self.reference = Sampled(time, log.reference, log.reference_velocity, log.reference_acceleration)
@@ -88,14 +88,11 @@ class Replay:
             model.make_controller(),
             self.reference,
             duration=self.duration,
-            initial_position=self._start(model),
+            initial_position=place_of_reading(float(self.log.position[0]), model.effects),
             initial_velocity=self.initial_velocity,
             added_command=self.added_command,
-            steps_per_sample=_steps(model),
+            steps_per_sample=steps_needed(model, self.period),
         )
-
-    def _start(self, model: Model) -> float:
-        return place_of_reading(float(self.log.position[0]), model.effects)
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n); DivergedError: a replay diverged."""
@@ -114,20 +111,16 @@ class Replay:
             [self.reference],
             durations=[self.duration],
             seeds=(),
-            steps_per_sample=[_steps(model) for model in as_run],
+            steps_per_sample=[steps_needed(model, self.period) for model in as_run],
             columns=["command"],
             keeps_refused=True,
-            initial_positions=[self._start(model) for model in as_run],
+            initial_positions=[place_of_reading(float(self.log.position[0]), model.effects) for model in as_run],
             initial_velocity=self.initial_velocity,
             added_command=[] if self.added_command is None else self.added_command.tolist(),
         )
         for failure in kept.failures:
             self.run(models[failure.run])  # raises what ended it
         return kept.columns["command"]
-
-
-def _steps(model: Model) -> int:
-    return steps_needed(model, 1.0 / model.make_controller().sample_rate)
 
 
 def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:

@@ -37,10 +37,8 @@ SINGULAR = 1e-9  # of the largest eigenvalue of the scaled curvature: smaller on
 def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     """Covariance (p, p) from leaving out one block of rows after the other, and its degrees of freedom (p,).
 
-    Blocks account for correlation that whitening leaves within them. Leaving each out avoids the optimism of a
-    sandwich estimate for a parameter that few blocks determine. A parameter that one block alone determines (a limit
-    that was reached once) does not move when another is left out: it gets the covariance of white residuals, inflated
-    as those of the other parameters are. What no row determines has an infinite variance.
+    A parameter that one block alone determines does not move when another is left out: it gets the covariance of white
+    residuals, inflated as those of the other parameters are. What no row determines has an infinite variance.
     """
     whole = np.asarray(sum(log.columns @ log.columns.T for log in logs))
     if not len(whole):

@@ -25,15 +25,11 @@ class Whitened:
     rms: float  # of the whitened residual before division, V
 
 
-class NothingCounts(ValueError):
-    """No row of a log shows the axis in motion for long enough."""
-
-
 def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
     """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
     counted = np.abs(residual[log.mask > 0])
     if not len(counted):
-        raise NothingCounts("log: must have rows in motion, got an axis that rests or keeps turning back")
+        raise ValueError("log: must have rows in motion, got an axis that rests or keeps turning back")
     order = int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))  # 20 ms of memory
     limit = 6.0 * 1.4826 * float(np.median(counted))
     clipped = np.clip(residual, -limit, limit) if limit > 0 else residual

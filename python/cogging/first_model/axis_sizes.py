@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,8 +53,7 @@ class Sizes:
     residuals: tuple[tuple[FloatArray, FloatArray], ...]
 
 
-@dataclass(frozen=True)
-class _Fit:
+class _Fit(NamedTuple):
     """Least squares of the command: values and sigmas of AXIS, share that each explains alone, and the residual."""
 
     values: FloatArray
@@ -67,9 +67,8 @@ class _Fit:
 def sizes_of(log: Log, units: Units) -> Sizes:
     """Estimate mass and friction of an axis from a log in SI, without a prior model.
 
-    Least squares of the low-pass filtered command on the force that a unit of mass, viscous and Coulomb friction needs
-    along the measured motion and a constant; once with a free force of position beside them (cogging, springs) and once
-    without. Where the former does not identify a size (a sine's acceleration resembles a spring), the latter is used.
+    Least squares of the filtered command on mass, friction and a constant, once with a free force of position beside
+    them (cogging, springs) and once without, which is used where the former does not identify a size.
     """
     balance = _balance(log)
     if balance is None:
@@ -149,15 +148,12 @@ def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, units: Unit
             how = "beside a free force of position" if beside else "assuming no spring and no cogging"
             bias = BIAS * float(np.sqrt((1.0 - fit.explained) / fit.alone[k]))
             return Size(value, max(sigma / value, least, bias), f"found by a first force balance, {how}")
-    value = sign * float(plain.values[k])
+    value, reason = sign * float(plain.values[k]), "not identifiable from this log"
     bound = abs(value) + SIGMAS * float(plain.sigmas[k])
     if not math.isfinite(bound) or name == "mass":
-        return Size(0.0, None, "not identifiable from this log")
-    return Size(
-        max(value, 0.0),
-        None,
-        f"not identifiable from this log; below {bound:.2g} {units.of(AxisParameters.FIELDS[name][0])}",
-    )
+        return Size(0.0, None, reason)
+    unit = units.of(AxisParameters.FIELDS[name][0])
+    return Size(max(value, 0.0), None, f"{reason}; below {bound:.2g} {unit}")
 
 
 ROWS = 3000  # used at most
@@ -193,7 +189,15 @@ def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) 
     power = spectrum.power(rest)
     power[: 2 * FEWEST_PERIODS] = 0.0
     frequency = float(spectrum.frequency.ravel()[int(np.argmax(power))])
-    wave = _refined(x, rest, frequency, 0.5 / travel)
+    best = (np.inf, frequency, np.zeros(2))
+    for f in np.linspace(frequency - 0.5 / travel, frequency + 0.5 / travel, STEPS):
+        phase = 2.0 * np.pi * f * x
+        columns = np.column_stack([np.sin(phase), np.cos(phase)])
+        weights = np.linalg.lstsq(columns, rest, rcond=None)[0]
+        best = min(best, (float(np.mean((rest - columns @ weights) ** 2)), float(f), weights), key=lambda one: one[0])
+    left, frequency, (sine, cosine) = best
+    share = 1.0 - left / max(float(np.mean(rest**2)), 1e-300)
+    wave = Wave(1.0 / frequency, float(sine), float(cosine), share)
     amplitude = math.hypot(wave.sine, wave.cosine)
     if wave.share <= SHARE or amplitude <= LEAST_AMPLITUDE * command_rms:
         return None
@@ -202,18 +206,3 @@ def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) 
     columns = np.column_stack([np.sin(phase), np.cos(phase)])
     weights = [np.linalg.lstsq(columns[rows], rest[rows], rcond=None)[0] for rows in (slice(half), slice(half, None))]
     return wave if np.linalg.norm(weights[0] - weights[1]) < ALIKE * amplitude else None
-
-
-def _refined(x: FloatArray, rest: FloatArray, frequency: float, width: float) -> Wave:
-    """The wave near a line of the spectrum with the smallest residual."""
-    best = (np.inf, frequency, np.zeros(2))
-    for f in np.linspace(frequency - width, frequency + width, STEPS):
-        phase = 2.0 * np.pi * f * x
-        columns = np.column_stack([np.sin(phase), np.cos(phase)])
-        weights = np.linalg.lstsq(columns, rest, rcond=None)[0]
-        left = float(np.mean((rest - columns @ weights) ** 2))
-        if left < best[0]:
-            best = (left, float(f), weights)
-    left, f, weights = best
-    whole = max(float(np.mean(rest**2)), 1e-300)
-    return Wave(1.0 / f, float(weights[0]), float(weights[1]), 1.0 - left / whole)

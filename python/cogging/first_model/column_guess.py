@@ -84,8 +84,6 @@ def _bare(header: Header) -> str:
     return split_unit(header.label)[0].strip()
 
 
-GLANCE = slice(0, 64)  # rows tested for numbers
-
 Table = dict[str, FloatArray]
 
 
@@ -93,26 +91,13 @@ def numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | N
     """The numeric columns of the most common length."""
     with contextlib.suppress(InputError):  # a text, a scalar, a hole among them
         return _columns(path, labels, rows) if labels else {}
-    start = (rows.start or 0) if rows is not None else 0
-    glance: dict[str, int] = {}
+    table: Table = {}
     for label in labels:
-        try:
-            found = _columns(path, [label], slice(start, start + GLANCE.stop))
-        except InputError:  # text, or nothing
-            continue
-        glance[label] = len(found[label])
-    longest = max(glance.values(), default=0)
-    kept = [label for label, length in glance.items() if length == longest]
-    try:
-        return _columns(path, kept, rows) if kept else {}
-    except InputError:  # one that is cut short or has a hole: each by itself
-        tables = []
-        for label in kept:
-            with contextlib.suppress(InputError):
-                tables.append(_columns(path, [label], rows))
-    lengths = [len(values) for table in tables for values in table.values()]
+        with contextlib.suppress(InputError):
+            table |= _columns(path, [label], rows)
+    lengths = [len(values) for values in table.values()]
     usual = max(lengths, key=lengths.count, default=0)
-    return {label: values for table in tables for label, values in table.items() if len(values) == usual}
+    return {label: values for label, values in table.items() if len(values) == usual}
 
 
 def _columns(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
@@ -121,6 +106,7 @@ def _columns(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | 
 
 
 ALIKE = 0.3  # of the position's deviation: largest deviation of a followed reference
+FACTORS_OF_DERIVATIVES = (1.0, -1.0, 1e-3, -1e-3, 1e-6, -1e-6, 60.0)
 DERIVATIVE = 0.1  # relative difference of a derivative column from the differentiated reference
 
 
@@ -153,7 +139,8 @@ def references(
         x = np.gradient(x, t)
         named = [h for h in headers.values() if h.kind == name and h.label in table]
         for header in named[:1]:
-            factor = _factor_of_derivative(x, table[header.label])
+            values, most = table[header.label], DERIVATIVE**2 * float(np.mean(x**2))
+            factor = next((f for f in FACTORS_OF_DERIVATIVES if float(np.mean((x - f * values) ** 2)) < most), None)
             if factor is None:
                 break
             unit = Unit(factor, "", f"the {'first' if name.endswith('y') else 'second'} derivative of it", LIKELY)
@@ -164,34 +151,17 @@ def _unit_of_reference(
     header: Header, position: ColumnGuess, x: FloatArray, values: FloatArray, scale: Mapping[str, float]
 ) -> tuple[Unit | None, str]:
     """The unit in which the position follows a reference, or None."""
-    label = position.unit.label
-    stated = LIKELY
+    label, own = position.unit.label, stated_unit(header)
     if "reference" in scale:
         return Unit(scale["reference"], label, f"times {scale['reference']:g} as stated", STATED), "as stated"
-    own = stated_unit(header)
     factors = [own.factor] if own is not None else [position.unit.factor, *TRIED.get(label, TRIED["m"]).values()]
-    if own is not None:
-        stated = STATED
-    for sign in (1.0, -1.0):
+    said = "in the unit in which it is followed" if own is None else own.reason
+    for sign, sure in ((1.0, LIKELY if own is None else STATED), (-1.0, UNKNOWN)):
         for factor in dict.fromkeys(factors):
-            off = x - sign * factor * values
-            if float(np.std(off)) < ALIKE * float(np.std(x)):
+            if float(np.std(x - sign * factor * values)) < ALIKE * float(np.std(x)):
                 reason = f"the position follows it{', with the other sign' if sign < 0.0 else ''}"
-                said = (
-                    f"in {header.unit} as its header says"
-                    if stated == STATED
-                    else "in the unit in which it is followed"
-                )
-                return Unit(sign * factor, label, said, stated if sign > 0.0 else UNKNOWN), reason
+                return Unit(sign * factor, label, said, sure), reason
     return None, ""
-
-
-def _factor_of_derivative(difference: FloatArray, values: FloatArray) -> float | None:
-    size = float(np.sqrt(np.mean(difference**2)))
-    for factor in (1.0, -1.0, 1e-3, -1e-3, 1e-6, -1e-6, 60.0):
-        if float(np.sqrt(np.mean((difference - factor * values) ** 2))) < DERIVATIVE * size:
-            return factor
-    return None
 
 
 ROUGHER = 3.0  # ratio of roughness that distinguishes a command from a position
@@ -284,8 +254,7 @@ def _required(
 
 
 def _rises(values: FloatArray) -> bool:
-    steps = np.diff(values)
-    return bool(len(steps) and np.all(steps > 0.0))
+    return bool(len(values) > 1 and np.all(np.diff(values) > 0.0))
 
 
 def _by_behaviour(
@@ -349,20 +318,16 @@ def _guess(
 def _unit_by_reference(unit: Unit, headers: Mapping[str, Header], table: Table, label: str) -> Unit:
     """The unit of a position that follows a reference of stated unit."""
     for header in headers.values():
-        if header.kind != "reference" or header.label not in table or not header.unit:
-            continue
         stated = stated_unit(header)
-        if stated is None:
+        if header.kind != "reference" or header.label not in table or stated is None:
             continue
         x, r = (values - values.mean() for values in (table[label], stated.factor * table[header.label]))
         power = float(np.sqrt((x @ x) * (r @ r)))
         if power == 0.0 or abs(float(x @ r)) < FOLLOWED * power:
             continue
         slope = abs(float(x @ r)) / float(x @ x)
-        factor = next(
-            (known for known in TRIED.get(stated.label, {}).values() if abs(slope / known - 1.0) < NEAR),
-            float(f"{slope:.4g}"),
-        )
+        near = (known for known in TRIED.get(stated.label, {}).values() if abs(slope / known - 1.0) < NEAR)
+        factor = next(near, float(f"{slope:.4g}"))
         reason = f"times {factor:.4g} it is as long as {printable(header.label)!r}, whose unit is stated"
         return Unit(factor, stated.label, reason, LIKELY)
     return unit

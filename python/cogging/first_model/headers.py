@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.logs.readers.column_request import bracketed, split_unit
+from cogging.logs.readers.column_request import FACTORS, SPELLINGS, TIME_FACTORS, bracketed, split_unit
 
 #: Names by quantity, the most specific first, from English and German drives and loggers.
 NAMES = {
@@ -48,14 +49,12 @@ NAMES = {
 }
 WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
 #: Factors to SI of units of position, time and command, and the label of the command's unit.
-LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "microns": 1e-6, "nm": 1e-9}
-LENGTHS |= {"cm": 1e-2, "km": 1e3, "in": 0.0254, "inch": 0.0254}
-LENGTHS |= dict.fromkeys(("meter", "metre", "meters", "metres"), 1.0)
+LENGTHS = {**dict.fromkeys(SPELLINGS["m"][:5], 1.0), "micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "grad": math.pi / 180.0}
 ANGLES |= dict.fromkeys(("rev", "revs", "turn", "turns", "u"), 2.0 * math.pi)
+LENGTHS |= {unit: factor for unit, factor in FACTORS.items() if unit not in ANGLES}
 COUNTS = ("counts", "count", "cnt", "cnts", "inc", "incs", "inkr", "inkremente", "ticks", "steps", "lsb")
-TIMES = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "sek": 1.0, "sekunden": 1.0, "ms": 1e-3, "msec": 1e-3}
-TIMES |= {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "usec": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+TIMES = TIME_FACTORS | dict.fromkeys((*SPELLINGS["s"], "sek", "sekunden"), 1.0) | {"msec": 1e-3, "usec": 1e-6}
 COMMANDS = {"V": (1.0, "V"), "A": (1.0, "A"), "N": (1.0, "N"), "Nm": (1.0, "Nm"), "mV": (1e-3, "V"), "mA": (1e-3, "A")}
 COMMANDS |= {"mN": (1e-3, "N"), "kN": (1e3, "N"), "kA": (1e3, "A"), "mNm": (1e-3, "Nm"), "%": (1.0, "%")}
 COMMANDS |= {"volt": (1.0, "V"), "volts": (1.0, "V"), "ampere": (1.0, "A"), "amps": (1.0, "A"), "newton": (1.0, "N")}
@@ -192,11 +191,15 @@ class Unit:
     sure: str  # STATED (in the header), LIKELY or UNKNOWN
 
 
+def _stated(header: Header, factors: Mapping[str, float], label: str) -> Unit | None:
+    factor = factors.get(header.unit, factors.get(header.unit.lower()))
+    return None if factor is None else Unit(factor, label, f"in {header.unit} as its header says", STATED)
+
+
 def unit_of_time(header: Header, time: FloatArray) -> Unit:
     """The unit of a time: as stated, else the one that gives a usual rate."""
-    factor = TIMES.get(header.unit, TIMES.get(header.unit.lower()))
-    if factor is not None:
-        return Unit(factor, "s", f"in {header.unit} as its header says", STATED)
+    if (stated := _stated(header, TIMES, "s")) is not None:
+        return stated
     step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
     factor, unit = next((factor, unit) for most, factor, unit in STEPS if step < most)
     rate = 1.0 / (step * factor) if step > 0.0 else math.inf
@@ -223,11 +226,7 @@ def unit_of_command(header: Header, turns: bool) -> Unit:
 
 def stated_unit(header: Header) -> Unit | None:
     """The unit of a position that its header states."""
-    for known, label in ((LENGTHS, "m"), (ANGLES, "rad")):
-        factor = known.get(header.unit, known.get(header.unit.lower()))
-        if factor is not None:
-            return Unit(factor, label, f"in {header.unit} as its header says", STATED)
-    return None
+    return _stated(header, LENGTHS, "m") or _stated(header, ANGLES, "rad")
 
 
 def unit_of_position(header: Header, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
@@ -239,13 +238,15 @@ def unit_of_position(header: Header, time: FloatArray, position: FloatArray, tur
     if header.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
         reason = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
         return Unit(COUNT, label, reason, UNKNOWN)
-    fitting = [unit for unit, factor in tried.items() if _plausible(motion, factor, label)]
+    sizes = {unit: [max(factor * value, 1e-300) for value in motion] for unit, factor in tried.items()}
+    fitting = [
+        u for u, found in sizes.items() if all(a <= x <= b for x, (a, b) in zip(found, RANGES[label], strict=True))
+    ]
     if header.label == "position" and label in fitting:
         beside = " beside a torque or as an angle" * turns
         return Unit(1.0, label, f"in {label}, as a log of this name has it{beside}; give a factor if it is not", LIKELY)
-    unit = min(fitting or tried, key=lambda unit: _strangeness(motion, tried[unit], label))
-    factor = tried[unit]
-    travel, speed = factor * motion[0], factor * motion[1]
+    unit = min(fitting or tried, key=lambda u: np.sum(np.log(np.divide(sizes[u], USUAL[label])) ** 2))
+    factor, (travel, speed, _) = tried[unit], sizes[unit]
     said = f"in {unit}: it then spans {travel:.3g} {label} at up to {speed:.3g} {label}/s"
     if not fitting:
         none = f"its span of {motion[0]:.4g} fits an axis in none of {', '.join(tried)}"
@@ -268,13 +269,3 @@ def motion_of(time: FloatArray, position: FloatArray) -> tuple[float, float, flo
     acceleration = np.diff(speed) / np.diff(middle) if len(speed) > 2 else np.zeros(1)
     sizes = [float(np.quantile(np.abs(values), 0.98)) for values in (speed, acceleration)]
     return float(np.ptp(position)), sizes[0], sizes[1]
-
-
-def _plausible(motion: tuple[float, float, float], factor: float, label: str) -> bool:
-    ranges = zip(motion, RANGES[label], strict=True)
-    return all(low <= factor * value <= high for value, (low, high) in ranges)
-
-
-def _strangeness(motion: tuple[float, float, float], factor: float, label: str) -> float:
-    pairs = zip(motion, USUAL[label], strict=True)
-    return sum(math.log(max(factor * value, 1e-300) / usual) ** 2 for value, usual in pairs)

@@ -35,13 +35,13 @@ from cogging.simulation.reference import reference_from
 from cogging.values import ByValue
 
 MARGIN = 0.05  # of the logged travel, on either side
+UNITS_OF_SIZES = {"mass": "V/(m/s^2)", "viscous": "V/(m/s)", "coulomb": "V"}
 CROSSOVER = 0.01  # of the sample rate: closed-loop poles, rad/s over 2 pi, of the proposed gains
 
 
 def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit) -> list[str]:
-    law = "mass x'' = command - viscous x' - coulomb S(x') - cogging(x)"
-    lines = [f"[axis]                      # {law}"]
-    for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
+    lines = ["[axis]                      # mass x'' = command - viscous x' - coulomb S(x') - cogging(x)"]
+    for name, unit in UNITS_OF_SIZES.items():
         size = sizes.sizes[name]
         lines.append(_line(name, number(size.value), f"{units.of(unit)}; {size.reason}"))
     width, m = WIDTH * sizes.speed if sizes.speed > 0.0 else 1e-3, units.of("m")
@@ -63,13 +63,15 @@ def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit)
 def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> list[str]:
     lines = ["# [cogging]                 # opposes the command"]
     if wave is None:
-        span = 0.1 * (travel[1] - travel[0])
-        lines += [
+        pitch = number(0.1 * (travel[1] - travel[0]), 2)
+        return [
+            *lines,
             "## no period over position stands out of this log: fill in the magnets' pitch",
-            f"# pitch = {number(span, 2):<18} # {units.of('m')}; to be filled in",
+            f"# pitch = {pitch:<18} # {units.of('m')}; to be filled in",
             "# harmonics = [1, 2]",
+            f"# sine = [[0.0], [0.0]]     # {units.command}",
+            "# cosine = [[0.0], [0.0]]",
         ]
-        return [*lines, f"# sine = [[0.0], [0.0]]     # {units.command}", "# cosine = [[0.0], [0.0]]"]
     share = f"{100.0 * wave.share:.0f} % of what mass and friction leave"
     return [
         *lines,
@@ -86,7 +88,14 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
     if found is not None:
         fields = {"type": found.type, **found.parameters.to_dict()}
         reason = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
-        return [*lines, f"## {reason}", *(f"# {key} = {_value(value)}" for key, value in fields.items())]
+        return [
+            *lines,
+            f"## {reason}",
+            *(
+                f"# {key} = {number(value, 6) if isinstance(value, float) else json.dumps(value)}"
+                for key, value in fields.items()
+            ),
+        ]
     rate, mass = float(f"{audit.rate:.3g}"), sizes.sizes["mass"].value
     pole = 2.0 * math.pi * CROSSOVER * rate
     gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
@@ -105,12 +114,6 @@ def number(value: float, digits: int = 4) -> str:
     """Format a number as a TOML float."""
     text = f"{value:.{digits}g}"
     return text if any(mark in text for mark in ".en") else f"{text}.0"
-
-
-def _value(value: object) -> str:
-    if isinstance(value, float):
-        return number(value, 6) if math.isfinite(value) else ("inf" if value > 0.0 else "-inf")
-    return json.dumps(value)
 
 
 def _line(key: str, value: str, comment: str) -> str:
@@ -141,11 +144,6 @@ class ModelDraft(ByValue):
         likely: guesses to be checked.
         unsure: what is unknown, each with what to do.
         model: the drafted model.
-
-    Example:
-        >>> draft = cogging.draft_model(log)
-        >>> print(f"{draft.model.axis.mass:.2f} V/(m/s^2), {draft.motion.kind}")
-        0.12 V/(m/s^2), point_to_point
     """
 
     source: str
@@ -173,7 +171,7 @@ class ModelDraft(ByValue):
         """The drafted reference."""
         if self.motion.kind in ("sampled", "rest"):
             return reference_from({"type": "sampled", **self._samples()})[0]
-        return reference_from({"type": self.motion.kind, **self.motion.fields, "duration": self._duration()})[0]
+        return reference_from({"type": self.motion.kind, **self.motion.fields, "duration": self._duration})[0]
 
     def options(self) -> list[str]:
         """Command-line options that read the log as it was read here."""
@@ -189,16 +187,18 @@ class ModelDraft(ByValue):
     def next_command(self, model: str | os.PathLike[str]) -> str:
         """The next command: a fit of the model, or an audit if nothing moves."""
         fits = self.sizes.explained is not None and len(self.log) >= FEWEST_ROWS
-        words = ["cogging", "identify" if fits else "audit", self.source, "--model", os.fspath(model)]
-        words += ["--out", "fitted.toml"] * fits
-        return shlex.join([*words, *self.options()])
+        words = [self.source, "--model", os.fspath(model), *(["--out", "fitted.toml"] if fits else [])]
+        return shlex.join(["cogging", "identify" if fits else "audit", *words, *self.options()])
 
     def model_text(self) -> str:
         """The model file: TOML with a comment on each number."""
         known = ("not known: edit it", "not known: edit it")
         if self.columns is not None:
             known = (self.columns.used["command"].unit.reason, self.columns.used["position"].unit.reason)
-        units, travel, quantum = self.units, self._travel(), self.audit.encoder_quantum
+        units, quantum = self.units, self.audit.encoder_quantum
+        both = np.append(self.audit.travel, [] if self.log.reference is None else self.log.reference)
+        margin = MARGIN * float(np.ptp(both)) or 1e-3
+        travel = float(both.min()) - margin, float(both.max()) + margin
         found = "found: the readings differ by multiples of it (the last digit of the file, if that is coarser)"
         step = found if quantum else "no step found in the readings; fill in"
         lines = [
@@ -243,7 +243,7 @@ class ModelDraft(ByValue):
         for key, value in self.motion.fields.items():
             text = str(value) if isinstance(value, int) else number(value, 8)
             lines.append(f"{f'{key} = {text}':<27} # {meaning[key]}; found")
-        lines.append(f"{f'duration = {number(self._duration(), 8)}':<27} # s; of the log")
+        lines.append(f"{f'duration = {number(self._duration, 8)}':<27} # s; of the log")
         return "\n".join(lines) + "\n"
 
     def write(self, model: str | os.PathLike[str], reference: str | os.PathLike[str]) -> list[str]:
@@ -274,7 +274,7 @@ class ModelDraft(ByValue):
                 lines.append(f"  not used: {', '.join(repr(printable(label)) for label in self.columns.unused[:12])}")
         lines += ["rows:", *(f"  {line}" for line in self.audit.text().splitlines())]
         lines += [f"motion, seen in the {self.seen_in}: {self.motion.description}", "first force balance:"]
-        for name, unit in (("mass", "V/(m/s^2)"), ("viscous", "V/(m/s)"), ("coulomb", "V")):
+        for name, unit in UNITS_OF_SIZES.items():
             size = self.sizes.sizes[name]
             value = f"{size.value:.4g} {self.units.of(unit)}, "
             sure = f"+- {100.0 * size.uncertainty:.0f} %, " if size.uncertainty is not None else ""
@@ -298,6 +298,7 @@ class ModelDraft(ByValue):
     def to_dict(self) -> dict[str, Any]:
         """All fields for JSON."""
         columns = {} if self.columns is None else self.columns.used
+        sizes = self.sizes.sizes.items()
         return {
             "source": self.source,
             "columns": {
@@ -312,13 +313,8 @@ class ModelDraft(ByValue):
             },
             "audit": self.audit.to_dict(),
             "motion": {"type": self.motion.kind, **self.motion.fields, "seen_in": self.seen_in},
-            "balance": {
-                "explained": self.sizes.explained,
-                **{
-                    name: {"value": size.value, "uncertainty": size.uncertainty, "told": size.reason}
-                    for name, size in self.sizes.sizes.items()
-                },
-            },
+            "balance": {"explained": self.sizes.explained}
+            | {n: {"value": s.value, "uncertainty": s.uncertainty, "told": s.reason} for n, s in sizes},
             "wave": None if self.wave is None else vars(self.wave),
             "units": self.units.to_dict(),
             "options": self.options(),
@@ -330,13 +326,7 @@ class ModelDraft(ByValue):
         mass = f"mass {self.sizes.sizes['mass'].value:.4g} {self.units.of('V/(m/s^2)')}"
         return f"{self.source}, {mass}, {self.motion.kind}, {len(self.unsure)} open"
 
-    def _travel(self) -> tuple[float, float]:
-        low, high = self.audit.travel
-        if self.log.reference is not None:
-            low, high = min(low, float(self.log.reference.min())), max(high, float(self.log.reference.max()))
-        margin = MARGIN * (high - low) or 1e-3
-        return low - margin, high + margin
-
+    @property
     def _duration(self) -> float:
         return float(f"{self.log.time[-1] - self.log.time[0]:.8g}")
 
@@ -378,8 +368,7 @@ def draft_model(
     """Draft a model and a reference of the axis that made a log, in any of its user's formats.
 
     Columns are identified by their names in English or German, or by the behaviour of their numbers; units by the
-    header or by plausible motion; mass and friction by least squares of the force balance. Each guess is reported with
-    its reason, and so is what is unknown. `identify` then fits the drafted model.
+    header or by plausible motion. Each guess is reported with its reason, and so is what is unknown.
 
     Args:
         log: a Log, or a file of any format that logs have (see read_log), with columns of any names.

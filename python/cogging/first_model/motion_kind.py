@@ -113,7 +113,8 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
     course = PointToPoint(
         PointToPointParameters(distance=abs(distance), velocity=velocity, acceleration=acceleration, jerk=jerk)
     )
-    middles = np.array([_middle(t, x, move) for move in moves])
+    ways = [x[a : b + 1] * np.sign(x[b] - x[a]) for a, b in moves]
+    middles = np.array([t[a + int(np.argmax(y > 0.5 * (y[0] + y[-1])))] for (a, _), y in zip(moves, ways, strict=True)])
     # Every move must have this profile, about its own middle.
     for (a, b), middle in zip(moves, middles.tolist(), strict=True):
         rows = np.unique(np.linspace(a, b, ROWS_OF_MOVE).astype(int))
@@ -182,14 +183,6 @@ def _shape(
     velocity, acceleration, jerk = limits(best.x)
     left = distance * float(np.sqrt(2.0 * best.cost / len(rows)))
     return velocity, acceleration, jerk if best.x[2] > NO_JERK else math.inf, left
-
-
-def _middle(t: FloatArray, x: FloatArray, move: tuple[int, int]) -> float:
-    """The time at which a move is half done, s."""
-    a, b = move
-    half = 0.5 * (x[a] + x[b])
-    beyond = x[a : b + 1] > half if x[b] > x[a] else x[a : b + 1] < half
-    return float(t[a + int(np.argmax(beyond))])
 
 
 def _round(value: float, size: float) -> float:

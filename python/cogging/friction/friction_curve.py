@@ -11,11 +11,11 @@ import numpy.typing as npt
 from cogging import plot
 from cogging._core import EFFECTS, smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
-from cogging.arrays import FloatArray, IntArray, least_squares, real_array
-from cogging.calls import check_arguments, did_you_mean
+from cogging.arrays import FloatArray, IntArray, least_squares
+from cogging.calls import check_arguments, entry_named
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.statistics import student
-from cogging.mapping.scan import is_number, require
+from cogging.mapping.scan import finite_column, is_number, require
 from cogging.model.units import UNITS, Units
 from cogging.plot.canvas import plot_method
 from cogging.resources import on_one_blas_thread
@@ -212,12 +212,6 @@ class FrictionModel(ByValue):
         held_out_rms: V, of the errors at speeds that were left out of the fit, each in turn.
         held_out_standard_error: V, of that rms, from its scatter between speeds.
         gain: 1 - held_out_rms over that of Coulomb + viscous.
-
-    Example:
-        >>> v = np.linspace(0.05, 1.0, 12)
-        >>> law = cogging.fit_friction_curve(v, 0.15 + 0.2 * v)["coulomb_viscous"]
-        >>> round(float(law.force(-0.5)), 3)
-        -0.25
     """
 
     name: str
@@ -281,25 +275,14 @@ class FrictionCurve(ByValue):
         return f"{self.best.name} of {len(self.models)} laws, {left} at speeds left out"
 
     def __getitem__(self, name: str) -> FrictionModel:
-        """The model of this name.
-
-        Raises:
-            KeyError: it was not fitted.
-        """
-        known = {model.name: model for model in self.models}
-        if name not in known:
-            raise KeyError(f"{name}: is no model of it; {did_you_mean(name, known)}")
-        return known[name]
+        """The model of this name; KeyError: it was not fitted."""
+        return entry_named(name, {model.name: model for model in self.models}, "model")
 
     def to_frame(self, what: str = "parameters") -> Any:
-        """The parameters of all laws, a row each with its unit, or the points, as a pandas DataFrame.
-
-        Args:
-            what: `parameters` or `points`, whose units are in `attrs["units"]`.
+        """The `parameters` of all laws, a row each, or the `points`, as a pandas DataFrame (extra `frames`).
 
         Raises:
             ValueError: `what` is neither.
-            ImportError: pandas is not there; names the extra that brings it.
         """
         if what == "points":
             points = {"velocity": self.velocity, "force": self.force, "speed": self.speed}
@@ -359,16 +342,11 @@ def fit_friction_curve(
     viscous; with Fc and B that differ with direction; with the Stribeck term; with both. The force is the mean command
     at a steady speed, without acceleration; average over whole periods to remove cogging.
 
-    Rows of one speed and direction are averaged to a point, since samples of one run are not independent. Least squares
-    on the points; the two shape parameters of the Stribeck term by variable projection: the linear ones are solved for
-    at each trial, from many starts, refined by Gauss-Newton steps. vs is searched between the lowest and half of the
-    highest speed, since a broader decay resembles viscous friction, the exponent between 0.5 and 4;
-    static_excess is at least 0. Intervals are robust to noise that differs between speeds (HC3 covariance, MacKinnon
-    and White 1985, Student's t). Each speed, both directions together, is left out of the fit in turn and predicted. A
-    model needs at least two points more than parameters, also with the fullest speed left out.
-
-    At steady speeds a Coulomb level that differs with direction and a constant force (gravity) of -difference/2 are the
-    same.
+    Rows of one speed and direction are averaged to a point. The two shape parameters of the Stribeck term are fitted by
+    variable projection from many starts: vs between the lowest and half of the highest speed, the exponent between 0.5
+    and 4; static_excess is at least 0. Intervals are robust to noise that differs between speeds (HC3 covariance,
+    MacKinnon and White 1985, Student's t). Each speed, both directions together, is left out of the fit in turn and
+    predicted. A model needs at least two points more than parameters, also with the fullest speed left out.
 
     Args:
         velocity: m/s, (n,), of either sign, not zero.
@@ -392,13 +370,23 @@ def fit_friction_curve(
     """
     require(is_number(confidence) and 0.0 < confidence < 1.0, "confidence", "must lie between 0 and 1", confidence)
     require(is_number(same_speed) and 0.0 <= same_speed < 1.0, "same_speed", "must lie from 0 to below 1", same_speed)
-    require(
-        exponent is None or (is_number(exponent) and exponent > 0.0), "exponent", "must be finite and above 0", exponent
+    is_valid = exponent is None or (is_number(exponent) and exponent > 0.0)
+    require(is_valid, "exponent", "must be finite and above 0", exponent)
+    v, f, speed = _points(finite_column("velocity", velocity), finite_column("force", force), same_speed)
+    both_ways, least = bool(np.any(v > 0.0) and np.any(v < 0.0)), v.size - int(np.bincount(speed).max())
+    notes = [] if both_ways else ["the points go one way only: laws that differ with direction are not tried"]
+    laws = [Law(way, bow, exponent) for bow in (False, True) for way in (False, True) if both_ways or not way]
+    tried = [law for law in laws if least >= law.count + SPARE]
+    rule = (
+        f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
     )
-    v, f, speed = _points(_numbers("velocity", velocity), _numbers("force", force), same_speed)
-    tried, notes = _laws(v, speed, exponent)
+    require(bool(tried), "velocity", f"{rule} parameters", v.size)
+    notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
     fits = [law.fit(v, f) for law in tried]
-    errors = np.stack([_held_out(law, v, f, speed) for law in tried])
+    errors = np.empty((len(tried), f.size))  # of the points, each predicted by a fit without its speed
+    for row, law in zip(errors, tried, strict=True):
+        for out in (speed == number for number in range(int(speed.max()) + 1)):
+            row[out] = f[out] - law.predict(law.fit(v[~out], f[~out]), v[out])
     squares = np.stack([np.bincount(speed, e**2) / np.bincount(speed) for e in errors])
     counts = np.bincount(speed) / v.size
     rms = np.sqrt(np.mean(errors**2, axis=1))
@@ -419,30 +407,6 @@ def fit_friction_curve(
     return FrictionCurve(tuple(models), models[chosen], v, f, speed, confidence, tuple(notes), units or Units())
 
 
-def _laws(v: FloatArray, speed: IntArray, exponent: float | None) -> tuple[list[Law], list[str]]:
-    """The laws that the points suffice for, simplest first, and what to note of the others."""
-    both_ways = bool(np.any(v > 0.0) and np.any(v < 0.0))
-    notes = [] if both_ways else ["the points go one way only: laws that differ with direction are not tried"]
-    laws = [Law(way, bow, exponent) for bow in (False, True) for way in (False, True) if both_ways or not way]
-    least = v.size - int(np.bincount(speed).max())
-    tried = [law for law in laws if least >= law.count + SPARE]
-    rule = (
-        f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
-    )
-    require(bool(tried), "velocity", f"{rule} parameters", v.size)
-    notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
-    return tried, notes
-
-
-def _held_out(law: Law, v: FloatArray, f: FloatArray, speed: IntArray) -> FloatArray:
-    """Errors of the points, each predicted by a fit without its speed."""
-    errors = np.empty_like(f)
-    for number in range(int(speed.max()) + 1):
-        out = speed == number
-        errors[out] = f[out] - law.predict(law.fit(v[~out], f[~out]), v[out])
-    return errors
-
-
 def _standard_error(values: FloatArray, weights: FloatArray) -> float:
     """Of the weighted mean of values of different speeds; the weights sum to one."""
     deviation = values - weights @ values
@@ -455,24 +419,12 @@ def _points(velocity: FloatArray, force: FloatArray, same_speed: float) -> tuple
         raise ValueError(f"force: must have one value for each of the {velocity.size} speeds, got {force.size}")
     still = np.flatnonzero(velocity == 0.0)
     require(not still.size, "velocity", "must not be 0 (friction at rest is no curve), row", still[:1].tolist())
-    number, first = np.empty(velocity.size, dtype=np.intp), np.inf
-    count = -1
+    number, first, count = np.empty(velocity.size, dtype=np.intp), 0.0, -1
     for row in np.argsort(np.abs(velocity), kind="stable"):
-        size = abs(velocity[row])
-        if count < 0 or size > first * (1.0 + same_speed):
-            count, first = count + 1, size
+        if abs(velocity[row]) > first * (1.0 + same_speed):
+            count, first = count + 1, abs(velocity[row])
         number[row] = count
     keys, members = np.unique(2 * number + (velocity > 0.0), return_inverse=True)
     rows = np.bincount(members.ravel())
     v, f = (np.bincount(members.ravel(), values) / rows for values in (velocity, force))
     return v, f, keys // 2
-
-
-def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
-    array = real_array(name, values)
-    if array.ndim != 1 or array.size == 0:
-        raise ValueError(f"{name}: must be one-dimensional and not empty, got shape {array.shape}")
-    bad = np.flatnonzero(~np.isfinite(array))
-    if bad.size:
-        raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
-    return array

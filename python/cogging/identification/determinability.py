@@ -164,21 +164,15 @@ def _sentence(
     partner: Parameter | None,
     balances: Sequence[ForceBalance],
 ) -> str:
-    name = _short(parameter)
+    name, other = (p and p.path.removeprefix("axis.").removeprefix("effects.") for p in (parameter, partner))
     if sigma < UNDETERMINED:
-        text = f"{name}: determined to "
-        if size <= abs(parameter.value) * (1.0 + 1e-12):
-            text += f"{100 * sigma:.2g} %"
-        else:
-            text += f"{sigma * size:.2g}" + (f" {parameter.unit}" if parameter.unit != "1" else "")
-        return text + (f", in exchange with {_short(partner)}" if partner else "")
+        unit = f" {parameter.unit}" if parameter.unit != "1" else ""
+        is_relative = size <= abs(parameter.value) * (1.0 + 1e-12)
+        to = f"{100 * sigma:.2g} %" if is_relative else f"{sigma * size:.2g}{unit}"
+        return f"{name}: determined to {to}" + (f", in exchange with {other}" if partner else "")
     if partner is None:
         return f"{name}: not determined, this motion hardly shows it"
-    return f"{name}: not determined, trades against {_short(partner)}: {_span(model, (parameter, partner), balances)}"
-
-
-def _short(parameter: Parameter) -> str:
-    return parameter.path.removeprefix("axis.").removeprefix("effects.")
+    return f"{name}: not determined, trades against {other}: {_span(model, (parameter, partner), balances)}"
 
 
 def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalance]) -> str:
@@ -190,16 +184,15 @@ def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalan
     velocity = np.concatenate([m.middle_velocity[rows] for m, rows in motions])
     if not 0.001 < np.mean(velocity > 0.0) < 0.999:
         return "the axis moves one way only"
-    if all(_by_speed(model, p) for p in pair):
+    by_speed = (
+        p.path.startswith("axis.")
+        or "m/s" in p.dimension
+        or (p.path.startswith("effects.") and "friction_level" in effect_at(model, p.path).HOOKS)
+        for p in pair
+    )
+    if all(by_speed):
         low, high = np.quantile(np.abs(velocity), [0.02, 0.98])
         return f"speeds span only a factor {high / max(low, 1e-12):.2g}"
     low = min(float(m.position[rows].min()) for m, rows in motions)
     high = max(float(m.position[rows].max()) for m, rows in motions)
     return f"positions span only {low:.4g} to {high:.4g} {model.units.position}"
-
-
-def _by_speed(model: Model, parameter: Parameter) -> bool:
-    """Whether the force of a parameter depends on speed."""
-    if parameter.path.startswith("axis.") or "m/s" in parameter.dimension:
-        return True
-    return parameter.path.startswith("effects.") and "friction_level" in effect_at(model, parameter.path).HOOKS

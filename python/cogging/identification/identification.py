@@ -46,23 +46,17 @@ def identify(
 ) -> Identification:
     """Fit the parameters of a model to one or several logs together. Rows that several of them share count once.
 
-    Two estimators are used. Inverse dynamics with instruments from a simulated run is reported: it weighs all motion
-    below the cut-off alike and is robust against model errors. The whitened output error of the closed-loop replay
-    (where the controller is known and made the log; else of the one-step prediction) is the check. It is reported
-    instead where the model has a second mass or a friction state, or a free parameter outside the force balance.
+    Two estimators are used. Inverse dynamics with instruments from a simulated run is reported: it is robust against
+    model errors. The whitened output error of the closed-loop replay (else of the one-step prediction) is the check; it
+    is reported instead where a second mass, a friction state or a free parameter is outside the force balance.
 
     A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) keeps its prior
-    and gets an infinite interval; the others are fitted with it free within its size, so their intervals allow for it.
-    Where unmodelled forces exceed 5 % of the command, or the residual four times the noise, or the two estimators
-    contradict each other, a parameter keeps its prior. Its interval then covers the answers of both estimators, those
-    with forces of position, speed, direction and time beside the model, and those with the residual as coloured noise;
-    if it is too wide the parameter counts as not determined. Only a prior that all these exclude, with its stated
-    uncertainty, is replaced by the answer beside those forces. `cogging diagnose` is the next step.
+    and gets an infinite interval; the intervals of the others allow for it. Where unmodelled forces exceed 5 % of the
+    command, or the residual four times the noise, or the two estimators contradict each other, a parameter keeps its
+    prior unless all answers exclude it, and its interval covers those of both estimators, those beside unmodelled
+    forces, and those with the residual as coloured noise. `cogging diagnose` is the next step.
 
     Jittering time stamps are replaced by an even clock if the readings are smoother on it.
-
-    `warnings` lists what speaks against the fit: a residual of many times the noise, estimators that contradict each
-    other, a fit worse than the model as given, other answers at other cut-offs or with fewer rows.
 
     Args:
         logs: one or several, or their files.
@@ -111,7 +105,9 @@ def identify(
     read, kept, notes = counted_once(read, called, FEWEST_ROWS)
     added = [e if e is None else np.asarray(e)[rows] for e, rows in zip(added, kept, strict=True) if rows.any()]
     called = [name for name, rows in zip(called, kept, strict=True) if rows.any()]
-    cutoffs = _cutoffs(cutoff, rate)
+    if cutoff is not None and not 0.0 < cutoff <= 0.2 * rate:
+        raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")
+    cutoffs = [cutoff] if cutoff is not None else [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
     if rest is not None and not 0.0 <= rest < np.inf:
         raise ValueError(f"rest: must be at least 0, got {rest:g}")
     misread = misreading(read, model, called)
@@ -122,27 +118,17 @@ def identify(
     return replace(ParameterFit(model, runs, paths, cutoffs, rest).run(progress), notes=notes)
 
 
-def _cutoffs(cutoff: float | None, rate: float) -> list[float]:
-    """The cut-offs to try, Hz, for logs with `rate` rows a second."""
-    if cutoff is None:
-        return [c for c in CUTOFFS if c <= 0.1 * rate] or [0.1 * rate]
-    if not 0.0 < cutoff <= 0.2 * rate:
-        raise ValueError(f"cutoff: must be above 0 and at most a fifth of {rate:g} rows a second, got {cutoff:g}")
-    return [cutoff]
-
-
 def _paths(model: Model, free: Sequence[str] | None) -> list[str]:
     """Return the paths of the free parameters, checked."""
     known = parameters_of(model)
+    exact = {f"axis.{name}" for name, sigma in model.uncertainty.items() if sigma == 0.0}
+    exact |= {"axis.coulomb_width"} if model.axis.coulomb_width == 0.0 else set()
     if free is None:
-        exact = {f"axis.{name}" for name, sigma in model.uncertainty.items() if sigma == 0.0}
-        exact |= {"axis.coulomb_width"} if model.axis.coulomb_width == 0.0 else set()
-        free = [
-            path
-            for path, parameter in known.items()
-            if path not in exact and role_of(model, path) != "setting" and np.isfinite(parameter.value)
-            if not (role_of(model, path) == "shape" and path.endswith("]"))  # node positions are a choice
-        ]
+        roles = {path: role_of(model, path) for path in known}
+        nodes = {path for path, role in roles.items() if role == "shape" and path.endswith("]")}  # a choice
+        settings = {path for path, role in roles.items() if role == "setting"}
+        left_out = exact | nodes | settings
+        free = [path for path, one in known.items() if path not in left_out and np.isfinite(one.value)]
     for path in free:
         if path not in known:
             raise ValueError(f"free: {path}: must be one of {', '.join(known)}{nearest(path, known)}")

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging import plot
 from cogging.arrays import FloatArray
-from cogging.calls import did_you_mean
+from cogging.calls import entry_named
 from cogging.identification.unmodelled import MISSING
 from cogging.log_check.log_audit import Audit
 from cogging.model.model import Model
@@ -34,37 +34,21 @@ RENAMED = {  # in JSON
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """One parameter of the model, before and after.
+    """One parameter of the model, before and after; None where it has no such number."""
 
-    Attributes:
-        path: in the model.
-        unit: in the labels of the model.
-        prior: value before the fit.
-        value: fitted; the prior if the logs do not determine it or unmodelled forces hide it.
-        ci95: 95 % interval; infinite if the logs do not determine it.
-        determined: whether they do.
-        inverse_dynamics, output_error: value of each estimator; None if it does not depend on the parameter.
-        difference: of the two, over its standard deviation if they were independent; None likewise.
-        spread: standard deviation of the values of logs fitted one by one; None where fewer than two determine it.
-        single_sigma: rms of the standard deviations of those fits; None likewise.
-        note: how well it is determined, or why not.
-        elsewhere: values beyond the interval that other ways of fitting give, by the way: other cut-offs, fewer
-            rows, unmodelled forces.
-    """
-
-    path: str
-    unit: str
-    prior: float
-    value: float
-    ci95: tuple[float, float]
-    determined: bool
-    inverse_dynamics: float | None
+    path: str  # in the model
+    unit: str  # in the labels of the model
+    prior: float  # value before the fit
+    value: float  # fitted; the prior if the logs do not determine it or unmodelled forces hide it
+    ci95: tuple[float, float]  # 95 % interval; infinite if the logs do not determine it
+    determined: bool  # whether they do
+    inverse_dynamics: float | None  # value of each estimator; None if it does not depend on the parameter
     output_error: float | None
-    difference: float | None
-    spread: float | None
-    single_sigma: float | None
-    note: str
-    elsewhere: Mapping[str, float]
+    difference: float | None  # of the two, over its standard deviation if they were independent
+    spread: float | None  # standard deviation of the values of logs fitted one by one, if two or more determine it
+    single_sigma: float | None  # rms of the standard deviations of those fits
+    note: str  # how well it is determined, or why not
+    elsewhere: Mapping[str, float]  # values beyond the interval that other ways of fitting give, by the way
 
     def to_dict(self) -> dict[str, Any]:
         """Return all but the path for JSON; an infinite interval is null."""
@@ -74,37 +58,22 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class LogFit:
-    """The fit on one log.
+    """The fit on one log; forces are rms below the cut-off over the rows in motion, V."""
 
-    Attributes:
-        name: of the file, or the log's number.
-        rows: that counted.
-        residual_before, residual_after: rms of the force balance below the cut-off, V, of the rows in motion.
-        residual_free: the same if parameters that are not determined moved too.
-        floor: what quantiser and stated encoder noise alone would leave, V.
-        noise: rms of the balance that no force of position, speed, direction, acceleration and time explains, V; None
-            if the balance does not contain the whole model.
-        command: rms of the command below the cut-off, V, of the rows in motion.
-        explained: share of the command's power that the model explains, 1 - (residual_after / command)^2; below 0
-            if it is worse than no model. From the replay if the balance does not contain the whole model.
-        replay_before: as `replay`, of the model as it was given.
-        replay: relative errors of the closed-loop replay, norm of the difference over norm, of position, velocity and
-            command; empty without a controller.
-        instruments: whether a simulated run served as instruments; else plain least squares.
-    """
-
-    name: str
-    rows: int
-    residual_before: float
+    name: str  # of the file, or the log's number
+    rows: int  # that counted
+    residual_before: float  # of the force balance
     residual_after: float
-    residual_free: float
-    floor: float
-    noise: float | None
+    residual_free: float  # the same if parameters that are not determined moved too
+    floor: float  # what quantiser and stated encoder noise alone would leave
+    noise: float | None  # that no force explains; None if the balance does not contain the whole model
     command: float
+    #: Share of the command's power that the model explains, 1 - (residual_after / command)^2; below 0 if it is worse
+    #: than no model. From the replay if the balance does not contain the whole model.
     explained: float
-    replay_before: Mapping[str, float]
-    replay: Mapping[str, float]
-    instruments: bool
+    replay_before: Mapping[str, float]  # as `replay`, of the model as it was given
+    replay: Mapping[str, float]  # relative errors of position, velocity and command; empty without a controller
+    instruments: bool  # whether a simulated run served as instruments; else plain least squares
 
     def to_dict(self) -> dict[str, Any]:
         """Return all of it for JSON."""
@@ -130,11 +99,6 @@ class Identification(ByValue):
         notes: further remarks on the logs, such as rows that several of them share.
         explained: share of the command's power that the model explains, of all logs together.
         warnings: what speaks against the fit, a sentence each.
-
-    Example:
-        >>> found = cogging.identify(log, model, free=["axis.mass"])
-        >>> found.parameters[0].path, found.model.axis.mass == found["axis.mass"].value
-        ('axis.mass', True)
     """
 
     model: Model
@@ -157,16 +121,8 @@ class Identification(ByValue):
         return f"{which}, {self.estimator}"
 
     def __getitem__(self, path: str) -> ParameterEstimate:
-        """The parameter at a path.
-
-        Raises:
-            KeyError: no such free parameter.
-        """
-        for parameter in self.parameters:
-            if parameter.path == path:
-                return parameter
-        known = [parameter.path for parameter in self.parameters]
-        raise KeyError(f"{path}: is no free parameter of it; {did_you_mean(path, known)}")
+        """The parameter at a path; KeyError: no such free parameter."""
+        return entry_named(path, {parameter.path: parameter for parameter in self.parameters}, "free parameter")
 
     def text(self) -> str:
         """The fit for the screen: warnings, audit of each log, what they can determine, parameters, what is left."""
@@ -177,8 +133,14 @@ class Identification(ByValue):
         lines += ["", "What the logs can determine (1 sigma):"]
         lines += [f"  {line}" for line in self.determinability]
         lines += ["", f"Fit ({self.estimator.replace('_', ' ')}, below {self.cutoff:g} Hz):", *self._table()]
-        if pairs := self._correlated():
-            lines.append(f"  correlated: {', '.join(pairs)}")
+        table = np.abs(np.tril(self.correlation, -1))
+        worst = [divmod(int(k), len(table)) for k in np.argsort(-table, axis=None)[:4]]
+        pairs = [
+            f"{self.parameters[j].path} and {self.parameters[i].path} {self.correlation[i, j]:+.2f}"
+            for i, j in worst
+            if table[i, j] > CORRELATED
+        ]
+        lines += [f"  correlated: {', '.join(pairs)}"] * bool(pairs)
         lines += [f"  share of the command explained: {percent(self.explained)}", ""]
         v = self.model.units.command
         for log in self.logs:
@@ -197,22 +159,11 @@ class Identification(ByValue):
         return "\n".join([*lines, *self.controller, *(f"note: {note}" for note in self.notes)])
 
     def to_frame(self) -> Any:
-        """The parameters as a pandas DataFrame, a row each with its unit; an interval that is not known is infinite.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
+        """The parameters as a pandas DataFrame (extra `frames`), a row each; an unknown interval is infinite."""
+        rest = ("prior", "unit", "determined", "note")
         rows = [
-            {
-                "parameter": p.path,
-                "value": p.value,
-                "low": p.ci95[0],
-                "high": p.ci95[1],
-                "prior": p.prior,
-                "unit": p.unit,
-                "determined": p.determined,
-                "note": p.note,
-            }
+            {"parameter": p.path, "value": p.value, "low": p.ci95[0], "high": p.ci95[1]}
+            | {n: getattr(p, n) for n in rest}
             for p in self.parameters
         ]
         return frame_of(rows, {})
@@ -260,15 +211,6 @@ class Identification(ByValue):
                 lines[-1] += f"; logs one by one spread by {p.spread:.2g}, each +- {p.single_sigma:.2g}"
         return lines
 
-    def _correlated(self) -> list[str]:
-        table = np.abs(np.tril(self.correlation, -1))
-        worst = [divmod(int(k), len(table)) for k in np.argsort(-table, axis=None)[:4]]
-        return [
-            f"{self.parameters[j].path} and {self.parameters[i].path} {self.correlation[i, j]:+.2f}"
-            for i, j in worst
-            if table[i, j] > CORRELATED
-        ]
-
 
 def percent(share: float) -> str:
     """Format a share as a percentage, with more digits the closer it is to 1."""
@@ -284,12 +226,13 @@ def warnings_of(
     for log in logs:
         worse = f"{log.name}: the fit is worse than the model as given"
         missing = log.noise is not None and log.residual_free > MISSING * log.noise
-        if missing and log.noise is not None:
-            times = log.residual_free / max(log.noise, 1e-300)
-            share = 1.0 - (log.residual_free / max(log.command, 1e-300)) ** 2
+        if missing:
+            noise = max(log.noise or 0.0, 1e-300)
+            times = f"{log.residual_free / noise:.3g} times the noise ({noise:.2g} {unit})"
+            share = percent(1.0 - (log.residual_free / max(log.command, 1e-300)) ** 2)
             warnings.append(
-                f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} {unit}, {times:.3g} times "
-                f"the noise ({log.noise:.2g} {unit}), and explains {percent(share)} of the command: run diagnose"
+                f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} {unit}, {times}, and "
+                f"explains {share} of the command: run diagnose"
             )
         if log.explained < EXPLAINED and not missing:
             warnings.append(f"{log.name}: the model explains only {percent(log.explained)} of the command")
@@ -310,12 +253,10 @@ def warnings_of(
     apart.sort(key=lambda p: -abs(p.difference or 0.0))
     if apart:
         shown = [
-            f"{p.path} ({p.inverse_dynamics:.4g} and {p.output_error:.4g} {p.unit}, "
-            f"{abs(p.difference or 0.0):.2g} sigma)"
-            for p in apart[:SHOWN]
-            if p.inverse_dynamics is not None and p.output_error is not None
+            f"{p.path} ({p.inverse_dynamics:.4g} and {p.output_error:.4g} {p.unit}, {abs(p.difference or 0):.2g} sigma)"
+            for p in apart
         ]
-        warnings.append(f"inverse dynamics and output error contradict each other: {_listed(shown, len(apart))}")
+        warnings.append(f"inverse dynamics and output error contradict each other: {_listed(shown)}")
     ways: dict[str, list[str]] = {}
     for p in parameters:
         for way, value in p.elsewhere.items():
@@ -323,7 +264,7 @@ def warnings_of(
     return (*warnings, *(f"{way}, {_listed(entries)}" for way, entries in ways.items()))
 
 
-def _listed(entries: Sequence[str], number: int | None = None) -> str:
+def _listed(entries: Sequence[str]) -> str:
     """The first entries in words, and how many more there are."""
-    shown, number = entries[:SHOWN], len(entries) if number is None else number
-    return ", ".join(shown) + (f" and {number - len(shown)} more" if number > len(shown) else "")
+    more = len(entries) - SHOWN
+    return ", ".join(entries[:SHOWN]) + (f" and {more} more" if more > 0 else "")

@@ -88,7 +88,13 @@ class LoggedRun:
         if usable is not None and found.controller is not None:
             commands[list(found.controller.doubted_commands)] = True
         log, said = repaired(log, spikes(log.position), commands)
-        log, hold, sparse = _between_rows(log, model)
+        hold, sparse, step = None, "", float(np.median(np.diff(log.time)))
+        if model.controller is not None and step * model.controller.sample_rate >= SPARSE:
+            hold, many = 1.0 / model.controller.sample_rate, step * model.controller.sample_rate
+            sparse = f"a row every {step:.3g} s, and {many:.3g} commands of the controller in each"
+            sparse = f"{sparse}: between rows the command is taken to be straight"
+            between = np.append(0.5 * (log.command[:-1] + log.command[1:]), log.command[-1])
+            log = Log.of({**log.columns(), "command": between})
         replay = None
         if usable is not None and found.controller is not None:
             start = found.controller.start
@@ -130,26 +136,12 @@ class LoggedRun:
         run = self.replay.log_of(model)
         cutoff = min(80.0, 0.1 / float(np.median(np.diff(self.log.time))))
         measured, simulated = (ForceBalance(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
-
-        def ratio(a: FloatArray, b: FloatArray) -> float:
-            return float(np.linalg.norm(a - b) / np.linalg.norm(a))
-
-        return {
-            "position": ratio(self.log.position, run.position),
-            "velocity": ratio(measured, simulated),
-            "command": ratio(self.log.command, run.command),
+        pairs = {
+            "position": (self.log.position, run.position),
+            "velocity": (measured, simulated),
+            "command": (self.log.command, run.command),
         }
-
-
-def _between_rows(log: Log, model: Model) -> tuple[Log, float | None, str]:
-    """The log with means of neighbouring commands where several act in a row, their hold, and a remark."""
-    step = float(np.median(np.diff(log.time)))
-    if model.controller is None or step * model.controller.sample_rate < SPARSE:
-        return log, None, ""
-    between = np.append(0.5 * (log.command[:-1] + log.command[1:]), log.command[-1])
-    said = f"a row every {step:.3g} s, and {step * model.controller.sample_rate:.3g} commands of the controller in each"
-    said = f"{said}: between rows the command is taken to be straight"
-    return Log.of({**log.columns(), "command": between}), 1.0 / model.controller.sample_rate, said
+        return {name: float(np.linalg.norm(a - b) / np.linalg.norm(a)) for name, (a, b) in pairs.items()}
 
 
 def _usable(model: Model, check: ControllerCheck | None) -> tuple[Model | None, str]:
@@ -160,23 +152,15 @@ def _usable(model: Model, check: ControllerCheck | None) -> tuple[Model | None, 
         return None, "; ".join(check.notes)
     said = f"the stated {check.type} gives the command to {100 * check.relative:.2g} %"
     fitted_rms = np.inf if check.fitted_rms is None else check.fitted_rms
-    if (
-        check.relative > ROUGH
-        and fitted_rms < GAIN * check.difference_rms
-        and fitted_rms <= MISMATCH * check.command_rms
-    ):
-        gains = ", ".join(
-            f"{name} {value:.5g} (stated {check.stated[name]:.5g})" for name, value in check.fitted.items()
-        )
+    fits = fitted_rms < GAIN * check.difference_rms and fitted_rms <= MISMATCH * check.command_rms
+    if check.relative > ROUGH and fits:
+        pairs = [f"{name} {value:.5g} (stated {check.stated[name]:.5g})" for name, value in check.fitted.items()]
         try:
             usable = model.replace(controller=model.controller.replace(**check.fitted))
         except ValueError as error:
             return None, f"{said}, and the gains that fit are none: {error}"
-        return usable, f"{said}; its replay has the gains that fit the log to {_percent(fitted_rms, check)}: {gains}"
+        log = f"{100 * fitted_rms / check.command_rms:.2g} %: {', '.join(pairs)}"
+        return usable, f"{said}; its replay has the gains that fit the log to {log}"
     if check.reproduces is not True:
         return None, f"{said}: it did not make this log, which is fitted by position and command alone"
     return model, said if check.relative > ROUGH else ""
-
-
-def _percent(rms: float, check: ControllerCheck) -> str:
-    return f"{100 * rms / check.command_rms:.2g} %"

@@ -19,7 +19,6 @@ from cogging.log_check.log_audit import ANGLES, TIME_UNITS, position_units
 from cogging.logs.log import Log
 from cogging.logs.spikes import repaired, spikes
 from cogging.model.model import Model
-from cogging.model.units import Units
 
 # Units
 COMMANDS = {  # by the factor to the model's unit
@@ -142,13 +141,11 @@ class Misreading:
 def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = None) -> Misreading | None:
     """Find the simple misreading that would explain logs which a model does not explain; None where none is clear.
 
-    Tried for each log by itself: the sign of command, position or reference; units of command, position and time;
-    swapped columns; a velocity, or the reference, in place of the position; a command that is rows too late or far too
-    early. The evidence is the columns themselves, the stated controller, and the force balance: mass and friction,
-    which cannot be negative, beside a free force of position and a slow one in time. The balance decides only where the
-    log as read is excluded even with mass and friction far from the model's, and the other reading fits. A command that
-    acts up to 15 ms or 10 rows late is left to the effects that cause such a delay. The result is the misreading of the
-    first log that has one, and of all that share it.
+    Tried for each log by itself: the sign of command, position or reference; units; swapped columns; a velocity, or the
+    reference, in place of the position; a command that is rows too late or far too early. The evidence is the columns
+    themselves, the stated controller, and the force balance, which decides only where the log as read is excluded even
+    with mass and friction far from the model's, and the other reading fits. The result is the misreading of the first
+    log that has one, and of all that share it.
     """
     called = list(names) if names is not None else [f"log {i + 1}" for i in range(len(logs))]
     clean = [repaired(log, spikes(log.position), spikes(log.command))[0] for log in logs]
@@ -206,10 +203,14 @@ def readings_of(log: Log, model: Model) -> list[Reading]:
         return misread_by_controller(log, model)
     found = misread_columns(log, model)
     if not found:
+        try:
+            case = BalanceCase(log, model)
+        except ValueError:  # the log hardly moves
+            case = None
         by_controller = misread_by_controller(log, model)
         if by_controller:
-            return _likeliest(log, model, by_controller)
-        found = misread_by_balance(log, model)
+            return by_controller if case is None else case.likeliest(by_controller)
+        found = [] if case is None else case.readings()
     # A controller of unknown gains that made the log excludes all misreadings but units.
     made = found and found[0].kind != "scale" and log.reference is not None and recover_controller(log) is not None
     return [] if made else found
@@ -262,8 +263,7 @@ def misread_columns(log: Log, model: Model) -> list[Reading]:
     resolution, unit = model.encoder.resolution, model.units.position
     if 0.0 < resolution < FINE and _is_whole(log.position):
         others = REFERENCES if _follows(log) > 0.0 else ()
-        factors = {"position": resolution, **dict.fromkeys(others, resolution)}
-        return [Reading("position", "scale", f"is in counts of the encoder, of {resolution:g} {unit}", factors)]
+        return [_in_unit(f"is in counts of the encoder, of {resolution:g} {unit}", resolution, others)]
     if resolution > 0.0:
         if abs(encoder_quantum(log.command) / resolution - 1.0) < QUANTA and encoder_quantum(log.position) == 0.0:
             return [_exchanged("position", "command")]
@@ -316,9 +316,23 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
             yield _exchanged("position", "command")
             if check.ratio and abs(math.log(abs(check.ratio))) > math.log(UNIT):
                 yield _command_unit(1.0 / check.ratio, EXACT)
-                yield _length_unit(abs(check.ratio), model.units)
-        for rows in _shifts_by_correlation(log, model):
-            yield _moved(rows, log)
+                lengths, factor = position_units(model.units) | ANGLES, abs(check.ratio)
+                known = min(lengths, key=lambda length: abs(math.log(length / factor)))
+                near = abs(math.log(known / factor)) < math.log(EXACT)
+                factor = known if near else float(f"{factor:.4g}")
+                said = f"is in {lengths[known] if near else f'a unit of {factor:g} {model.units.position}'}"
+                yield _in_unit(said, factor, REFERENCES)
+        # The rows by which the logged command may be later than that of the controller, the likeliest first.
+        both = compared(log, model, model.controller_type or "")
+        if len(both.computed) == len(both.samples.command):
+            logged, given = (
+                np.where(both.judged, command - np.mean(command[both.judged]), 0.0)
+                for command in (both.samples.command, both.computed)
+            )
+            most = max(3, int(FURTHEST * len(logged)))
+            lags = np.setdiff1d(np.arange(-most, most + 1), [0])
+            order = np.argsort(-cross_correlation(logged, given)[len(given) - 1 + lags])[:3]
+            yield from (_moved(int(lag), log) for lag in lags[order])
 
     found: list[Reading] = []
     for reading in candidates():
@@ -335,19 +349,9 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
     return found
 
 
-def _shifts_by_correlation(log: Log, model: Model) -> list[int]:
-    """Rows by which the logged command may be later than that of the controller, the likeliest first."""
-    found = compared(log, model, model.controller_type or "")
-    if len(found.computed) != len(found.samples.command):
-        return []
-    logged = np.where(found.judged, found.samples.command - np.mean(found.samples.command[found.judged]), 0.0)
-    given = np.where(found.judged, found.computed - np.mean(found.computed[found.judged]), 0.0)
-    most = max(3, int(FURTHEST * len(logged)))
-    correlation = cross_correlation(logged, given)
-    lags = np.arange(-most, most + 1)
-    lags = lags[lags != 0]
-    order = np.argsort(-correlation[len(given) - 1 + lags])[:3]
-    return [int(lag) for lag in lags[order]]
+def _in_unit(said: str, factor: float, others: Sequence[str]) -> Reading:
+    """A position, and other columns, in another unit."""
+    return Reading("position", "scale", said, {"position": factor, **dict.fromkeys(others, factor)})
 
 
 def _moved(rows: int, log: Log) -> Reading:
@@ -363,16 +367,6 @@ def _command_unit(gain: float, near: float) -> Reading:
         return Reading("command", "scale", f"is in {COMMANDS[known]}", {"command": math.copysign(known, gain)})
     factor = float(f"{gain:.{2 if near > EXACT else 4}g}")
     return Reading("command", "scale", f"is in a unit that is {factor:g} of the model's", {"command": factor})
-
-
-def _length_unit(factor: float, units: Units) -> Reading:
-    """Position and references whose unit is `factor` of the model's."""
-    lengths = position_units(units) | ANGLES
-    known = min(lengths, key=lambda length: abs(math.log(length / factor)))
-    near = abs(math.log(known / factor)) < math.log(EXACT)
-    factor = known if near else float(f"{factor:.4g}")
-    said = f"is in {lengths[known]}" if near else f"is in a unit of {factor:g} {units.position}"
-    return Reading("position", "scale", said, {"position": factor, **dict.fromkeys(REFERENCES, factor)})
 
 
 # The force balance ----------------------------------------------------------------------------------------------------
@@ -406,36 +400,6 @@ SHIFT = Evidence(unexplained=0.2, explained=0.1, margin=5.0)
 Winners = tuple[list[Reading], float]  # readings that explain a log, the likeliest first, and the best's ratio
 
 
-def misread_by_balance(log: Log, model: Model) -> list[Reading]:
-    """The reading that explains the command far better than the log as read, and those that do as well."""
-    try:
-        case = BalanceCase(log, model)
-    except ValueError:
-        return []
-    if found := case.units_of_reference():
-        return found
-    tried = [winners for judge in (case.signs, case.scales, case.swaps, case.shifts) if (winners := judge())[0]]
-    least = min((ratio for _, ratio in tried), default=0.0)
-    return next((readings for readings, ratio in tried if ratio <= AS_WELL * least + SLIGHT), [])  # the simplest
-
-
-def _likeliest(log: Log, model: Model, found: list[Reading]) -> list[Reading]:
-    """Of readings that a controller cannot tell apart, those that mass and friction support."""
-    if len(found) < 2:
-        return found
-    try:
-        case = BalanceCase(log, model)
-    except Still:
-        return found
-    ratios = [other[1].ratio if (other := case.other(reading)) is not None else np.inf for reading in found]
-    order = sorted(zip(ratios, found, strict=True), key=lambda pair: pair[0])
-    return [reading for ratio, reading in order if ratio <= AS_WELL * min(ratios)]
-
-
-class Still(ValueError):
-    """The log hardly moves."""
-
-
 class BalanceCase:
     """A log as read, thinned, and what other readings of it leave unexplained."""
 
@@ -443,7 +407,7 @@ class BalanceCase:
         self.whole, self.log, self.model = log, thinned(log), model
         balance = AxisBalance.of(self.log, model)
         if balance is None:
-            raise Still
+            raise ValueError("position: must move, got an axis that hardly does")
         self.balance = balance
 
     def within(self, factor: float) -> Bounds:
@@ -494,6 +458,22 @@ class BalanceCase:
             if sum(ratio > max(fit.ratio + NEEDED, TIMES_MORE * fit.ratio) for ratio in without) >= SHOWN:
                 return winners
         return [], np.inf
+
+    def readings(self) -> list[Reading]:
+        """The reading that explains the command far better than the log as read, and those that do as well."""
+        if found := self.units_of_reference():
+            return found
+        tried = [winners for judge in (self.signs, self.scales, self.swaps, self.shifts) if (winners := judge())[0]]
+        least = min((ratio for _, ratio in tried), default=0.0)
+        return next((readings for readings, ratio in tried if ratio <= AS_WELL * least + SLIGHT), [])  # the simplest
+
+    def likeliest(self, found: list[Reading]) -> list[Reading]:
+        """Of readings that a controller cannot tell apart, those that mass and friction support."""
+        if len(found) < 2:
+            return found
+        ratios = [other[1].ratio if (other := self.other(reading)) is not None else np.inf for reading in found]
+        order = sorted(zip(ratios, found, strict=True), key=lambda pair: pair[0])
+        return [reading for ratio, reading in order if ratio <= AS_WELL * min(ratios)]
 
     def units_of_reference(self) -> list[Reading]:
         """A position that follows its reference backwards or in another unit: which of both to change."""
@@ -552,9 +532,7 @@ class BalanceCase:
             lengths = {known: "counts of the encoder"}
         for factor, unit in lengths.items():
             if 0.0 < factor != 1.0:
-                yield Reading(
-                    "position", "scale", f"is in {unit}", {"position": factor, **dict.fromkeys(others, factor)}
-                )
+                yield _in_unit(f"is in {unit}", factor, others)
         if np.allclose(np.diff(self.whole.time), 1.0, atol=1e-9):
             controller = self.model.controller
             rate = controller.sample_rate if controller is not None else math.sqrt(mass)

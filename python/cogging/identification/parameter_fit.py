@@ -66,7 +66,11 @@ class ParameterFit:
             begin(STAGES[0])
             for cutoff in self.cutoffs:
                 self.balances = [ForceBalance(r.log, cutoff=cutoff, hold=r.hold, rest=self.rest) for r in self.runs]
-                self._require_rows()
+                needed = 4 * len(self.paths) + 50
+                for r, balance in zip(self.runs, self.balances, strict=True):
+                    if (count := int(balance.mask.sum())) < needed:
+                        rule = f"must be at least {needed} in motion, away from the ends and from gaps"
+                        raise ValueError(f"{r.name}: rows: {rule}, to fit {len(self.paths)} parameters, got {count}")
                 self.scales = Scales.largest(balance.scales for balance in self.balances)
                 self.seen = self._determine(self.model)
                 self.estimate = self._fit_balance(self.model)
@@ -91,15 +95,6 @@ class ParameterFit:
 
     # The estimators ---------------------------------------------------------------------------------------------------
 
-    def _require_rows(self) -> None:
-        needed = 4 * len(self.paths) + 50
-        for run, balance in zip(self.runs, self.balances, strict=True):
-            if int(balance.mask.sum()) < needed:
-                raise ValueError(
-                    f"{run.name}: rows: must be at least {needed} in motion, away from the ends and from gaps, to fit "
-                    f"{len(self.paths)} parameters, got {int(balance.mask.sum())}"
-                )
-
     def _determine(self, model: Model) -> Determinability:
         return determinability(
             model, self.paths, self.balances, self.scales, self.simulate, lambda: self._sources(model)
@@ -108,29 +103,29 @@ class ParameterFit:
     def _sources(self, model: Model) -> list[Residuals]:
         return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
 
-    def _is_linear(self, path: str) -> bool:
-        return role_of(self.model, path) == "amplitude"
-
     @property
     def moving(self) -> list[str]:
         """The parameters that the force balance moves: more than it determines, so that priors do not bias the rest."""
         return [
             path
             for path, sigma in zip(self.seen.paths, self.seen.sigma, strict=True)
-            if self.seen.seen_by_balance(path) and (self._is_linear(path) or sigma < SHAPELESS)
+            if self.seen.seen_by_balance(path) and ((role_of(self.model, path) == "amplitude") or sigma < SHAPELESS)
         ]
 
-    def _loose(self, paths: Sequence[str]) -> FloatArray:
+    def _loose(
+        self, paths: Sequence[str], seen: Determinability | None = None, model: Model | None = None
+    ) -> FloatArray:
         """1-sigma of the prior about the start, (p,): the size of a parameter that is not determined, else infinite."""
-        sizes = [size_of(self.model, self.prior[path], self.scales) for path in paths]
-        return np.array([np.inf if self.seen.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
+        sizes = [size_of(model or self.model, self.prior[path], self.scales) for path in paths]
+        seen = seen or self.seen
+        return np.array([np.inf if seen.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
 
     def _fit_balance(self, start: Model) -> BalanceEstimate:
         """Fit the force balance, from the best of several starts where the law is nonlinear."""
         paths, known = self.moving, parameters_of(start)
         loose = self._loose(paths)
-        nonlinear = [path for path in paths if self.seen.determined(path) and not self._is_linear(path)]
-        nonlinear = [path for path in nonlinear if path != "axis.coulomb_width"]
+        nonlinear = [path for path in paths if self.seen.determined(path) and path != "axis.coulomb_width"]
+        nonlinear = [path for path in nonlinear if role_of(self.model, path) != "amplitude"]
         starts, random = [start], np.random.default_rng(0)
         for _ in range(STARTS if nonlinear else 0):
             sizes = {path: size_of(start, known[path], self.scales) for path in nonlinear}
@@ -167,13 +162,11 @@ class ParameterFit:
         paths = [p for p in self.paths if self.seen.determined(p) and self.seen.seen_by_balance(p)]
         for balance, run in logs:
             alone = determinability(model, self.paths, [balance], self.scales, [run])
-            sizes = [size_of(model, self.prior[path], self.scales) for path in paths]
-            loose = np.array([np.inf if alone.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
+            loose = self._loose(paths, alone, model)
             single = fit_force_balance(model, paths, [balance], self.scales, [run], loose=loose, iterations=4)
-            for i, path in enumerate(paths):
+            for path, value, variance in zip(paths, single.values, np.diag(single.covariance), strict=True):
                 if alone.determined(path):
-                    sigma = float(np.sqrt(single.covariance[i, i]))
-                    found.setdefault(path, []).append((float(single.values[i]), sigma))
+                    found.setdefault(path, []).append((float(value), float(np.sqrt(variance))))
         spread = {}
         for path, entries in found.items():
             if len(entries) > 1:
@@ -216,7 +209,7 @@ class ParameterFit:
                 refit(f"below {other:g} Hz", [(run.log, run.hold) for run in self.runs], other, self.simulate)
         if cutoff <= 0.2 / (FURTHER * step):
             logs = [(thinned(r.log), r.hold or b.sample_time) for r, b in zip(self.runs, self.balances, strict=True)]
-            fewer = [None if run is None else _thinned_run(run) for run in self.simulate]
+            fewer = [run and (lambda model, run=run: thinned(run(model))) for run in self.simulate]
             refit("with every second row", logs, cutoff, fewer)
         return found
 
@@ -324,8 +317,8 @@ class ParameterFit:
     def _doubted_interval(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
         """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
 
-        The interval covers those of both estimators and those beside and with unmodelled forces. The prior is kept
-        unless these exclude it, with its stated uncertainty; then the answer beside those forces replaces it.
+        The interval covers both estimators and the answers beside and with unmodelled forces; the answer beside them
+        replaces a prior that these exclude with its stated uncertainty.
         """
         path = prior.path
         others = [other[path] for other in list(self.others.values())[:2] if path in other]
@@ -393,8 +386,3 @@ def thinned(log: Log) -> Log:
     first = columns["command"][::2]
     second = np.append(columns["command"][1::2], first[-1:])[: len(first)]
     return Log.of({**{name: column[::2] for name, column in columns.items()}, "command": 0.5 * (first + second)})
-
-
-def _thinned_run(run: Simulator) -> Simulator:
-    """Return a simulator whose logs have every second row."""
-    return lambda model: thinned(run(model))

@@ -73,12 +73,24 @@ class Unmodelled:
         left = residual[rows]
 
         def seen(table: list[FloatArray]) -> FloatArray:
-            filtered = balance.filtered(np.array(table).reshape(-1, len(coarse)), every)
-            return _of_size_one(filtered[:, counted])
+            """Filter forces, and scale them to rms 1; those that vanish are left out."""
+            filtered = balance.filtered(np.array(table).reshape(-1, len(coarse)), every)[:, counted]
+            size = np.sqrt(np.mean(filtered**2, axis=1)) if filtered.size else np.zeros(len(filtered))
+            kept = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)
+            return np.asarray(filtered[kept] / size[kept, None])
 
-        forces = seen(_smooth_forces(balance, coarse))
-        inertial = seen(_inertial_forces(balance, balance.along(model, run) or balance, coarse))
-        position = balance.motion.middle_position
+        position, velocity = balance.motion.middle_position, balance.motion.middle_velocity[coarse]
+        direction, speed = np.sign(velocity), np.abs(velocity) / balance.scales.velocity
+        places = _hats(position[coarse], PLACES)
+        falls = [np.exp(-speed / fall) for fall in SPEEDS]
+        smooth = [*places, *(direction * place for place in places)]
+        smooth += [direction, speed, direction * speed, direction * speed**2, speed**2]
+        smooth += [*(direction * fall for fall in falls), *falls, *_hats(balance.even[coarse], TIMES)]
+        forces = seen(smooth)
+        # Of a mass error, of a command delay, and of a mass that differs with direction.
+        acceleration = (balance.along(model, run) or balance).motion.acceleration
+        change = np.gradient(acceleration)
+        inertial = seen([acceleration[coarse], change[coarse], acceleration[coarse] * direction])
         numbers = _waves(position, rows, left, np.vstack([forces, inertial]))
         forces = np.vstack([forces, seen([wave(k * position[coarse]) for k in numbers for wave in (np.sin, np.cos)])])
         quiet, rank = _without(left, np.vstack([forces, inertial]))
@@ -101,9 +113,8 @@ def other_answers(
     """Moves of parameters beside unmodelled forces, half intervals there, and those with the residual as noise, (p,).
 
     Beside forces: least squares with those of `left` beside the model's own columns, each with a prior of 0 +- ALLOWED
-    times the structured residual; the move is that against least squares without them (Kennedy and O'Hagan 2001). As
-    noise: an unmodelled force biases the parameters as much as coloured noise of its size and bandwidth could. The
-    scatter between blocks does not show that, since each block is biased alike.
+    times the structured residual (Kennedy and O'Hagan 2001). As noise: an unmodelled force biases the parameters as
+    much as coloured noise of its size and bandwidth could.
     """
     p = len(parameters)
     prior = np.diag(1.0 / loose**2)
@@ -133,26 +144,6 @@ def other_answers(
     return moved, halves, SIGMAS_95 * np.sqrt(np.maximum(np.diag(noisy), 0.0)) / as_noise
 
 
-def _smooth_forces(balance: ForceBalance, coarse: IntArray) -> list[FloatArray]:
-    """Forces (m,) of position, of direction and speed, and of time."""
-    motion = balance.motion
-    position, velocity = motion.middle_position[coarse], motion.middle_velocity[coarse]
-    direction, speed = np.sign(velocity), np.abs(velocity) / balance.scales.velocity
-    places = _hats(position, PLACES)
-    forces = [*places, *(direction * place for place in places)]
-    forces += [direction, speed, direction * speed, direction * speed**2, speed**2]
-    forces += [direction * np.exp(-speed / fall) for fall in SPEEDS]
-    forces += [np.exp(-speed / fall) for fall in SPEEDS]
-    return [*forces, *_hats(balance.even[coarse], TIMES)]
-
-
-def _inertial_forces(balance: ForceBalance, likeness: ForceBalance, coarse: IntArray) -> list[FloatArray]:
-    """Forces (m,) of a mass error, of a command delay, and of a mass that differs with direction."""
-    acceleration = likeness.motion.acceleration
-    direction = np.sign(balance.motion.middle_velocity[coarse])
-    return [acceleration[coarse], np.gradient(acceleration)[coarse], acceleration[coarse] * direction]
-
-
 def _hats(coordinate: FloatArray, number: int) -> list[FloatArray]:
     """Triangles over a coordinate that sum to 1, (m,) each."""
     nodes = np.linspace(coordinate.min(), coordinate.max(), number)
@@ -175,13 +166,6 @@ def _waves(position: FloatArray, rows: IntArray, left: FloatArray, forces: Float
         taken.append(best)
         forces = np.vstack([forces, there[best].real, there[best].imag])
     return [float(numbers[i]) for i in taken]
-
-
-def _of_size_one(forces: FloatArray) -> FloatArray:
-    """Forces (q, m) scaled to rms 1, without those that vanish."""
-    size = np.sqrt(np.mean(forces**2, axis=1)) if forces.size else np.zeros(len(forces))
-    kept = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)
-    return np.asarray(forces[kept] / size[kept, None])
 
 
 def _without(left: FloatArray, forces: FloatArray) -> tuple[FloatArray, float]:

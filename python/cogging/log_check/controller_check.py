@@ -12,7 +12,7 @@ from cogging._core import replay_controller
 from cogging.arrays import FloatArray, Mask, least_squares
 from cogging.calls import check_arguments
 from cogging.files import LARGEST
-from cogging.log_check.controller_samples import FILLED, LONG, Samples
+from cogging.log_check.controller_samples import FILLED, LONG, Samples, cubic_weights
 from cogging.logs.log import Log
 from cogging.logs.spikes import FEW, HIGH, between, off_neighbours, spikes
 from cogging.model.model import CONTROLLERS, Model
@@ -41,7 +41,12 @@ class Compared:
 
 def compared(log: Log, model: Model, kind: str) -> Compared:
     """Compare a log with its controller, without spikes where these explain the difference."""
-    reference = _reference(log)
+    reference = log.reference
+    if reference is None:
+        assert log.reference_velocity is not None
+        velocity = log.reference_velocity
+        moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
+        reference = log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
     found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * root_mean_square(log.command):
         return found
@@ -59,7 +64,11 @@ def _compared_with(
 ) -> Compared:
     controller: Any = model.controller
     samples = Samples.of(log, reference, controller.sample_rate, unseen)
-    judged = samples.judged(_lags(kind, controller))
+    lags: tuple[int, ...] = (0, 1)  # samples ago, of the readings that a command depends on
+    if kind == "speed":
+        whole = int(controller.delay * controller.sample_rate + 1e-9)
+        lags = (0, whole, whole + 1, whole + 2)
+    judged = samples.judged(lags)
     applied = samples.command
     if cleaned:
         applied = between(applied, samples.time, spikes(applied))
@@ -74,8 +83,15 @@ def _compared_with(
     computed = np.clip(computed + start, -limit, limit) if limit > 0.0 else computed + start
     doubted = doubted_commands(samples.command, computed, judged)
 
-    def by_shift(without: Mask) -> dict[int, float]:
-        return {shift: root_mean_square(_shifted(samples, computed, judged, without, shift)) for shift in SHIFTS}
+    def by_shift(doubted: Mask) -> dict[int, float]:
+        """Rms of logged minus computed with the logged command moved back by each shift."""
+        command, segment, edge, found = samples.command, samples.segment, max(SHIFTS), dict[int, float]()
+        for shift in SHIFTS:
+            at = np.arange(1 + edge, command.size - edge) if shift else np.flatnonzero(~doubted)
+            known = samples.known[at + shift] & ~doubted[at + shift] & (segment[at] == segment[at + shift])
+            at = at[judged[at] & (known | (shift == 0))]
+            found[shift] = root_mean_square(command[at + shift] - computed[at])
+        return found
 
     shifts = by_shift(doubted)
     if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # the timing is wrong instead
@@ -95,24 +111,6 @@ def doubted_commands(command: FloatArray, computed: FloatArray, rows: Mask) -> M
     found = rows & (left > HIGH * usual)
     found &= (np.abs(off_neighbours(command)) > 0.3 * left) & (np.abs(off_neighbours(computed)) < 0.2 * left)
     return found if found.sum() <= FEW * rows.sum() else np.zeros(len(rows), dtype=bool)
-
-
-def _lags(kind: str, controller: Any) -> tuple[int, ...]:
-    """Lags, in samples, of the readings that a command depends on."""
-    if kind != "speed":
-        return (0, 1)
-    whole = int(controller.delay * controller.sample_rate + 1e-9)
-    return (0, whole, whole + 1, whole + 2)
-
-
-def _reference(log: Log) -> FloatArray:
-    if log.reference is not None:
-        return log.reference
-    assert log.reference_velocity is not None
-    velocity = log.reference_velocity
-    moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
-    reference: FloatArray = log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
-    return reference
 
 
 def _recompute(
@@ -142,19 +140,6 @@ def _bounded(command: FloatArray) -> FloatArray:
     return np.clip(np.nan_to_num(command, nan=LARGEST), -LARGEST, LARGEST)
 
 
-def _shifted(samples: Samples, computed: FloatArray, judged: Mask, doubted: Mask, shift: int) -> FloatArray:
-    """Logged minus computed when the logged command is moved back by `shift` rows; rows 3 to n - 2 or, unmoved, all."""
-    command = samples.command
-    known = samples.known & ~doubted
-    if shift == 0:
-        rows = judged & ~doubted
-        return command[rows] - computed[rows]
-    edge = max(SHIFTS)
-    at = np.arange(1 + edge, command.size - edge)
-    at = at[judged[at] & known[at + shift] & (samples.segment[at] == samples.segment[at + shift])]
-    return np.asarray(command[at + shift] - computed[at])
-
-
 def root_mean_square(values: FloatArray) -> float:
     """The rms of values (n,); infinite where there are none."""
     return float(np.sqrt(np.mean(values**2))) if values.size else float("inf")
@@ -163,10 +148,9 @@ def root_mean_square(values: FloatArray) -> float:
 def linear_regressors(
     kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
 ) -> dict[str, FloatArray]:
-    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name.
+    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
 
-    Each is the command of the controller with this gain at 1 and the others at 0, without a limit. A `cascade` has kv
-    and `kp kv`, in which it is linear.
+    A `cascade` has kv and `kp kv`, in which it is linear.
     """
     make = CONTROLLERS[kind][1]
     gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
@@ -194,8 +178,7 @@ def fit_samples(
 ) -> tuple[dict[str, float], float, Mask]:
     """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
 
-    With an `integral` the rows after each gap have their own constant. Spikes of the command that the fit does not
-    have are left out.
+    With an `integral` the rows after each gap have their own constant. Spikes that the fit does not have are left out.
     """
     target = samples.command
     if integral and samples.segment[-1]:
@@ -286,12 +269,10 @@ class ControllerCheck(ByValue):
     def _brief(self) -> str:
         verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[self.reproduces]
         unit = self.units.command
-        left = (
-            ""
-            if self.relative is None
-            else f": {100 * self.relative:.3g} % of {self.command_rms:.4g} {unit} rms is left"
-        )
-        return f"{self.type} {verdict} the command{left}"
+        if self.relative is None:
+            return f"{self.type} {verdict} the command"
+        left = f"{100 * self.relative:.3g} % of {self.command_rms:.4g} {unit} rms is left"
+        return f"{self.type} {verdict} the command: {left}"
 
 
 @check_arguments(log=LOG, model=MODEL_ALONE)
@@ -300,12 +281,9 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 
     `pid` and `cascade` are recomputed as their equations say (Pid, Cascade), with Ts = 1/`sample_rate` even where the
-    time jitters, and their gains are fitted by least squares on the same regressors; every other type is run on the
-    logged references and readings (replay_controller). The first row, whose differences reach before the log, is
-    left out, and so are rows at the stated command limit when gains are fitted.
-
-    A few missing samples are interpolated, and rows whose command depends on them are not compared; after a longer gap
-    the integral is another constant. Spikes of readings and commands are left out if they alone explain the difference.
+    time jitters, and their gains are fitted by least squares; every other type is run on the logged references and
+    readings (replay_controller). A few missing samples are interpolated, and rows whose command depends on them are not
+    compared; after a longer gap the integral is another constant. Spikes are left out if they explain the difference.
 
     Args:
         log: with a reference.
@@ -323,15 +301,11 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
         return None
     kind, command_rms = model.controller_type, float(np.sqrt(np.mean(log.command**2)))
     refusal = _why_not(log, model, command_rms)
-    if refusal:
+    found = None if refusal else compared(log, model, kind)
+    if found is not None and (rows := int(found.judged.sum())) < FEWEST_ROWS:
+        refusal = f"{rows} rows between gaps are too few to check the controller, which needs {FEWEST_ROWS}"
+    if found is None or refusal:
         return ControllerCheck(kind, None, command_rms, notes=(refusal,), units=model.units)
-    found = compared(log, model, kind)
-    if found.judged.sum() < FEWEST_ROWS:
-        text = (
-            f"{int(found.judged.sum())} rows between gaps are too few to check the controller, "
-            f"which needs {FEWEST_ROWS}"
-        )
-        return ControllerCheck(kind, None, command_rms, notes=(text,), units=model.units)
     if found.doubted.any():
         command_rms = root_mean_square(found.samples.command[found.judged])
     return _judged(found, model, kind, command_rms)
@@ -422,10 +396,9 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
-    """The log with rows for missing samples between two rows, and a remark on them.
+    """The log with rows for missing samples between two rows, and a remark, if the model's controller made the log.
 
-    If the model's controller made the log and gaps are of a few samples, readings are interpolated by cubics and
-    commands computed by the controller. Holding the command over the gap would look like an effect.
+    Readings are interpolated by cubics and commands computed: a command held over the gap would look like an effect.
     """
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:
@@ -438,17 +411,8 @@ def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
     position = log.position[samples.row]
     position[added] = cubic_between(log.time, log.position, samples.time[added])
     command = np.where(added, found.computed, log.command[samples.row])
-    motion = samples.motion
-    whole = Log(
-        samples.time,
-        position,
-        command,
-        motion["reference"],
-        motion["reference_velocity"],
-        motion["reference_acceleration"],
-        metadata=log.metadata,
-    )
-    return whole, (
+    whole = {**samples.motion, "time": samples.time, "position": position, "command": command}
+    return Log.of(whole, log.metadata), (
         f"{int(added.sum())} samples lack a row: readings filled by interpolation, commands as the "
         f"{check.type} gives them"
     )
@@ -459,12 +423,8 @@ def cubic_between(time: FloatArray, values: FloatArray, at: FloatArray) -> Float
     line = np.interp(at, time, values)
     if len(time) < 4:
         return np.asarray(line)
-    k = np.clip(np.searchsorted(time, at) - 1, 1, len(time) - 3)
-    rows = k[:, None] + np.arange(-1, 3)
-    t, x = time[rows] - at[:, None], values[rows]
-    cubic = np.zeros(len(at))
-    for i in range(4):
-        others = [j for j in range(4) if j != i]
-        cubic += x[:, i] * np.prod([-t[:, j] / (t[:, i] - t[:, j]) for j in others], axis=0)
-    near = t[:, 3] - t[:, 0] < (2 * FILLED + 3) * float(np.median(np.diff(time)))
+    rows = np.clip(np.searchsorted(time, at) - 1, 1, len(time) - 3) + np.arange(-1, 3)[:, None]
+    offsets = time[rows] - at
+    cubic = np.sum(cubic_weights(offsets) * values[rows], axis=0)
+    near = offsets[3] - offsets[0] < (2 * FILLED + 3) * float(np.median(np.diff(time)))
     return np.where(near, cubic, line)

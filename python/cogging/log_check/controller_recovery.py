@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -110,82 +110,56 @@ def _fit(
 ) -> tuple[dict[str, float], float] | None:
     """Gains by name, with the width of S(v), and the rms residual; None if one is negative."""
     fixed = linear_regressors(kind, base, samples.motion, samples.position)
-    _, _, believed = fit_samples(samples, fixed, rows, "ki" in fixed)
+    believed = fit_samples(samples, fixed, rows, "ki" in fixed)[2]
     if believed.sum() < rows.sum():
         command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))
-    fit = _GainFit(fixed, samples, believed)
-    width = fit.best_width()
-    useful = _useful_gains(fit, width, command_rms)
-    if useful is None:
-        return None
-    gains, rms = useful
+    is_apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
+
+    def of_rows(column: FloatArray) -> FloatArray:
+        return (samples.without_means(column, believed) if is_apart else column)[believed]
+
+    known, command = {name: of_rows(column) for name, column in fixed.items()}, of_rows(samples.command)
+
+    def solve(names: set[str], width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
+        """Gains of these names, the rms residual, and their columns, on every `every`-th row."""
+        columns = {name: column[::every] for name, column in known.items() if name in names}
+        if "coulomb" in columns:
+            columns["coulomb"] = of_rows(smooth_sign(fixed["viscous"], width))[::every]
+        if "ki" in columns and not is_apart:
+            columns["start"] = np.ones(len(columns["ki"]))
+        return (*fit_columns(columns, command[::every]), columns)
+
+    width = _best_width(
+        lambda width: solve(set(known), width, 1 + command.size // SEARCHED)[1], fixed["viscous"][believed]
+    )
+    names, useless = set(known), {""}
+    for _ in range(6):  # without negligible and negative gains
+        gains, rms, columns = solve(names, width)
+        gains.pop("start", None)
+        sizes = {name: gain * float(np.sqrt(np.mean(columns[name] ** 2))) for name, gain in gains.items()}
+        useless = {name for name, size in sizes.items() if size < NEGLIGIBLE * command_rms}
+        if not useless or not (set(gains) - useless):
+            break
+        names = set(gains) - useless
     needed = {"cascade": {"kp kv", "kv"}, "pid": {"kp"}}[kind]
-    if not needed <= set(gains) or any(gain < 0.0 for gain in gains.values()):
+    if not needed <= set(gains) or any(gain < 0.0 for gain in gains.values()) or not (set(gains) - useless):
         return None
     if "coulomb" in gains:
         gains["coulomb_width"] = width
     return gains, rms
 
 
-class _GainFit:
-    """Least squares of a log's command on the regressors of the gains, for any width of S(v)."""
+def _best_width(cost: Callable[[float], float], velocity: FloatArray) -> float:
+    """The width of S(v), m/s, of least cost; 0 for sgn(v)."""
+    from scipy.optimize import minimize_scalar
 
-    def __init__(self, fixed: Mapping[str, FloatArray], samples: Samples, rows: Mask) -> None:
-        self._samples, self._rows = samples, rows
-        self._apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
-        self._velocity, self._velocity_of_rows = fixed["viscous"], fixed["viscous"][rows]
-        self._columns = {name: self._of_rows(column) for name, column in fixed.items()}
-        self._command = self._of_rows(samples.command)
-
-    def _of_rows(self, column: FloatArray) -> FloatArray:
-        return (self._samples.without_means(column, self._rows) if self._apart else column)[self._rows]
-
-    def solve(self, names: set[str] | None, width: float, every: int = 1) -> tuple[dict[str, float], float, Columns]:
-        """Gains of these names (None: all), the rms residual, and their columns, on every `every`-th row."""
-        columns = {name: column[::every] for name, column in self._columns.items() if names is None or name in names}
-        if "coulomb" in columns and self._apart:
-            columns["coulomb"] = self._of_rows(smooth_sign(self._velocity, width))[::every]
-        elif "coulomb" in columns:
-            columns["coulomb"] = smooth_sign(self._velocity_of_rows[::every], width)
-        if "ki" in columns and not self._apart:
-            columns["start"] = np.ones(len(columns["ki"]))
-        return (*fit_columns(columns, self._command[::every]), columns)
-
-    def best_width(self) -> float:
-        """The width of S(v), m/s, with the smallest residual; 0 for sgn(v)."""
-        every = 1 + self._command.size // SEARCHED
-        top = float(np.abs(self._velocity_of_rows).max())
-        widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
-        width = min(widths, key=lambda candidate: self.solve(None, candidate, every)[1])
-        if width == 0.0:
-            return width
-        from scipy.optimize import minimize_scalar
-
-        def cost(shift: float) -> float:
-            return self.solve(None, width * math.exp(shift), every)[1]
-
-        narrowed = minimize_scalar(cost, bounds=(-0.4, 0.4), method="bounded", options={"xatol": 1e-9})
-        return width * math.exp(float(narrowed.x))
-
-
-def _useful_gains(fit: _GainFit, width: float, command_rms: float) -> tuple[dict[str, float], float] | None:
-    """Gains without negligible and negative ones, and the rms residual; None if none is left."""
-    names: set[str] | None = None
-    for _ in range(6):
-        gains, rms, columns = fit.solve(names, width)
-        useless = {
-            name
-            for name, gain in gains.items()
-            if name != "start"
-            and (abs(gain) * float(np.sqrt(np.mean(columns[name] ** 2))) < NEGLIGIBLE * command_rms or gain < 0.0)
-        }
-        if not useless:
-            break
-        names = set(gains) - useless - {"start"}
-        if not names:
-            return None
-    gains.pop("start", None)
-    return gains, rms
+    top = float(np.abs(velocity).max())
+    widths = [0.0, *np.geomspace(1e-4 * top, 0.5 * top, WIDTHS).tolist()] if top > 0.0 else [0.0]
+    width = min(widths, key=cost)
+    if width == 0.0:
+        return width
+    options = {"bounds": (-0.4, 0.4), "method": "bounded", "options": {"xatol": 1e-9}}
+    return width * math.exp(float(minimize_scalar(lambda shift: cost(width * math.exp(shift)), **options).x))
 
 
 def _limit(command: FloatArray) -> tuple[float, Mask]:

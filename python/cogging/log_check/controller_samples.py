@@ -103,9 +103,7 @@ EVEN = 0.01  # of the step: more even time stamps are kept
 def on_its_clock(log: Log) -> tuple[Log, str]:
     """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and "".
 
-    A controller samples evenly, and a logger may stamp its rows late or early: at 0.4 m/s, 0.3 ms are 0.1 mm, which
-    look like acceleration. Along the true times each reading is close to the cubic through its two neighbours on either
-    side.
+    Along the true times each reading is close to the cubic through its two neighbours on either side.
     """
     if len(log) < 5:
         return log, ""
@@ -138,15 +136,17 @@ def _even(time: FloatArray, row: IntArray, segment: IntArray) -> FloatArray:
     return np.asarray(means(time) + step * number)
 
 
+def cubic_weights(offsets: FloatArray) -> FloatArray:
+    """Weights (4, n) with which the cubic through values at four offsets (4, n) gives the value at 0."""
+    return np.array(
+        [np.prod([offsets[j] / (offsets[j] - offsets[i]) for j in range(4) if j != i], axis=0) for i in range(4)]
+    )
+
+
 def _roughness(time: FloatArray, position: FloatArray, whole: FloatArray) -> float:
     """Mean square of readings minus the cubic through their neighbours, normalised for white noise, m^2."""
     n = len(time) - 4
-    others = [0, 1, 3, 4]
-    middle = time[2 : n + 2]
-    near = {i: time[i : n + i] - middle for i in others}
-    left, gain = position[2 : n + 2].copy(), np.ones(n)
-    for i in others:
-        weight = np.prod([near[j] / (near[j] - near[i]) for j in others if j != i], axis=0)
-        left -= weight * position[i : n + i]
-        gain += weight**2
-    return float(np.mean((left**2 / gain)[whole])) if whole.any() else 0.0
+    rows = np.array([[0], [1], [3], [4]]) + np.arange(n)
+    weights = cubic_weights(time[rows] - time[2 : n + 2])
+    left = position[2 : n + 2] - np.sum(weights * position[rows], axis=0)
+    return float(np.mean((left**2 / (1.0 + np.sum(weights**2, axis=0)))[whole])) if whole.any() else 0.0

@@ -57,10 +57,6 @@ class Audit(ByValue):
         controller: comparison with the stated controller; None without a model or a stated controller.
         units: labels of the units, of the model or, without one, of the log.
         begins_at: s, time of the first row.
-
-    Example:
-        >>> print(cogging.audit(log))
-        13201 rows, 2.64 s at 5000 Hz; ...
     """
 
     rows: int
@@ -174,7 +170,9 @@ def audit(log: Log, model: Model | None = None) -> Audit:
     position = np.delete(log.position, outliers)
     time = np.delete(log.time, outliers)
     quantum = encoder_quantum(position)
-    speed, acceleration = _motion(time, position, step)
+    half = max(2, min(round(0.5 * SMOOTHING / step), (time.size - 1) // 8)) if step > 0.0 else 2
+    speed, middle = _slope(time, position, half, step)
+    acceleration, _ = _slope(middle, speed, half, step)
     still = max(REST * float(np.abs(speed).max(initial=0.0)), quantum / SMOOTHING)
     return Audit(
         rows=len(log),
@@ -201,14 +199,6 @@ def audit(log: Log, model: Model | None = None) -> Audit:
         units=log.units if model is None else model.units,
         begins_at=float(log.time[0]),
     )
-
-
-def _motion(time: FloatArray, position: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """Speed and acceleration, smoothed; empty where the log is too short."""
-    half = max(2, min(round(0.5 * SMOOTHING / step), (time.size - 1) // 8)) if step > 0.0 else 2
-    speed, middle = _slope(time, position, half, step)
-    acceleration, _ = _slope(middle, speed, half, step)
-    return speed, acceleration
 
 
 def _slope(time: FloatArray, values: FloatArray, half: int, step: float) -> tuple[FloatArray, FloatArray]:
@@ -251,42 +241,27 @@ QUANTUM = 1.5  # largest ratio of the step of the readings to the stated resolut
 
 def hints(found: Audit, model: Model) -> list[str]:
     """Remarks on saturation, rest, lost samples, slow or uneven rows and a coarse encoder, where they matter."""
-    said, of = [], model.units.of
-    if found.saturation_share > SATURATED:
-        top = max(abs(value) for value in found.command)
-        said.append(
-            f"the command stands at its limit ({top:.4g} {of('V')}) in {100 * found.saturation_share:.2g} % of the "
-            "rows: the controller's demand beyond it is unknown"
-        )
-    if found.share_at_rest > AT_REST:
-        said.append(
-            f"{100 * found.share_at_rest:.0f} % of the rows are at rest, where friction hides every force, and do not "
-            "count"
-        )
+    of, step, stated = model.units.of, 1.0 / found.rate, model.encoder.resolution
+    top = max(abs(value) for value in found.command)
     enough = found.duration > 0.0 and found.gaps >= PLACES
     missing = 1.0 - (found.rows - 1) / found.rate / found.duration if enough else 0.0
-    if missing > MISSING:
-        said.append(
-            f"rows are missing in {found.gaps} places, {100 * missing:.2g} % of the time, at most "
-            f"{found.gap_longest:.3g} s in a row: the motion in between is unknown"
-        )
-    step = 1.0 / found.rate
-    if step > SLOW:
-        said.append(
-            f"rows are {step:.3g} s apart, and friction and cogging act between them: give --scale time=0.001 "
-            "if the time is in ms"
-        )
-    if found.jitter_share > JITTER_SHARE and found.jitter_rms > JITTER_RMS * step:
-        said.append(
-            f"rows are uneven by {found.jitter_rms:.2g} s rms ({100 * found.jitter_rms / step:.2g} % of a step): "
-            "shorter delays and lags are not identifiable"
-        )
-    stated = model.encoder.resolution
-    if stated > 0.0 and found.encoder_quantum > QUANTUM * stated:
-        said.append(
-            f"readings step by {found.encoder_quantum:.4g} {of('m')}, the model's encoder by {stated:.4g} {of('m')}"
-        )
-    return said
+    jitter = f"{found.jitter_rms:.2g} s rms ({100 * found.jitter_rms / step:.2g} % of a step)"
+    said = {
+        f"the command stands at its limit ({top:.4g} {of('V')}) in {100 * found.saturation_share:.2g} % of the rows: "
+        "the controller's demand beyond it is unknown": found.saturation_share > SATURATED,
+        f"{100 * found.share_at_rest:.0f} % of the rows are at rest, where friction hides every force, and do not "
+        "count": found.share_at_rest > AT_REST,
+        f"rows are missing in {found.gaps} places, {100 * missing:.2g} % of the time, at most "
+        f"{found.gap_longest:.3g} s in a row: the motion in between is unknown": missing > MISSING,
+        f"rows are {step:.3g} s apart, and friction and cogging act between them: give --scale time=0.001 "
+        "if the time is in ms": step > SLOW,
+        f"rows are uneven by {jitter}: shorter delays and lags are not identifiable": found.jitter_share > JITTER_SHARE
+        and found.jitter_rms > JITTER_RMS * step,
+        f"readings step by {found.encoder_quantum:.4g} {of('m')}, the model's encoder by {stated:.4g} {of('m')}": (
+            found.encoder_quantum > QUANTUM * stated > 0.0
+        ),
+    }
+    return [hint for hint, matters in said.items() if matters]
 
 
 ANGLES = {math.pi / 180.0: "degrees", 2.0 * math.pi: "turns"}
@@ -321,58 +296,34 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
         raise InputError(f"{name}: {error}") from None
     inside = np.delete(log.position, find_outliers(log.position))
     low, high = _range(inside)
-    _check_against_travel(low, high, model, name)
-    if log.reference is not None:
-        _check_against_reference(high - low, float(np.ptp(log.reference)), model.units, name)
+    span, (start, end), unit, others = high - low, model.axis.travel, model.units.position, position_units(model.units)
+    length = end - start
+    if math.isfinite(length) and span > 1.5 * length:
+        factor = next((f for f in others if span * f <= 1.02 * length), None)
+        rule = f"spans {span:.4g} {unit} but the model's travel is {length:.4g} {unit}"
+        raise InputError(f"{name}: position: {rule}: give {_advice('position', factor, others)}")
+    if math.isfinite(length) and (low > end + length or high < start - length):
+        rule = f"lies in [{low:.4g}, {high:.4g}] {unit}, far outside the model's travel [{start:.4g}, {end:.4g}] {unit}"
+        raise InputError(f"{name}: position: {rule}")
+    sizes = {"position": span, "reference": 0.0 if log.reference is None else float(np.ptp(log.reference))}
+    wide, narrow = sorted(sizes, key=lambda column: -sizes[column])
+    ratio = sizes[wide] / sizes[narrow] if sizes[narrow] > 0.0 else 0.0
+    for factor in others if ratio > 30.0 else ():
+        if 0.7 < ratio * factor < 1.4:
+            rule = f"spans {sizes[wide]:.4g} {unit} but the {narrow} {sizes[narrow]:.4g} {unit}"
+            raise InputError(f"{name}: {wide}: {rule}: give {_advice(wide, factor, others)}")
     if model.controller is not None:
-        step, sample_rate = float(np.median(np.diff(log.time))), model.controller.sample_rate
+        step, rate = float(np.median(np.diff(log.time))), model.controller.sample_rate
         for factor in TIME_UNITS:
-            if abs(step * factor * sample_rate - 1.0) < 0.02:
-                raise InputError(
-                    f"{name}: time: has rows {step:.4g} s apart but the model's controller samples at "
-                    f"{sample_rate:g} Hz: give " + _advice("time", factor, TIME_UNITS)
-                )
+            if abs(step * factor * rate - 1.0) < 0.02:
+                rule = f"has rows {step:.4g} s apart but the model's controller samples at {rate:g} Hz"
+                raise InputError(f"{name}: time: {rule}: give {_advice('time', factor, TIME_UNITS)}")
 
 
 def position_units(units: Units) -> dict[float, str]:
     """Other units of a position, by the factor to the model's unit, the likelier first."""
     small = {1e-3: units.of("mm"), 1e-6: units.of("um")}
     return ANGLES | small if units.position == "rad" else small | {1e-2: "cm", 0.0254: "inches"}
-
-
-def _check_against_travel(low: float, high: float, model: Model, name: str) -> None:
-    span, (start, end), unit, others = high - low, model.axis.travel, model.units.position, position_units(model.units)
-    length = end - start
-    if not math.isfinite(length):
-        return
-    if span > 1.5 * length:
-        factor = next((f for f in others if span * f <= 1.02 * length), None)
-        raise InputError(
-            f"{name}: position: spans {span:.4g} {unit} but the model's travel is {length:.4g} {unit}: give "
-            + _advice("position", factor, others)
-        )
-    if low > end + length or high < start - length:
-        raise InputError(
-            f"{name}: position: lies in [{low:.4g}, {high:.4g}] {unit}, far outside the model's travel "
-            f"[{start:.4g}, {end:.4g}] {unit}"
-        )
-
-
-def _check_against_reference(span: float, reference: float, units: Units, name: str) -> None:
-    if span == 0.0 or reference == 0.0:
-        return
-    unit, others = units.position, position_units(units)
-    for factor in others:
-        for column, other, ratio in (
-            ("position", "reference", span / reference),
-            ("reference", "position", reference / span),
-        ):
-            if 0.7 < ratio * factor < 1.4 and ratio > 30.0:
-                wide, narrow = max(span, reference), min(span, reference)
-                raise InputError(
-                    f"{name}: {column}: spans {wide:.4g} {unit} but the {other} {narrow:.4g} {unit}: give "
-                    + _advice(column, factor, others)
-                )
 
 
 def _advice(column: str, factor: float | None, units: dict[float, str]) -> str:

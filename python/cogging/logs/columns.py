@@ -59,14 +59,24 @@ def read_columns(
     Returns:
         The columns by name, each (n,).
     """
-    request = _request(path, names, optional, columns, scale, rows, progress)
+    columns, scale, rows = dict(columns or {}), dict(scale or {}), rows or slice(0, None)
+    known, start, stop = (*names, *optional), rows.start or 0, rows.stop
+    for option, name in [("columns", name) for name in columns] + [("scale", name) for name in scale]:
+        if name not in known:
+            raise InputError(f"{option}: {name}: must be one of {', '.join(known)}{nearest(name, known)}")
+    for name, factor in scale.items():
+        if not np.isfinite(factor) or factor == 0.0:
+            raise InputError(f"scale: {name}: must be a finite number and not 0, got {factor!r}")
+    if rows.step not in (None, 1) or start < 0 or (stop is not None and stop <= start):
+        raise InputError(f"rows: needs 0 <= first < end and a step of 1, got {start}:{stop}")
+    request = Request(path, tuple(names), tuple(optional), columns, frozenset(scale), slice(start, stop), progress)
     kind = format_of(path)
     arrays = text_table.read(request) if kind is None else read_isolated(kind, request)
     if notes is not None:
         notes += request.notes
     if not arrays or not next(iter(arrays.values())).size:
         raise request.refuse("rows: must be at least 1, got 0")
-    for name, factor in (scale or {}).items():
+    for name, factor in scale.items():
         if name in arrays and factor != 1.0:
             with np.errstate(over="ignore"):
                 arrays[name] = arrays[name] * factor
@@ -84,30 +94,6 @@ def survey_columns(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
     else:
         read_isolated(kind, request)
     return request.survey or []
-
-
-def _request(
-    path: str | os.PathLike[str],
-    names: Sequence[str],
-    optional: Sequence[str],
-    columns: Mapping[str, str] | None,
-    scale: Mapping[str, float] | None,
-    rows: slice | None,
-    progress: bool,
-) -> Request:
-    columns, scale, rows = dict(columns or {}), dict(scale or {}), rows or slice(0, None)
-    for option, mapping in (("columns", columns), ("scale", scale)):
-        for name in mapping:
-            if name not in (*names, *optional):
-                known = (*names, *optional)
-                raise InputError(f"{option}: {name}: must be one of {', '.join(known)}{nearest(name, known)}")
-    for name, factor in scale.items():
-        if not np.isfinite(factor) or factor == 0.0:
-            raise InputError(f"scale: {name}: must be a finite number and not 0, got {factor!r}")
-    start, stop = rows.start or 0, rows.stop
-    if rows.step not in (None, 1) or start < 0 or (stop is not None and stop <= start):
-        raise InputError(f"rows: needs 0 <= first < end and a step of 1, got {start}:{stop}")
-    return Request(path, tuple(names), tuple(optional), columns, frozenset(scale), slice(start, stop), progress)
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:

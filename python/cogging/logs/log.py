@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import importlib.metadata
 import io
+import itertools
 import math
 import numbers
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +34,7 @@ from cogging.values import ByValue
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+LARGEST_FLOAT = sys.float_info.max
 SHORTEST = 1e-12  # s, mean step between rows: differences over less overflow
 SMALLEST = 1e-30  # range of a column in any unit: its fourth power is not zero
 REQUIRED = ("time", "position", "command")
@@ -134,12 +137,7 @@ class Log(ByValue):
         return Log.of({name: None if one is None else one[chosen] for name, one in columns.items()}, self.metadata)
 
     def between(self, start: float, stop: float = math.inf) -> Log:
-        """Return the rows with start <= time < stop (s).
-
-        Example:
-            >>> log.between(0.5, 1.0).time[[0, -1]].tolist()
-            [0.5, 0.9998]
-        """
+        """Return the rows with start <= time < stop (s)."""
         return self[(self.time >= start) & (self.time < stop)]
 
     @property
@@ -164,11 +162,7 @@ class Log(ByValue):
         return {name: value for name, value in values.items() if value is not None}
 
     def to_frame(self) -> Any:
-        """Return all columns as a pandas DataFrame, with units in `attrs["units"]`; estimates as `estimates[0]` and on.
-
-        Raises:
-            ImportError: pandas is not installed; names the extra.
-        """
+        """Return all columns as a pandas DataFrame (extra `frames`), estimates as `estimates[0]` and on."""
         columns = self.columns() | {name: one for name in TRUE if (one := getattr(self, name)) is not None}
         if self.estimates is not None:
             columns |= {f"estimates[{i}]": column for i, column in enumerate(self.estimates.T)}
@@ -203,8 +197,23 @@ class Log(ByValue):
         suffix = Path(path).suffix.lower()
         if suffix in (".mf4", ".mdf", ".dat"):
             raise InputError(f"{path}: must be a CSV, .mat or .parquet file to be written, got {suffix}")
+        pieces: Iterable[bytes]
+        if suffix in (".mat", ".parquet"):
+            require_table("rows", len(self), len(self.columns()), 1.5 if suffix == ".mat" else 4.0)
         try:
-            pieces = {".mat": self._matlab, ".parquet": self._parquet}.get(suffix, self._csv)()
+            if suffix == ".mat":
+                from scipy.io import savemat
+
+                buffer = io.BytesIO()
+                savemat(buffer, self.columns(), oned_as="column")
+                pieces = [buffer.getvalue()]
+            elif suffix == ".parquet":
+                pieces = [parquet_of(self.columns(), self._column_units())]
+            else:
+                arrays = [np.ascontiguousarray(column, dtype=np.float64) for column in self.columns().values()]
+                rows = [*range(0, len(self), ROWS_AT_ONCE), len(self)]
+                header = [(",".join(self.columns()) + "\n").encode()]
+                pieces = itertools.chain(header, (format_rows(arrays, *part) for part in itertools.pairwise(rows)))
         except ImportError as error:
             raise InputError(f"{path}: {error}") from None
         checksum = Checksum(pieces)
@@ -219,25 +228,6 @@ class Log(ByValue):
         else:
             files[beside] = None  # that of another log is removed
         write_files(files)
-
-    def _csv(self) -> Iterator[bytes]:
-        columns = self.columns()
-        arrays = [np.ascontiguousarray(column, dtype=np.float64) for column in columns.values()]
-        yield (",".join(columns) + "\n").encode()
-        for first in range(0, len(self), ROWS_AT_ONCE):
-            yield format_rows(arrays, first, min(first + ROWS_AT_ONCE, len(self)))
-
-    def _matlab(self) -> Iterable[bytes]:
-        from scipy.io import savemat
-
-        require_table("rows", len(self), len(self.columns()), 1.5)
-        buffer = io.BytesIO()
-        savemat(buffer, self.columns(), oned_as="column")
-        return [buffer.getvalue()]
-
-    def _parquet(self) -> Iterable[bytes]:
-        require_table("rows", len(self), len(self.columns()), 4.0)
-        return [parquet_of(self.columns(), self._column_units())]
 
 
 @check_arguments()
@@ -308,14 +298,9 @@ def _array(name: str, given: Any) -> npt.NDArray[Any]:
     for row, value in enumerate(array.flat):  # of a table with missing entries, or integers beyond 64 bits
         if not isinstance(value, numbers.Real) or isinstance(value, bool):
             raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
-    return np.array([_as_float(value) for value in array.flat], dtype=np.float64).reshape(array.shape)
-
-
-def _as_float(value: numbers.Real) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
+    return np.array([math.inf if abs(value) > LARGEST_FLOAT else float(value) for value in array.flat]).reshape(
+        array.shape
+    )
 
 
 def _require_increasing(time: FloatArray, first_row: int = 0) -> None:

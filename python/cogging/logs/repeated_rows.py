@@ -5,87 +5,45 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from cogging.arrays import FloatArray, Mask, cross_correlation
+from cogging.arrays import IntArray, Mask, cross_correlation
 from cogging.logs.log import Log
 
-BLOCK_BITS = 5
-BLOCK = 1 << BLOCK_BITS  # rows that are hashed together, to find where logs may be equal
-DIFFERENT = 12  # least number of different rows in a block: machines at rest look alike
 STRETCH = 200  # consecutive equal rows; with noise, no repeated motion reaches that
-STRETCH_DIFFERENT = 30  # different rows among those
-COARSE = 1e-5  # of the range of a column, to which it is rounded for hashing
+STRETCH_DIFFERENT = 30  # different rows among those: machines at rest look alike
+COARSE = 1e-5  # of the range of a column, to which it is rounded to find equal rows
 SAME = 1e-6  # of it, by which equal readings may differ: other digits, a scale, single precision
-OFFSETS = 64  # offsets that are compared exactly, those with most equal blocks
-ALIKE = 16  # matches of a block that are followed: a motion without noise repeats itself
+OFFSETS = 64  # offsets that are compared exactly, those with most equal rows
 MUCH = 0.25  # of the shorter log; a smaller changed copy may be chance
 WINDOW = 500  # rows of a window in which copies with changes are looked for
-COPIED = 0.9  # share of a window that must be in the log of which it is a copy
-LEFT = 0.4  # share of that log's rows that must remain in the copy
-UNIQUE = 150  # rows of a window that must occur once in each log
-IN_ORDER = 0.9  # share of these that must follow the one before
 BETWEEN = 3e-5  # of the range of a column: distance from the line between two rows
 MOVING = 100.0  # times BETWEEN, least change of a column in a window
 ON_LINE = 0.9  # share of a window that must be on the lines of the other log
 NEWTON_STEPS = 8  # to the shift in time
-MIXERS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0xFF51AFD7ED558CCD], dtype=np.uint64)
-
-
-def _spread(*columns: FloatArray) -> tuple[float, float]:
-    """Return the largest range and magnitude of a column over several logs."""
-    return max(float(np.ptp(one)) for one in columns), max(float(np.abs(one).max()) for one in columns)
 
 
 def repeated(log: Log, other: Log) -> Mask:
     """Return which rows of a log, (n,), are in another one: equal position and command over STRETCH rows.
 
-    Time and references are ignored. Up to about half of the rows may have been left out, the rows may have been
-    interpolated at other times, and units and the zero of the position may differ.
+    Time and references are ignored for equal rows. Up to about half of the rows may have been left out, or the rows
+    interpolated at other times; units and the zero of the position may differ.
     """
+    none = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
-        return np.zeros(len(log), dtype=bool)
-    found = _shared_rows(log, other)
-    if found.any() or (scaled := _in_units_of(log, other)) is None:
-        return found
-    return _shared_rows(scaled, other)
-
-
-def _in_units_of(log: Log, other: Log) -> Log | None:
-    """Return the log scaled to the position range and largest command of another; None if it has them already."""
-    ranges = [(float(np.ptp(one.position)), float(np.abs(one.command).max())) for one in (log, other)]
-    if min(min(pair) for pair in ranges) <= 0.0:
-        return None
-    length, command = (its / mine for mine, its in zip(*ranges, strict=True))
-    position = length * (log.position - log.position.min()) + other.position.min()
-    moved = abs(float(position[0] - log.position[0])) > SAME * ranges[1][0]
-    if not moved and max(abs(length - 1.0), abs(command - 1.0)) < SAME:
-        return None
-    return Log(log.time, position, command * log.command)
-
-
-def _shared_rows(log: Log, other: Log) -> Mask:
-    """Return the shared rows of two logs in the same units."""
-    found = np.zeros(len(log), dtype=bool)
-    length, force = _spread(log.position, other.position), _spread(log.command, other.command)
-    hashes = [_rounded_rows(one, length, force) for one in (log, other)]
-    for offset in _offsets(*hashes):
-        first, end = max(0, -offset), min(len(log), len(other) - offset)
-        if end - first < STRETCH:
-            continue
-        mine, its = slice(first, end), slice(first + offset, end + offset)
-        same = _close(log.position[mine], other.position[its], length)
-        same &= _close(log.command[mine], other.command[its], force)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
-        for start, stop in zip(edges[::2] + first, edges[1::2] + first, strict=True):
-            if stop - start >= STRETCH:
-                found[start:stop] |= len(np.unique(hashes[0][start:stop])) >= STRETCH_DIFFERENT
-    if found.any():
-        return found
-    for found in (_in_order(*hashes), _between_rows(log, other, (length[0], force[0]))):
-        if found.sum() >= MUCH * min(len(log), len(other)):
+        return none
+    for mine in filter(None, (log, _in_units_of(log, other))):
+        spread = [
+            (max(map(np.ptp, both)), max(float(np.abs(one).max()) for one in both))
+            for both in ((mine.position, other.position), (mine.command, other.command))
+        ]
+        keys = _rounded_rows(mine, other, spread)
+        if (found := _equal_rows(mine, other, keys, spread)).any():
             return found
-    return np.zeros(len(log), dtype=bool)
+        copied = _rows_between(other, mine, spread)  # of the other log, where that one lacks rows
+        for found in (_rows_between(mine, other, spread), np.isin(keys[0], keys[1][copied])):
+            if found.sum() >= MUCH * min(len(log), len(other)):
+                return np.asarray(found)
+    return none
 
 
 def counted_once(
@@ -93,13 +51,8 @@ def counted_once(
 ) -> tuple[list[Log], list[Mask], tuple[str, ...]]:
     """Return logs without the rows that a longer or earlier log contains.
 
-    Args:
-        logs: to be used together.
-        names: of the logs, for the messages.
-        fewest: rows that must remain; a log with fewer is left out.
-
-    Returns:
-        The remaining logs, which rows (n,) of each given log count, and messages.
+    `fewest`: rows that must remain; a log with fewer is left out. Also returned: which rows (n,) of each given log
+    count, and messages that use the `names`.
     """
     order = sorted(range(len(logs)), key=lambda i: -len(logs[i]))
     kept = [np.ones(len(log), dtype=bool) for log in logs]
@@ -127,87 +80,61 @@ def repeated_text(rows: Mask) -> str:
     return f"{int(rows.sum())} of its {rows.size} rows, from row {int(np.argmax(rows))} on, are"
 
 
-def _close(one: FloatArray, other: FloatArray, spread: tuple[float, float]) -> Mask:
-    return np.asarray(np.abs(one - other) <= SAME * spread[0] + 4.0 * np.finfo(float).eps * spread[1])
+Spread = Sequence[tuple[float, float]]  # range and magnitude of position and command over two logs
 
 
-def _rounded_rows(log: Log, length: tuple[float, float], force: tuple[float, float]) -> npt.NDArray[np.uint64]:
-    """Return a hash of the rounded position and command of each row."""
-    numbers = np.zeros(len(log), dtype=np.uint64)
-    for column, (size, largest), mixer in ((log.position, length, MIXERS[0]), (log.command, force, MIXERS[1])):
-        step = COARSE * max(size, 1e-9 * largest) or 1.0
-        with np.errstate(over="ignore"):
+def _in_units_of(log: Log, other: Log) -> Log | None:
+    """Return the log scaled to the position range and largest command of another; None if it has them already."""
+    ranges = [(float(np.ptp(one.position)), float(np.abs(one.command).max())) for one in (log, other)]
+    if min(min(pair) for pair in ranges) <= 0.0:
+        return None
+    length, command = (its / mine for mine, its in zip(*ranges, strict=True))
+    position = length * (log.position - log.position.min()) + other.position.min()
+    moved = abs(float(position[0] - log.position[0])) > SAME * ranges[1][0]
+    if not moved and max(abs(length - 1.0), abs(command - 1.0)) < SAME:
+        return None
+    return Log(log.time, position, command * log.command)
+
+
+def _rounded_rows(log: Log, other: Log, spread: Spread) -> list[IntArray]:
+    """Return a whole number for the rounded position and command of each row of both logs."""
+    keys = [np.zeros(len(one), dtype=np.intp) for one in (log, other)]
+    for name, (size, largest) in zip(("position", "command"), spread, strict=True):
+        columns = [getattr(one, name) for one in (log, other)]
+        least, step = min(map(np.min, columns)), COARSE * max(size, 1e-9 * largest) or 1.0
+        for key, column in zip(keys, columns, strict=True):
+            key *= 1 << 20
             # Scale and offset keep quantised readings away from the rounding boundaries.
-            numbers += np.floor(column / step * 0.9 + 0.377).astype(np.int64).view(np.uint64) * mixer
-            numbers ^= numbers >> np.uint64(29)
-            numbers *= MIXERS[2]
-    return numbers
+            key += np.floor((column - least) / step * 0.9 + 0.377).astype(np.intp)
+    return keys
 
 
-def _blocks(numbers: npt.NDArray[np.uint64]) -> tuple[npt.NDArray[np.uint64], Mask]:
-    """Return a hash of BLOCK rows from each row on, and whether these rows differ enough to identify the block."""
-    hashed = numbers.copy()
-    power = MIXERS[0]
-    for bit in range(BLOCK_BITS):
-        step = 1 << bit
-        hashed = hashed[:-step] + power * hashed[step:]
-        power = power * power
-    # Count rows that do not repeat one of the BLOCK rows before.
-    order = np.argsort(numbers, kind="stable")
-    again = np.zeros(len(numbers), dtype=bool)
-    again[order[1:]] = (numbers[order[1:]] == numbers[order[:-1]]) & (np.diff(order) < BLOCK)
-    total = np.concatenate([[0], np.cumsum(~again)])
-    return hashed, (total[BLOCK:] - total[:-BLOCK]) >= DIFFERENT
+def _equal_rows(log: Log, other: Log, keys: Sequence[IntArray], spread: Spread) -> Mask:
+    """Return which rows, (n,), are equal to those of another log over STRETCH rows, at one of several offsets."""
+    found = np.zeros(len(log), dtype=bool)
+    known, first = np.unique(keys[1], return_index=True)
+    at = np.minimum(np.searchsorted(known, keys[0]), len(known) - 1)
+    rows = np.flatnonzero(known[at] == keys[0])
+    offsets, votes = np.unique(first[at[rows]] - rows, return_counts=True)
+    for offset in offsets[np.argsort(-votes, kind="stable")][:OFFSETS].tolist():
+        start, end = max(0, -offset), min(len(log), len(other) - offset)
+        if end - start < STRETCH:
+            continue
+        same = np.ones(end - start, dtype=bool)
+        for name, (size, largest) in zip(("position", "command"), spread, strict=True):
+            off = np.abs(getattr(log, name)[start:end] - getattr(other, name)[start + offset : end + offset])
+            same &= off <= SAME * size + 4.0 * np.finfo(float).eps * largest
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8))) + start
+        for one, stop in zip(edges[::2], edges[1::2], strict=True):
+            if stop - one >= STRETCH:
+                found[one:stop] |= len(np.unique(keys[0][one:stop])) >= STRETCH_DIFFERENT
+    return found
 
 
-def _offsets(log: npt.NDArray[np.uint64], other: npt.NDArray[np.uint64]) -> list[int]:
-    """Return the offsets in rows at which blocks of two logs agree, the most frequent first; both given as hashes."""
-    with np.errstate(over="ignore"):
-        mine, known = _blocks(log)
-        its, its_known = _blocks(other)
-    places = np.flatnonzero(its_known)
-    order = places[np.argsort(its[places], kind="stable")]
-    ordered = its[order]
-    blocks = np.arange(0, len(mine), BLOCK)
-    blocks = blocks[known[blocks]]
-    first = np.searchsorted(ordered, mine[blocks], side="left")
-    last = np.minimum(np.searchsorted(ordered, mine[blocks], side="right"), first + ALIKE)
-    offsets = [order[first[hit] + k] - blocks[hit] for k in range(ALIKE) if (hit := first + k < last).any()]
-    if not offsets:
-        return []
-    values, votes = np.unique(np.concatenate(offsets), return_counts=True)
-    return [int(value) for value in values[np.argsort(-votes, kind="stable")][:OFFSETS]]
+def _rows_between(log: Log, other: Log, spread: Spread) -> Mask:
+    """Return which rows of a log, (n,), are at or between rows of another one, at one shift in time.
 
-
-def _in_order(mine: npt.NDArray[np.uint64], its: npt.NDArray[np.uint64]) -> Mask:
-    """Return which rows of a log, (n,), are in another one in the same order, some left out; both given as hashes."""
-    there, here = _among(mine, its), _among(its, mine)
-    values, first, counts = np.unique(its, return_index=True, return_counts=True)
-    own, own_counts = np.unique(mine, return_counts=True)
-    unique = np.intersect1d(values[counts == 1], own[own_counts == 1], assume_unique=True)
-    rows = np.flatnonzero(_among(mine, unique))
-    if rows.size < UNIQUE:
-        return np.zeros(len(mine), dtype=bool)
-    place = first[np.searchsorted(values, mine[rows])]
-    ordered, known = np.zeros(len(mine)), np.zeros(len(mine))
-    known[rows], ordered[rows] = 1.0, np.concatenate([[True], np.diff(place) > 0])
-    # Nearly all rows of the copy are in the other log.
-    whole = _share(there) >= COPIED
-    whole |= (_share(there) >= LEFT) & _among(mine, its[here & (_share(here) >= COPIED)])
-    whole &= (_windowed(known) >= UNIQUE) & (_windowed(ordered) >= IN_ORDER * _windowed(known))
-    return np.asarray(whole & there)
-
-
-def _among(rows: npt.NDArray[np.uint64], others: npt.NDArray[np.uint64]) -> Mask:
-    """Return which rows are among others, (n,); by sorting, as numpy 2.0 treats 64-bit hashes as signed otherwise."""
-    return np.isin(rows, others, kind="sort")
-
-
-def _between_rows(log: Log, other: Log, spread: tuple[float, float]) -> Mask:
-    """Return which rows of a log, (n,), are interpolated between rows of another one, at one shift in time.
-
-    The position is on the line between two rows; the command is too, or is held from the row before. `spread`: range of
-    position and command, (m, V).
+    The position is on the line between two rows; the command is too, or is held from the row before.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
@@ -219,28 +146,19 @@ def _between_rows(log: Log, other: Log, spread: tuple[float, float]) -> Mask:
     inside = (at >= other.time[0]) & (at <= other.time[-1])
     if inside.sum() < WINDOW:
         return found
-    off = np.abs(log.position - np.interp(at, other.time, other.position)) <= BETWEEN * spread[0]
-    before = np.clip(np.searchsorted(other.time, at, side="right") - 1, 0, len(other) - 1)
-    held = np.abs(log.command - other.command[before]) <= BETWEEN * spread[1]
-    line = np.abs(log.command - np.interp(at, other.time, other.command)) <= BETWEEN * spread[1]
+    close = [BETWEEN * size for size, _ in spread]
+    near = inside & (np.abs(log.position - np.interp(at, other.time, other.position)) <= close[0])
+    held = other.command[np.clip(np.searchsorted(other.time, at, side="right") - 1, 0, len(other) - 1)]
     moving = np.ones(len(log), dtype=bool)
-    for column, size in ((log.position, spread[0]), (log.command, spread[1])):
-        moving &= maximum_filter1d(column, WINDOW) - minimum_filter1d(column, WINDOW) >= MOVING * BETWEEN * size
-    for same in (inside & off & line, inside & off & held):
-        found |= same & (_windowed(same.astype(float)) >= ON_LINE * WINDOW) & moving
+    for column, least in zip((log.position, log.command), close, strict=True):
+        moving &= maximum_filter1d(column, WINDOW) - minimum_filter1d(column, WINDOW) >= MOVING * least
+    rows = np.arange(len(log))
+    low, high = np.maximum(rows - WINDOW // 2, 0), np.minimum(rows + WINDOW // 2, len(log))
+    for command in (np.interp(at, other.time, other.command), held):
+        same = near & (np.abs(log.command - command) <= close[1])
+        total = np.concatenate([[0], np.cumsum(same)])
+        found |= same & (total[high] - total[low] >= ON_LINE * (high - low)) & moving
     return found
-
-
-def _windowed(values: FloatArray) -> FloatArray:
-    """Return the sum over the window around each row, (n,)."""
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    rows = np.arange(len(values))
-    low, high = np.maximum(rows - WINDOW // 2, 0), np.minimum(rows + WINDOW // 2, len(values))
-    return np.asarray(total[high] - total[low])
-
-
-def _share(rows: Mask) -> FloatArray:
-    return _windowed(rows.astype(float)) / _windowed(np.ones(len(rows)))
 
 
 def _shift(log: Log, other: Log) -> float | None:

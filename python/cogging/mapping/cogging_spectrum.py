@@ -30,10 +30,9 @@ class SplineFit:
     _inverse: FloatArray
 
     def covariance(self, level: FloatArray) -> FloatArray:
-        """Covariance of the coefficients, V^2, (p + q, p + q).
+        """Covariance of the coefficients, V^2, with the noise `level` at each column's frequency, (p + q,).
 
-        A^-1 (D N D + variance prior) A^-1 with N the normal matrix, A = N + prior and D^2 the noise level (V^2) at each
-        column's own frequency, (p + q,), so correlated noise is accounted for.
+        A^-1 (D N D + variance prior) A^-1, N the normal matrix, A = N + prior, D^2 the level: noise may be correlated.
         """
         root = np.sqrt(level)
         noise = self._normal * np.outer(root, root) + self.variance * self.prior
@@ -46,9 +45,8 @@ def fit_splines(
 ) -> SplineFit:
     """Fit the coefficients of the cogging model (None: none) and of the nuisance columns (n, q), the first constant.
 
-    The prior: neighbouring control points of a harmonic differ by 0 +- the standard deviation of the force, all
-    harmonics alike. Its weight is therefore the residual's variance over that of the force, small where the points
-    determine the coefficients.
+    The prior: neighbouring control points differ by 0 +- the standard deviation of the force, so that its weight is the
+    residual's variance over that of the force.
     """
     normal, right = normal_equations(basis, position, force, nuisance)
     p = len(normal) - nuisance.shape[1]
@@ -76,8 +74,7 @@ def cross_validate(
 ) -> tuple[float, float]:
     """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
 
-    The travel is cut in blocks (m) that hold all passes; of each eight neighbouring blocks one, at random, is in each
-    of eight folds, so that a fold's blocks are not all at one phase of a period.
+    Of each eight neighbouring blocks (m) of the travel one, at random, is in each of eight folds.
     """
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
     groups = int(blocks.max()) // FOLDS + 1
@@ -174,22 +171,14 @@ class HarmonicSpectrum:
     """The least-squares spectrum of a force around the harmonics of a pitch.
 
     Lines are at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
-    the distance of two harmonics: each harmonic exactly, and between them as many lines as the travel resolves. The
-    power of a line is half of what its sine and cosine take off the sum of squares, so that white noise of variance
-    sigma^2 gives sigma^2 on average, at any positions. A harmonic whose amplitude changes along the travel (Lu et al.
-    2008, eq. 3) has lines beside it; those within a quarter of the distance of two harmonics count as its own.
+    the distance of two harmonics. The power of a line is half of what its sine and cosine take off the sum of squares,
+    so that white noise of variance sigma^2 gives sigma^2 on average. A harmonic whose amplitude changes along the
+    travel (Lu et al. 2008, eq. 3) has lines beside it; those within a quarter of the distance count as its own.
 
     Args:
         position: m, (n,), in any order.
         pitch: m.
         highest: the last harmonic.
-
-    Attributes:
-        frequency: 1/m, (highest + 1, lines of a harmonic); row h belongs to harmonic h, row 0 to what is slower.
-        present: as `frequency`, whether f > 0.
-        near: as `frequency`, whether a line counts as its harmonic's own.
-        few: whether the lines are too few for a slope of the noise, which is then assumed white.
-        modulated: whether the travel is long enough (four pitches) to separate modulations from other harmonics.
     """
 
     def __init__(self, position: FloatArray, pitch: float, highest: int) -> None:
@@ -201,8 +190,10 @@ class HarmonicSpectrum:
         require_memory("position", POINT * len(position) * lines, size, f"{travel / pitch:g} pitches")
         self.harmonic = np.arange(highest + 1)
         offset = np.arange(-reach, reach + 1)
+        # 1/m, (highest + 1, lines of a harmonic); row h belongs to harmonic h, row 0 to what is slower.
         self.frequency: FloatArray = self.harmonic[:, None] / pitch + offset / travel
         self.present = self.frequency > 0.0
+        # Whether a line is its harmonic's own, lines are too few for a slope of the noise, modulations are separable.
         self.near = (np.abs(offset) <= SIDEBAND * travel / pitch) & (self.harmonic[:, None] > 0)
         self.few = bool(self.present.sum() < FEWEST_FOR_SLOPE)
         self.modulated = bool(self.near.sum(axis=1).max() > 1)
@@ -239,9 +230,8 @@ class HarmonicSpectrum:
     def level(self, power: FloatArray, taken: Lines, mean_square: float) -> tuple[FloatArray, float]:
         """The noise level (V^2, in the shape of `frequency`) and its degrees of freedom.
 
-        The running median of the lines without a component, divided by ln 2: noise power is exponentially distributed,
-        and the median ignores the few significant lines. A power law in f is removed first if it is significant, since
-        friction is noisier over long distances. With too few lines the mean square of the force is used instead.
+        The running median of the lines without a component, divided by ln 2 (noise power is exponentially distributed),
+        after a significant power law in f is removed; with too few lines the mean square of the force.
         """
         free = np.flatnonzero((self.present & ~taken).ravel())
         smallest = np.finfo(float).tiny
@@ -271,9 +261,9 @@ class HarmonicSpectrum:
     ) -> list[Line]:
         """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
 
-        The strongest line is removed with its modulation, offset, friction and trend (`nuisance`, (n, q)), and the rest
-        searched again, so that a strong harmonic neither hides a weak one nor leaks into it. `false_alarm` is the
-        probability at which a scan of noise alone yields any line; `taken` lines are excluded from the start.
+        The strongest line is removed with its modulation and the `nuisance` columns (n, q), and the rest searched
+        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded from
+        the start.
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]

@@ -34,10 +34,6 @@ class TrackingSpectrum(ByValue):
         resolution: 1/m, one over the travel at constant speed: closer lines are not resolved.
         periods: m, proposed for cancellation, strongest first; period_amplitudes: m.
         units: labels of the log's units.
-
-    Example:
-        >>> cogging.tracking_spectrum(log)
-        TrackingSpectrum(49.21 mm ... um, ...; noise ... um)
     """
 
     frequency: FloatArray
@@ -55,11 +51,7 @@ class TrackingSpectrum(ByValue):
     )
 
     def to_frame(self) -> Any:
-        """Frequencies and amplitudes as a pandas DataFrame, with units in `attrs["units"]`.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
+        """Frequencies and amplitudes as a pandas DataFrame (extra `frames`), with units in `attrs["units"]`."""
         units = {"frequency": self.units.of("1/m"), "amplitude": self.units.position}
         return frame_of({"frequency": self.frequency, "amplitude": self.amplitude}, units)
 
@@ -98,6 +90,8 @@ def tracking_spectrum(
         >>> [f"{1e3 * period:.0f} mm" for period in spectrum.periods]
         ['49 mm', '25 mm']
     """
+    from scipy.optimize import minimize_scalar
+
     stretches = _stretches(log, shortest_period)
     travel = max((float(np.ptp(x)) for x, _ in stretches), default=0.0)
     if travel < 3 * shortest_period:
@@ -115,7 +109,13 @@ def tracking_spectrum(
         strongest = found[0][1] if found else 0.0
         if amplitude[peak] < max(THRESHOLD * float(np.median(amplitude)), share * strongest):
             break
-        line = _refine(stretches, rest, float(frequency[peak]), 1.0 / (OVERSAMPLING * travel))
+        step, middle = 1.0 / (OVERSAMPLING * travel), float(frequency[peak])
+
+        def left(line: float, rest: list[FloatArray] = rest) -> float:
+            return sum(float(np.sum(_without(x, e, [line]) ** 2)) for (x, _), e in zip(stretches, rest, strict=True))
+
+        ends, options = (middle - step, middle + step), {"xatol": 1e-6 * step}
+        line = float(minimize_scalar(left, bounds=ends, method="bounded", options=options).x)
         found.append((1.0 / line, float(amplitude[peak])))
         # All lines together, anew: those found first were shifted by those still hidden.
         rest = [_without(x, e, [1.0 / period for period, _ in found]) for x, e in stretches]
@@ -165,14 +165,3 @@ def _without(x: FloatArray, error: FloatArray, lines: list[float]) -> FloatArray
     angle = 2 * np.pi * np.outer(x - x.mean(), lines)
     design = np.column_stack([np.ones_like(x), x - x.mean(), np.sin(angle), np.cos(angle)])
     return np.asarray(error - design @ np.linalg.lstsq(design, error, rcond=None)[0])
-
-
-def _refine(stretches: list[tuple[FloatArray, FloatArray]], rest: list[FloatArray], line: float, step: float) -> float:
-    """The frequency near `line` that takes most out of the rest, within a step on either side."""
-    from scipy.optimize import minimize_scalar
-
-    def left(candidate: float) -> float:
-        return sum(float(np.sum(_without(x, e, [candidate]) ** 2)) for (x, _), e in zip(stretches, rest, strict=True))
-
-    found = minimize_scalar(left, bounds=(line - step, line + step), method="bounded", options={"xatol": 1e-6 * step})
-    return float(found.x)

@@ -90,15 +90,9 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
         rows = slice(harmonic, harmonic + 1)
         power = spectrum.power(fit.residual + component, rows)
         ratio = np.max(np.where(spectrum.near[rows], power / noise.level[rows], 0.0))
-        entries.append(
-            HarmonicAmplitude(
-                harmonic=harmonic,
-                amplitude=amplitude,
-                standard_error=float(np.sqrt(gradient @ covariance @ gradient)),
-                phase=float(np.arctan2(mean @ c, mean @ s)),
-                false_alarm=float(spectrum.false_alarm(ratio, noise.degrees)),
-            )
-        )
+        error, phase = float(np.sqrt(gradient @ covariance @ gradient)), float(np.arctan2(mean @ c, mean @ s))
+        alarm = float(spectrum.false_alarm(ratio, noise.degrees))
+        entries.append(HarmonicAmplitude(harmonic, amplitude, error, phase, alarm))
     return tuple(entries)
 
 
@@ -126,15 +120,9 @@ def direction_content(
         gradient = np.array([s, c]) / max(amplitude, np.finfo(float).tiny)
         own = covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
         ratio = float(turned[harmonic, middle] / noise.turned[harmonic, middle])
-        entries.append(
-            HarmonicAmplitude(
-                harmonic=harmonic,
-                amplitude=amplitude,
-                standard_error=float(np.sqrt(gradient @ own @ gradient)),
-                phase=float(np.arctan2(c, s)),
-                false_alarm=float(spectrum.false_alarm(ratio, noise.degrees)),
-            )
-        )
+        error, phase = float(np.sqrt(gradient @ own @ gradient)), float(np.arctan2(c, s))
+        alarm = float(spectrum.false_alarm(ratio, noise.degrees))
+        entries.append(HarmonicAmplitude(harmonic, amplitude, error, phase, alarm))
     lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
     return tuple(entries), float(np.sqrt(np.mean(content**2))), lag
 
@@ -309,14 +297,12 @@ def fit_map(
     that the scan does not reach continues its neighbour; it is listed in `unexcited`.
 
     Friction is separated from the offset if the scan goes there and back over one pitch or more. g(x), also periodic,
-    is what else changes its sign with the direction: friction ripple, hysteresis. It is searched in the residual,
-    reported in `direction_amplitudes` and not part of the map.
+    is what else changes its sign with the direction: friction ripple, hysteresis; it is not part of the map.
 
     Harmonics are found in the least-squares spectrum (HarmonicSpectrum.find). Periodic and orders 1 to 4 are compared
-    by 8-fold cross-validation on blocks of an eighth of a pitch (of at most a 64th of the travel), both directions
-    together; the one with the fewest coefficients within one standard error of the best is chosen. Noise correlated
-    over more than a block resembles a modulation. Standard errors use the residual's spectrum at a harmonic's own
-    frequency, and at least the residual's mean square.
+    by 8-fold cross-validation on blocks of an eighth of a pitch, both directions together; the one with the fewest
+    coefficients within one standard error of the best is chosen. Standard errors use the residual's spectrum at a
+    harmonic's own frequency, and at least the residual's mean square.
 
     Args:
         position: m, (n,), in the order of measurement, irregular and repeated at will.
@@ -432,8 +418,7 @@ def _choose(
 ) -> tuple[int, SplineFit, list[CrossValidation], list[str]]:
     """Choose the order asked for, or that of fewest coefficients within one standard error of the best prediction.
 
-    Returns:
-        The order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
+    Returns the order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
     """
     notes: list[str] = []
     fits: dict[int, SplineFit] = {}

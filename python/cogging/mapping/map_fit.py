@@ -24,38 +24,23 @@ from cogging.values import ByValue
 
 @dataclass(frozen=True)
 class HarmonicAmplitude:
-    """One harmonic of the map: amplitude sin(2 pi harmonic x / pitch + phase).
+    """One harmonic of the map: amplitude sin(2 pi harmonic x / pitch + phase)."""
 
-    Attributes:
-        harmonic: of the pitch.
-        amplitude: V; of a modulated harmonic the rms over the scan's points of its local sqrt(f_S^2 + f_C^2).
-        standard_error: V, of the amplitude.
-        phase: rad; of a modulated harmonic that of the means of f_S and f_C.
-        false_alarm: probability that noise alone lifts any line of the spectrum as far as this one.
-    """
-
-    harmonic: int
-    amplitude: float
-    standard_error: float
-    phase: float
-    false_alarm: float
+    harmonic: int  # of the pitch
+    amplitude: float  # V; of a modulated harmonic the rms over the points of its local sqrt(f_S^2 + f_C^2)
+    standard_error: float  # V, of the amplitude
+    phase: float  # rad; of a modulated harmonic that of the means of f_S and f_C
+    false_alarm: float  # probability that noise alone lifts any line of the spectrum as far as this one
 
 
 @dataclass(frozen=True)
 class CrossValidation:
-    """How well a model predicts the parts of the scan that its fit did not see.
+    """How well a model predicts the parts of the scan that its fit did not see."""
 
-    Attributes:
-        order: of the B-splines; 0 = periodic.
-        coefficients: number of sines and cosines.
-        rms: V, of the prediction errors.
-        standard_error: V, of that rms, from its scatter between the blocks left out.
-    """
-
-    order: int
-    coefficients: int
-    rms: float
-    standard_error: float
+    order: int  # of the B-splines; 0 = periodic
+    coefficients: int  # number of sines and cosines
+    rms: float  # V, of the prediction errors
+    standard_error: float  # V, of that rms, from its scatter between the blocks left out
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -167,16 +152,9 @@ class MapFit(ByValue):
         }
 
     def to_frame(self) -> Any:
-        """The harmonics as a pandas DataFrame, a row each, with units in `attrs["units"]`.
-
-        Raises:
-            ImportError: pandas is not there; names the extra that brings it.
-        """
-        names = [field.name for field in fields(HarmonicAmplitude)]
-        columns = {name: [getattr(entry, name) for entry in self.amplitudes] for name in names}
-        return frame_of(
-            columns, {"amplitude": self.units.command, "standard_error": self.units.command, "phase": "rad"}
-        )
+        """The harmonics as a pandas DataFrame (extra `frames`), a row each, with units in `attrs["units"]`."""
+        columns = {one.name: [getattr(a, one.name) for a in self.amplitudes] for one in fields(HarmonicAmplitude)}
+        return frame_of(columns, dict.fromkeys(("amplitude", "standard_error"), self.units.command) | {"phase": "rad"})
 
     def _repr_html_(self) -> str:
         v = self.units.command

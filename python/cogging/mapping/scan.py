@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cogging.arrays import FloatArray, Mask, real_array
+from cogging.arrays import FloatArray, real_array
 from cogging.files import LARGEST
 from cogging.logs.log import SMALLEST
 from cogging.model.units import Units
@@ -49,12 +49,11 @@ def read_scan(
 ) -> Scan:
     """Check a scan, find its directions and average rows that are close together; ValueError: an invalid one.
 
-    A travel of one pitch less a spacing is a whole pitch: 0 to 359 degrees in steps of one are a turn. Directions come
-    from the reversals: places from which the position goes back by more than 1 % of the travel. Rows within that
-    distance after a reversal are left out, since friction has not yet changed its sign. Rows of one pass within a cell
-    of pitch / (20 highest harmonics) are averaged, so that a long rest has no extra weight.
+    A travel of one pitch less a spacing is a whole pitch. Directions come from the reversals, from which the position
+    goes back by more than 1 % of the travel; rows within that distance after one are left out, since friction has not
+    yet changed its sign. Rows of one pass within a cell of pitch / (20 highest harmonics) are averaged.
     """
-    x, y = _numbers("position", position), _numbers("force", force)
+    x, y = finite_column("position", position), finite_column("force", force)
     if y.size != x.size:
         raise ValueError(f"force: must have one value for each of the {x.size} positions, got {y.size}")
     if x.size < FEWEST_POINTS:
@@ -62,7 +61,9 @@ def read_scan(
     if isinstance(force_sign, bool) or force_sign not in (1, -1):
         raise ValueError(f"force_sign: must be 1 or -1, got {force_sign!r}")
     travel, m = float(np.ptp(x)), units.position
-    spacing = _spacing(x) if travel > 0.0 else 0.0
+    # The distance of neighbours below which half of the travel lies: jitter and rests do not shorten it.
+    gaps = np.sort(np.diff(np.unique(x)))
+    spacing = float(gaps[np.searchsorted(np.cumsum(gaps), 0.5 * gaps.sum())]) if travel > 0.0 else 0.0
     if travel < pitch - OPEN_END * min(spacing, pitch / FEWEST_POINTS):
         raise ValueError(f"position: must travel at least one pitch ({pitch:g} {m}), got {travel:g} {m}")
     resolvable = int(pitch / (POINTS_PER_PERIOD * spacing) - 0.5)
@@ -73,7 +74,16 @@ def read_scan(
     y = force_sign * y
     passes, direction, turns = _passes(x)
     turned = (np.abs(x - turns) < TURN * travel) & (passes > 0)
-    both_ways, kept, notes = _kept(x, direction, turns, turned, pitch)
+    # From where it turned: a way back over one pitch is a whole one, though its first rows are left out.
+    ways = [direction == way for way in (1.0, -1.0)]
+    both_ways = all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways)
+    kept = ~turned if both_ways else max(ways, key=np.count_nonzero)
+    notes = ["the scan goes one way only: friction and offset cannot be told apart, `offset` holds both"] * (
+        not both_ways
+    )
+    if not kept.all():
+        which = "just after a reversal" if both_ways else "of a short way back"
+        notes.append(f"{int(np.sum(~kept))} rows {which} left out")
     cell = pitch / (CELLS_PER_PERIOD * highest)
     keys = np.stack([passes[kept], np.floor((x[kept] - x.min()) / cell).astype(np.int64)])
     _, members, counts = np.unique(keys, axis=1, return_inverse=True, return_counts=True)
@@ -84,23 +94,6 @@ def read_scan(
     if position.size < FEWEST_POINTS:
         raise ValueError(f"position: must hold at least {FEWEST_POINTS} points that differ, got {position.size}")
     return Scan(position, force, np.sign(way), spacing, both_ways, resolvable, highest, tuple(notes), units)
-
-
-def _kept(
-    x: FloatArray, direction: FloatArray, turns: FloatArray, turned: Mask, pitch: float
-) -> tuple[bool, Mask, list[str]]:
-    """Whether a scan goes both ways, which rows are kept, and what to note; `turned`: rows just after a reversal."""
-    ways = [direction == way for way in (1.0, -1.0)]
-    # From where it turned: a way back over one pitch is a whole one, though its first rows are left out.
-    if all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways):
-        notes = [f"{int(turned.sum())} rows just after a reversal left out"] if turned.any() else []
-        return True, ~turned, notes
-    main = 1.0 if np.sum(direction == 1.0) >= np.sum(direction == -1.0) else -1.0
-    kept = direction == main
-    notes = ["the scan goes one way only: friction and offset cannot be told apart, `offset` holds both"]
-    if not kept.all():
-        notes.append(f"{int(np.sum(~kept))} rows of a short way back left out")
-    return False, np.asarray(kept), notes
 
 
 def require(holds: bool, name: str, rule: str, value: object) -> None:
@@ -114,23 +107,18 @@ def is_number(value: object) -> bool:
     return isinstance(value, int | float | np.number) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
-def _numbers(name: str, values: npt.ArrayLike) -> FloatArray:
+def finite_column(name: str, values: npt.ArrayLike) -> FloatArray:
+    """Return finite numbers (n,) of usual size; ValueError names the rule."""
     array = real_array(name, values)
-    if array.ndim != 1:
-        raise ValueError(f"{name}: must be one-dimensional, got {array.ndim} dimensions")
+    if array.ndim != 1 or not array.size:
+        raise ValueError(f"{name}: must be one-dimensional and not empty, got shape {array.shape}")
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
-    size = float(np.abs(array).max(initial=0.0))
+    size = float(np.abs(array).max())
     if size > LARGEST or 0.0 < size < SMALLEST:
         raise ValueError(f"{name}: must be 0 or between {SMALLEST:g} and {LARGEST:g} in size, got {size:g}")
     return array
-
-
-def _spacing(position: FloatArray) -> float:
-    """The distance of neighbouring points below which half of the travel lies: jitter and rests do not shorten it."""
-    gaps = np.sort(np.diff(np.unique(position)))
-    return float(gaps[np.searchsorted(np.cumsum(gaps), 0.5 * gaps.sum())])
 
 
 def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:

@@ -31,20 +31,15 @@ class Intervals:
     sigma; a parameter without a source counts as exact. An infinite interval in `[bounds]` means that the logs do not
     determine the parameter: it needs a `default`.
 
-    Attributes:
-        model: the model.
-        notes: which intervals did not come from `[bounds]`, in words; extended by each call of `of`.
+    `notes`: which intervals did not come from `[bounds]`, in words; extended by each call of `of`.
     """
 
     def __init__(
         self, model: Model, default: Mapping[str, Interval] | None = None, *, beside: tuple[str, ...] = ()
     ) -> None:
-        """Check intervals and defaults against the model.
+        """Check intervals and defaults, by parameter path or its beginning, of which the longest match counts.
 
-        Args:
-            model: with or without `[bounds]`.
-            default: by parameter path or its beginning (`"cogging"`, `"cogging.sine"`); the longest match counts.
-            beside: keys of `default` that are not parameters.
+        `beside`: keys of `default` that are not parameters.
         """
         self.model = model
         self._parameters = parameters_of(model)
@@ -94,9 +89,10 @@ class Intervals:
             low, high = self.model.intervals[path]
             if not np.isfinite([low, high]).all():
                 if fallback is None:
+                    better = next(words for key, words in MEASUREMENTS.items() if path.startswith(key))
                     raise ValueError(
                         f"{path}: the logs do not determine it, its interval is [{low:g}, {high:g}]; measure it with "
-                        f"{measurement(path)}, or give [bounds] (default={{{path!r}: (low, high)}})"
+                        f"{better}, or give [bounds] (default={{{path!r}: (low, high)}})"
                     )
                 self._notes[path] = "not determined by the logs, the given default counts"
                 low, high = fallback
@@ -114,11 +110,6 @@ class Intervals:
         if not low - slack <= value <= high + slack:
             raise ValueError(f"{path}: its interval [{low:g}, {high:g}] must hold the model's value, got {value:g}")
         return min(low, value), max(high, value)
-
-
-def measurement(path: str) -> str:
-    """Return which measurement would identify a parameter."""
-    return next(words for key, words in MEASUREMENTS.items() if path.startswith(key))
 
 
 def valid_end(value: float, end: float, valid: Callable[[float], bool]) -> float:

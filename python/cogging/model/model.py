@@ -169,11 +169,6 @@ class Model(ByValue):
 
         Raises:
             ValueError: there is no such form, or the model cannot be expressed in it.
-
-        Example:
-            >>> said = model.export("akd", "table.csv")
-            >>> print(said.splitlines()[0])
-            Kollmorgen AKD, cogging compensation table: 8192 entries, steps of 0.001 A, largest 0.104 A
         """
         # Imported by name: cogging.export imports this module.
         made = importlib.import_module("cogging.export.forms").to(self, form, **options)
@@ -207,13 +202,6 @@ class Model(ByValue):
             ImportError: python-control is not installed; names the extra.
             ValueError: the controller is not linear in the error, friction has no slope there, or a number is out of
                 its range.
-
-        Example:
-            >>> loop = model.to_control(speed=0.05)
-            >>> loop.left_out
-            ('cogging (no position given)',)
-            >>> loop.margins().stable, len(loop.plant.poles())
-            (True, 2)
         """
         linearise = importlib.import_module("cogging.export.control").to_control
         made: ControlLoop = linearise(self, speed=speed, position=position, sample_rate=sample_rate, pade=pade)
@@ -279,11 +267,24 @@ class Model(ByValue):
             raise FieldError("", "axis", "must be given, got no such section")
         axis_section = dict(_table(document, "axis"))
         uncertainty = axis_section.pop("uncertainty", {})
+        if not isinstance(uncertainty, Mapping):
+            raise FieldError("axis", "uncertainty", f"must be a section, got {quoted(uncertainty)}")
+        refuse_unknown_keys(uncertainty, UNCERTAINTY_KEYS, "axis.uncertainty")
+        for key, value in uncertainty.items():
+            if not is_number(value) or not 0.0 <= value <= LARGEST:
+                rule = f"must be a number from 0 to {LARGEST:g}, got {quoted(value)}"
+                raise FieldError("axis.uncertainty", key, rule)
         refuse_unknown_keys(axis_section, AxisParameters.FIELDS, "axis")
         if "mass" not in axis_section:
             raise FieldError("axis", "mass", "must be given, got nothing")
         axis = parameters_from(AxisParameters, axis_section, "axis")
         controller_type, controller = _controller_from(document, axis)
+        simulation = _table(document, "simulation")
+        refuse_unknown_keys(simulation, ("steps_per_sample",), "simulation")
+        steps = simulation.get("steps_per_sample", 1)
+        if not isinstance(steps, int) or isinstance(steps, bool) or not 1 <= steps <= STEPS_MAX:
+            rule = f"must be a whole number from 1 to {STEPS_MAX}"
+            raise FieldError("simulation", "steps_per_sample", f"{rule}, got {quoted(steps)}")
         return cls(
             axis=axis,
             cogging=_cogging_from(_table(document, "cogging")) if "cogging" in document else None,
@@ -292,9 +293,9 @@ class Model(ByValue):
             noise=parameters_from(NoiseParameters, _table(document, "noise"), "noise"),
             controller=controller,
             controller_type=controller_type,
-            uncertainty=_uncertainty_from(uncertainty),
+            uncertainty={key: float(value) for key, value in uncertainty.items()},
             intervals=_intervals_from(_table(document, "bounds")),
-            steps_per_sample=_steps_from(_table(document, "simulation")),
+            steps_per_sample=steps,
             units=Units.from_dict(_table(document, "units")),
         )
 
@@ -396,7 +397,14 @@ def _require_type(value: Any, default: Any, section: str, key: str) -> None:
 
 def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
     refuse_unknown_keys(section, COGGING_KEYS, "cogging")
-    rows = {key: _rows(section[key], key) for key in ("sine", "cosine") if key in section}
+    rows = {}
+    for key, value in ((key, section[key]) for key in ("sine", "cosine") if key in section):
+        good = isinstance(value, list) and all(isinstance(row, list) and all(map(is_number, row)) for row in value)
+        if not good or len({len(row) for row in value}) != 1 or not value[0]:
+            raise FieldError("cogging", key, "must be rows of numbers of equal length, one row a harmonic")
+        rows[key] = np.array(value, dtype=float)
+        if not np.all(np.abs(rows[key]) <= LARGEST):
+            raise FieldError("cogging", key, f"must be numbers of at most {LARGEST:g} in size")
     if len(rows) == 1:
         raise FieldError("cogging", next(iter(rows)), "needs both sine and cosine, or neither, got one")
     kinds: dict[str, Any] = {"pitch": 0.0, "origin": 0.0, "order": 3, "harmonics": [], "periods": []}
@@ -412,16 +420,6 @@ def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
     except ValueError as error:
         key, _, problem = str(error).partition(": ")
         raise FieldError("cogging", "sine" if key == "control_points" else key, problem) from None
-
-
-def _rows(value: Any, key: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    good = isinstance(value, list) and all(isinstance(row, list) and all(map(is_number, row)) for row in value)
-    if not good or len({len(row) for row in value}) != 1 or not value[0]:
-        raise FieldError("cogging", key, "must be rows of numbers of equal length, one row a harmonic")
-    rows = np.array(value, dtype=float)
-    if not np.all(np.abs(rows) <= LARGEST):
-        raise FieldError("cogging", key, f"must be numbers of at most {LARGEST:g} in size")
-    return rows
 
 
 def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]:
@@ -465,25 +463,6 @@ def _controller_from(
         # The controller's width defaults to that of the axis when the file is read, and is independent from then on.
         section.setdefault("coulomb_width", axis.coulomb_width)
     return kind, parameters_from(struct, section, "controller")
-
-
-def _uncertainty_from(section: Any) -> dict[str, float]:
-    if not isinstance(section, Mapping):
-        raise FieldError("axis", "uncertainty", f"must be a section, got {quoted(section)}")
-    refuse_unknown_keys(section, UNCERTAINTY_KEYS, "axis.uncertainty")
-    for key, value in section.items():
-        if not is_number(value) or not 0.0 <= value <= LARGEST:
-            raise FieldError("axis.uncertainty", key, f"must be a number from 0 to {LARGEST:g}, got {quoted(value)}")
-    return {key: float(value) for key, value in section.items()}
-
-
-def _steps_from(section: Mapping[str, Any]) -> int:
-    refuse_unknown_keys(section, ("steps_per_sample",), "simulation")
-    steps = section.get("steps_per_sample", 1)
-    if not isinstance(steps, int) or isinstance(steps, bool) or not 1 <= steps <= STEPS_MAX:
-        rule = f"must be a whole number from 1 to {STEPS_MAX}"
-        raise FieldError("simulation", "steps_per_sample", f"{rule}, got {quoted(steps)}")
-    return steps
 
 
 def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:

@@ -22,24 +22,16 @@ TOGETHER = r"\[\*\]$|^(gain|phase|stretch|shear)\["  # paths that change a whole
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of a model.
+    """One number of a model."""
 
-    Attributes:
-        path: `axis.mass`, `cogging.sine[0][2]`, `effects.cable_spring.stiffness`; of repeated effects
-            `effects.cogging_harmonic[1].sine`, of lists `effects.end.levels[3]`.
-        value: in the model.
-        dimension: unit in V and m.
-        uncertainty: stated relative 1-sigma, or None.
-        period: whether it is the period of a wave along the travel.
-        units: labels of the model's units.
-    """
-
+    #: `axis.mass`, `cogging.sine[0][2]`, `effects.cable_spring.stiffness`; of repeated effects
+    #: `effects.cogging_harmonic[1].sine`, of lists `effects.end.levels[3]`.
     path: str
-    value: float
-    dimension: str
-    uncertainty: float | None = None
-    period: bool = False
-    units: Units = field(default_factory=Units)
+    value: float  # in the model
+    dimension: str  # unit in V and m
+    uncertainty: float | None = None  # stated relative 1-sigma
+    period: bool = False  # whether it is the period of a wave along the travel
+    units: Units = field(default_factory=Units)  # labels of the model's units
 
     @property
     def unit(self) -> str:
@@ -52,10 +44,7 @@ class Parameter:
         return self.path.startswith("axis.")
 
     def clipped(self, value: float) -> float:
-        """Return the nearest value that one step of a fit may reach.
-
-        Mass and the width of friction decrease to a tenth at most; viscous and Coulomb friction stop at zero.
-        """
+        """Return the nearest value that one step of a fit may reach: mass and the width of friction fall to a tenth."""
         if not self.positive:
             return float(value)
         return float(max(value, 0.1 * self.value if self.path in ("axis.mass", "axis.coulomb_width") else 0.0))

@@ -48,31 +48,18 @@ def numbers_most(size: int) -> int:
 
 @dataclass(frozen=True)
 class Request:
-    """Columns and rows that a reader must deliver.
-
-    Attributes:
-        path: the file.
-        names: required columns.
-        optional: further columns.
-        columns: names in the file by name here.
-        scaled: columns with a factor, which converts a unit other than SI.
-        rows: data rows to read, from 0.
-        progress: show a progress bar for a large file.
-        shown: name of the file in messages; `path` if empty.
-        notes: notes of the reader on the numbers.
-        survey: filled with all names and units of the file instead of choosing columns; None: choose.
-    """
+    """Columns and rows that a reader must deliver."""
 
     path: str | os.PathLike[str]
-    names: Sequence[str]
-    optional: Sequence[str] = ()
-    columns: Mapping[str, str] = field(default_factory=dict)
-    scaled: Collection[str] = ()
-    rows: slice = field(default_factory=lambda: slice(0, None))
-    progress: bool = True
-    shown: str = ""
-    notes: list[str] = field(default_factory=list)
-    survey: list[tuple[str, str]] | None = None
+    names: Sequence[str]  # required columns
+    optional: Sequence[str] = ()  # further columns
+    columns: Mapping[str, str] = field(default_factory=dict)  # names in the file by name here
+    scaled: Collection[str] = ()  # columns with a factor, which converts a unit other than SI
+    rows: slice = field(default_factory=lambda: slice(0, None))  # data rows to read, from 0
+    progress: bool = True  # show a progress bar for a large file
+    shown: str = ""  # name of the file in messages; `path` if empty
+    notes: list[str] = field(default_factory=list)  # of the reader, on the numbers
+    survey: list[tuple[str, str]] | None = None  # filled with all names and units instead of choosing columns
 
     def refuse(self, problem: str) -> InputError:
         """Return the error that names the file, in one line."""

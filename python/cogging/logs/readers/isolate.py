@@ -17,7 +17,8 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping
+import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -76,11 +77,12 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
     from cogging._core import memory_left  # not in the reading process
 
     what, size = FORMATS[kind][0], os.path.getsize(request.path)
-    seconds, late = SECONDS + size / BYTES_A_SECOND, threading.Event()
+    seconds = SECONDS + size / BYTES_A_SECOND
     job = {
         "kind": kind,
         "memory": int(min(LIBRARIES + COPIES * numbers_most(size), ADDRESSES + memory_left())),
         "seconds": seconds,
+        "parent": os.getpid(),
         "path": os.path.abspath(request.path),
         "shown": os.fspath(request.path),
         "names": list(request.names),
@@ -100,84 +102,31 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
             except OSError as error:
                 raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
             job["temporary"] = stack.enter_context(folder)
-        process = stack.enter_context(_started(job))
-
-        def stop() -> None:
-            late.set()
-            process.kill()
-
-        timer = threading.Timer(seconds, stop)
-        timer.daemon = True
-        timer.start()
         try:
-            columns = _received(process, request)
-            if columns is not None:
-                return columns
-            status = process.wait()
-        finally:
-            timer.cancel()
-    if late.is_set():
-        raise request.refuse(f"must be a whole {what}, got one that is not read within {seconds:.0f} s")
-    how = f"signal {-status}" if status < 0 else f"status {status}"
-    raise request.refuse(f"must be a whole {what}, got one that ends its reader ({how})")
-
-
-@contextlib.contextmanager
-def _started(job: Mapping[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
-    """Start the reading process; it is killed at the end of the block."""
-    process = subprocess.Popen(
-        [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + START],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        cwd=os.path.abspath(os.sep),
-        env=environment(),
-    )
-    assert process.stdin is not None
-    assert process.stdout is not None
-    try:
-        with contextlib.suppress(BrokenPipeError):  # it has ended: its status tells why
-            process.stdin.write(json.dumps(job).encode() + b"\n")
-            process.stdin.flush()  # left open: it closes when the parent ends
-        yield process
-    finally:
-        process.kill()
-        for stream in (process.stdin, process.stdout):
-            with contextlib.suppress(BrokenPipeError):
-                stream.close()
-        process.wait()
-
-
-def _received(process: subprocess.Popen[bytes], request: Request) -> dict[str, FloatArray] | None:
-    """Return the columns that serve() writes, or None if it ends before all are there."""
-    from cogging._core import require_memory
-
-    stream = process.stdout
-    assert stream is not None
-    while (line := stream.readline()) and not line.endswith(ANSWER):
-        pass
-    head = stream.readline()
-    if not head.endswith(b"\n"):
-        return None
-    answer = json.loads(head)
+            done = subprocess.run(
+                [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + START],
+                input=json.dumps(job).encode() + b"\n",
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                cwd=os.path.abspath(os.sep),
+                env=environment(),
+                timeout=seconds,
+            )
+        except subprocess.TimeoutExpired:
+            raise request.refuse(f"must be a whole {what}, got one that is not read within {seconds:.0f} s") from None
+    at = done.stdout.find(ANSWER) + len(ANSWER)
+    end = done.stdout.find(b"\n", at) + 1
+    answer = json.loads(done.stdout[at:end]) if at >= len(ANSWER) and end else {}
     if "error" in answer:
         raise InputError(answer["error"])
+    rows, names = answer.get("rows", 0), answer.get("names", [])
+    if not answer or done.returncode or len(done.stdout) < end + 8 * rows * len(names):
+        how = f"signal {-done.returncode}" if done.returncode < 0 else f"status {done.returncode}"
+        raise request.refuse(f"must be a whole {what}, got one that ends its reader ({how})")
     if request.survey is not None:
         request.survey.extend((name, unit) for name, unit in answer["survey"])
-    rows, names = answer["rows"], answer["names"]
-    try:
-        require_memory("rows", 8.0 * rows * len(names), f"{rows} rows of {len(names)} columns", str(rows))
-    except ValueError as error:
-        raise request.refuse(str(error)) from None
-    columns = {name: np.empty(rows) for name in names}
-    for column in columns.values() if rows else ():
-        rest = column.data.cast("B")
-        while rest:
-            got = stream.readinto(rest)  # type: ignore[attr-defined]
-            if not got:
-                return None
-            rest = rest[got:]
-    return columns
+    table = np.frombuffer(done.stdout, count=rows * len(names), offset=end).reshape(len(names), rows)
+    return {name: column.copy() for name, column in zip(names, table, strict=True)}
 
 
 def import_paths(beside: str) -> list[str]:
@@ -241,9 +190,11 @@ def confine(job: Mapping[str, Any]) -> None:
             ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Ctrl-C
 
+    end = time.monotonic() + job["seconds"]
+
     def end_with_parent() -> None:
-        while os.read(0, 1):  # nothing is written to it
-            pass
+        while os.getppid() == job["parent"] and time.monotonic() < end:
+            time.sleep(0.1)
         os._exit(1)
 
     threading.Thread(target=end_with_parent, daemon=True).start()

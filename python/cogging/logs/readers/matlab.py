@@ -9,7 +9,6 @@ import warnings
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging.logs.readers.column_request import Request
 
@@ -80,17 +79,16 @@ def read_hdf5(request: Request) -> dict[str, Any]:
                     present[there] = item
         names = list(present)
         chosen = request.choose(names, "file")
-        return {name: _numbers_of(present[names[place]], name, request, len(chosen)) for name, place in chosen.items()}
-
-
-def _numbers_of(item: Any, name: str, request: Request, columns: int) -> npt.NDArray[Any]:
-    """Return the content of a dataset, one of so many columns; an empty array of its type if it holds no numbers."""
-    if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell", b"logical"):
-        raise request.refuse(f"{name}: must be real numbers, got {item.attrs['MATLAB_class'].decode()}")
-    _require_own(item, name, request, DEEPEST)
-    rows = item.size or 0  # None of an empty one
-    request.require_room(name, rows, float(rows) * max(1.0, item.dtype.itemsize / 8.0) * columns)
-    return np.asarray(item[()]) if item.dtype.kind in NUMBERS else np.empty(0, dtype=item.dtype)
+        columns: dict[str, Any] = {}
+        for name, item in ((name, present[names[place]]) for name, place in chosen.items()):
+            if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell", b"logical"):
+                raise request.refuse(f"{name}: must be real numbers, got {item.attrs['MATLAB_class'].decode()}")
+            _require_own(item, name, request, DEEPEST)
+            rows = item.size or 0  # None of an empty one
+            request.require_room(name, rows, float(rows) * max(1.0, item.dtype.itemsize / 8.0) * len(chosen))
+            # An empty array of its type refuses what holds no numbers.
+            columns[name] = np.asarray(item[()]) if item.dtype.kind in NUMBERS else np.empty(0, dtype=item.dtype)
+        return columns
 
 
 def _require_own(item: Any, name: str, request: Request, depth: int) -> None:

@@ -22,13 +22,10 @@ class Formulas:
     """Prevents asammdf, imported later, from evaluating formulas of a file.
 
     It passes formulas to numexpr and sympy, which run them as Python. Only its own formulas are evaluated.
-
-    Attributes:
-        refused: formulas that were not evaluated.
     """
 
     def __init__(self) -> None:
-        self.refused: list[str] = []
+        self.refused: list[str] = []  # formulas that were not evaluated
         sys.modules["sympy"] = None  # type: ignore[assignment]  # so that importing it fails
         try:
             import numexpr
@@ -58,11 +55,6 @@ def _own_texts() -> set[str]:
     return {text for text in texts if isinstance(text, str)}
 
 
-def _unit(channel: Any) -> str:
-    """Return the unit of a channel, or of its conversion."""
-    return str(getattr(channel, "unit", "") or getattr(getattr(channel, "conversion", None), "unit", "") or "")
-
-
 def read(request: Request) -> dict[str, Any]:
     """Return channels of one channel group; `time` is its master channel unless a channel has that name.
 
@@ -88,7 +80,10 @@ def read(request: Request) -> dict[str, Any]:
             )
             others = replace(request, names=wanted, optional=optional)
             names = [name for name, place in places.items() if place not in masters]
-        units = [_unit(file.groups[group].channels[channel]) for group, channel in (places[name] for name in names)]
+        channels = [file.groups[group].channels[channel] for group, channel in (places[name] for name in names)]
+        units = [
+            str(getattr(c, "unit", "") or getattr(getattr(c, "conversion", None), "unit", "") or "") for c in channels
+        ]
         chosen = {name: places[names[i]] for name, i in others.choose(names, "file", units).items()}
         groups = {group for group, _ in chosen.values()}
         if len(groups) > 1:

@@ -28,16 +28,16 @@ SHOWN = 40  # characters of a line in a message
 DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")  # or a decimal comma before three digits
 WHOLE = re.compile(r"[+-]?\d+(?:[eE][+-]?\d+)?")
-QUOTED = re.compile(r'"(?:[^"]|"")*"')  # two quotes in quotes are one
 
 
 def read(request: Request) -> dict[str, FloatArray]:
     """Return columns of a text table (see columns.read_columns)."""
     with _opened(request) as file:
         size = os.fstat(file.fileno()).st_size
-        head = _head(file, size)
+        head = file.read(HEADER)
         reader, index, order, first_data = _reader(head, size, request)
-        file.seek(_offset(head, first_data))
+        above = head.split(b"\n", first_data)  # the lines above the data, and the rest
+        file.seek(sum(len(text) + 1 for text in above[:first_data]) if len(above) > first_data else len(head))
         shown = request.progress and size >= LARGE and sys.stderr.isatty()
         with tqdm(total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False) as bar:
             while not reader.done and (block := file.read(BLOCK)):
@@ -51,7 +51,7 @@ def read(request: Request) -> dict[str, FloatArray]:
 def survey(request: Request) -> None:
     """Fill the request's survey with the names and units of all columns."""
     with _opened(request) as file:
-        head = _head(file, os.fstat(file.fileno()).st_size)
+        head = file.read(HEADER)
         _, labels, units, first_data = _find_header(_lines(head, request), request)
     if labels and all(map(_is_number, labels)):
         rule = "must be a header row with the names of the columns"
@@ -63,7 +63,7 @@ def survey(request: Request) -> None:
 def _opened(request: Request) -> Iterator[IO[bytes]]:
     """Open the file; an error of the system or of the core names it."""
     try:
-        with open(request.path, "rb", buffering=0) as file:
+        with open(request.path, "rb") as file:
             yield file
     except OSError as error:
         raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
@@ -73,14 +73,6 @@ def _opened(request: Request) -> Iterator[IO[bytes]]:
         raise request.refuse(f"must be UTF-8 text, got the byte {error.object[error.start]:#x}") from None
     except ValueError as error:
         raise request.refuse(str(error)) from None
-
-
-def _head(file: IO[bytes], size: int) -> bytes:
-    """Return the beginning of a file, which contains the header row."""
-    head = file.read(min(HEADER, size))
-    while len(head) < min(HEADER, size) and (more := file.read(HEADER - len(head))):
-        head += more
-    return head
 
 
 def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dict[str, int], list[str], int]:
@@ -122,8 +114,12 @@ def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: in
     """
     comma = point = ""
     sure = False
-    if separator == "," and lines:
-        _require_points(_split(lines[0], separator), fields, first, request)
+    cells = _split(lines[0], separator) if separator == "," and lines else []
+    if fields < len(cells) <= 2 * fields and all(WHOLE.fullmatch(cell) for cell in cells):
+        # Rows of more integers than the header has columns: decimal commas between commas.
+        rule = f"must have {fields} columns as the header, got {len(cells)} columns"
+        advice = "numbers with decimal commas need semicolons or tabs between the columns"
+        raise request.refuse(f"line {first}: {rule}: {advice}")
     for number, line in enumerate(lines, start=first):
         commas = "," in line and (separator != "," or '"' in line)
         if not commas and (point or "." not in line):
@@ -142,14 +138,6 @@ def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: in
         rule = "must show whether a comma is a decimal mark or parts thousands: write a decimal point"
         raise request.refuse(f"line {first}: {rule}, got numbers like {comma[:SHOWN]!r} alone")
     return "," if comma else "."
-
-
-def _require_points(cells: list[str], fields: int, line: int, request: Request) -> None:
-    """Refuse rows of more integers than the header has columns: decimal commas in a comma-separated table."""
-    if fields < len(cells) <= 2 * fields and all(WHOLE.fullmatch(cell) for cell in cells):
-        rule = f"must have {fields} columns as the header, got {len(cells)} columns"
-        advice = "numbers with decimal commas need semicolons or tabs between the columns"
-        raise request.refuse(f"line {line}: {rule}: {advice}")
 
 
 def _lines(head: bytes, request: Request) -> list[str]:
@@ -173,11 +161,6 @@ def _lines(head: bytes, request: Request) -> list[str]:
     return [line.rstrip("\r") for line in lines]
 
 
-def _offset(head: bytes, line: int) -> int:
-    """Return the byte at which a line (from 0) begins."""
-    return sum(len(text) + 1 for text in head.split(b"\n", line)[:line]) if line <= head.count(b"\n") else len(head)
-
-
 def _split(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.replace("\t", " ").split()
@@ -193,21 +176,13 @@ def _split(line: str, separator: str) -> list[str]:
 
 def _require_whole_quotes(line: str, separator: str, number: int, request: Request) -> None:
     """Refuse quotes that do not close, or have text behind them, as the core does in rows."""
-    blanks = " " if separator == "\t" else " \t"
-    at = 0
-    while at < len(line):
-        start = at = at + len(line[at:]) - len(line[at:].lstrip(blanks))
-        if line.startswith('"', start):
-            quoted = QUOTED.match(line, start)
-            if quoted is None:
-                raise request.refuse(f"line {number}: must close its quotes, got {line[start : start + SHOWN]!r}")
-            behind = line[quoted.end() :]
-            at = quoted.end() if separator == " " else len(line) - len(behind.lstrip(blanks))
-            if at < len(line) and line[at] not in (blanks if separator == " " else separator):
-                got = f"{line[start : start + SHOWN]!r}"
-                raise request.refuse(f"line {number}: must have a separator behind closed quotes, got {got}")
-        ends = [i for i in (line.find(mark, at) for mark in (blanks if separator == " " else separator)) if i >= 0]
-        at = min(ends) + 1 if ends else len(line)
+    line = line.replace("\t", " ") if separator == " " else re.sub(rf'"[ \t]+(?={separator}|$)', '"', line)
+    try:
+        next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True), None)
+    except csv.Error as error:
+        if "limit" not in str(error):  # a long cell
+            rule = "close its quotes" if "end of data" in str(error) else "have a separator behind closed quotes"
+            raise request.refuse(f"line {number}: must {rule}, got {line[:SHOWN]!r}") from None
 
 
 def _separator(line: str, below: Sequence[str] = ()) -> str:
@@ -263,10 +238,7 @@ def _header_line(lines: list[str], candidates: list[int], request: Request) -> i
 
 
 def _line_above_rows(lines: list[str], candidates: list[int]) -> int | None:
-    """Return the header above the first rows with more than one number, at least half of the cells; or the first line.
-
-    A row of units below the header is skipped.
-    """
+    """Return the line of names above the first rows of mostly numbers, a row of units skipped; or the first line."""
     like_rows = []
     for i in candidates:
         fields = _fields(lines, i)
