@@ -214,6 +214,7 @@ class Evidence:
         limits: bounds of re-tuned parameters, by path.
         masks: valid rows of each log before the whitening filter.
         counted: valid rows behind it.
+        levels: relative noise level of these rows of each log (see `local_levels`).
         residuals: residual of each log, low-pass filtered and decimated, (m,).
         nuisances: columns of the nuisance parameters likewise, (q, m).
         start: whitening filters of the first fit.
@@ -238,6 +239,7 @@ class Evidence:
     limits: dict[str, tuple[float, float]] = field(init=False, repr=False, default_factory=dict)
     masks: list[Mask] = field(init=False, repr=False)
     counted: list[Mask] = field(init=False, repr=False)
+    levels: list[FloatArray] = field(init=False, repr=False, default_factory=list)
     raw: list[FloatArray] = field(init=False, repr=False)
     residuals: list[FloatArray] = field(init=False, repr=False)
     nuisances: list[FloatArray] = field(init=False, repr=False)
@@ -264,6 +266,7 @@ class Evidence:
                 if self.decrement(model) <= before:
                     self.model = model
                     break
+        self.levels = []
         self.make()
         return self
 
@@ -307,7 +310,9 @@ class Evidence:
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
         for name in ("null", "screen", "basis", "unfiltered"):
             self.__dict__.pop(name, None)
-        self.levels = [np.ones(int(m.sum())) for m in self.counted]
+        stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
+        if stale:
+            self.levels = [np.ones(int(m.sum())) for m in self.counted]
         theta = self.fitted(self.plain, rounds=1).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
@@ -317,7 +322,8 @@ class Evidence:
         if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
         taps = self.taps_of(theta)
-        self.levels = self.local_levels(taps)
+        if stale:
+            self.levels = self.local_levels(taps)
         self.keep_positive(taps)
         self.start, self.fit = taps, self.fitted(taps)
         self.theta = self.fit.theta
@@ -606,13 +612,6 @@ class Evidence:
             for side in (-end, end)
         ]
         return min(ends[0], 0.0), max(ends[1], 0.0)
-
-    def friction_gain(self) -> float:
-        """Return the gain in 2 ln likelihood of the mixture of friction laws over the model's own law."""
-        fit = self.null
-        own = [k for k, path in enumerate(self.paths) if path.startswith(("width.", "friction."))]
-        block = np.linalg.pinv(fit.gram, hermitian=True)[np.ix_(own, own)] * fit.variance
-        return float(fit.w[own] @ np.linalg.solve(block, fit.w[own]))
 
     @property
     def bases(self) -> tuple[Maximum, Maximum, Maximum]:
