@@ -251,9 +251,9 @@ def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
     """
     out, at = [], 0
     weighed = root * e[: len(root)]
-    for b, counted, taps in zip(ctx.balances, ctx.counted, ctx.screen.taps, strict=True):
+    for b, counted, taps, level in zip(ctx.balances, ctx.counted, ctx.screen.taps, ctx.levels, strict=True):
         full = np.zeros(len(counted))
-        full[counted] = weighed[at : at + int(counted.sum())]
+        full[counted] = weighed[at : at + int(counted.sum())] / level
         at += int(counted.sum())
         out.append(b.adjoint(convolved(full[::-1], taps)[::-1]))
     return out
@@ -1008,7 +1008,7 @@ CELLS = {
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
 }
-NESTED = 0.7  # minimum share of the gain of a wider family that a law explains, to be preferred or to give its name
+NESTED = 0.5  # minimum share of the gain of a wider family that a law explains, to be preferred or to give its name
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:

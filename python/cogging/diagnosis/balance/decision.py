@@ -23,7 +23,7 @@ from cogging.model.model import Model
 from cogging.resources import on_threads
 
 THRESHOLD = 20.0  # minimum score of an accepted candidate: above those of 36 drawn logs with nothing missing
-MINOR = 0.1  # of the largest score: a smaller one comes from a law that is only nearly right
+MINOR = 0.05  # of the largest score: a smaller one comes from a law that is only nearly right
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
@@ -178,9 +178,6 @@ def search(
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
-        # a mixture of friction laws that is only nearly right leaves a force like friction
-        inexact = COLUMN_ERROR * evidence.friction_gain()
-        contenders = [c for c in contenders if not c.found.name.startswith("~friction") or c.score > inexact]
         contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         least = max([THRESHOLD, *(MINOR * one.score for one in outcome.accepted)])

@@ -8,19 +8,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.linalg import solve_triangular
+from scipy.ndimage import minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
 from scipy.signal import butter, sosfiltfilt
 
 from cogging._core import Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
-from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
+from cogging.diagnosis.balance.differenced_balance import ROWS_PER_CORNER, DifferencedBalance
 from cogging.effects.effect import Effect, Wave, Window, kind_of
 from cogging.estimation.residuals import quiet_plant
 from cogging.model.intervals import SIGMAS_95
@@ -36,6 +38,9 @@ CENTRES = 96  # frequencies at which the median is taken, several in each band
 TAIL = 5.0  # degrees of freedom of the Student-t noise: tails of measured residuals
 SINGULAR = 1e-8  # relative to the largest eigenvalue of the scaled columns: smaller ones are rounding errors
 OUTLIER = 5.0  # standard deviations at which rows are clipped before the whitening filter is estimated
+WINDOW = 0.3  # s: of the local noise level
+OCTAVES = 14  # of the speed, below the highest, in each of which the noise has a level
+FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Nuisance parameters
@@ -209,6 +214,7 @@ class Evidence:
         limits: bounds of re-tuned parameters, by path.
         masks: valid rows of each log before the whitening filter.
         counted: valid rows behind it.
+        levels: relative noise level of these rows of each log (see `local_levels`).
         residuals: residual of each log, low-pass filtered and decimated, (m,).
         nuisances: columns of the nuisance parameters likewise, (q, m).
         start: whitening filters of the first fit.
@@ -233,6 +239,7 @@ class Evidence:
     limits: dict[str, tuple[float, float]] = field(init=False, repr=False, default_factory=dict)
     masks: list[Mask] = field(init=False, repr=False)
     counted: list[Mask] = field(init=False, repr=False)
+    levels: list[FloatArray] = field(init=False, repr=False, default_factory=list)
     raw: list[FloatArray] = field(init=False, repr=False)
     residuals: list[FloatArray] = field(init=False, repr=False)
     nuisances: list[FloatArray] = field(init=False, repr=False)
@@ -259,6 +266,7 @@ class Evidence:
                 if self.decrement(model) <= before:
                     self.model = model
                     break
+        self.levels = []
         self.make()
         return self
 
@@ -302,6 +310,9 @@ class Evidence:
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
         for name in ("null", "screen", "basis", "unfiltered"):
             self.__dict__.pop(name, None)
+        stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
+        if stale:
+            self.levels = [np.ones(int(m.sum())) for m in self.counted]
         theta = self.fitted(self.plain, rounds=1).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
@@ -311,13 +322,42 @@ class Evidence:
         if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
         taps = self.taps_of(theta)
+        if stale:
+            self.levels = self.local_levels(taps)
         self.keep_positive(taps)
         self.start, self.fit = taps, self.fitted(taps)
         self.theta = self.fit.theta
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
         """Return the valid rows of columns (p, m) of each log behind its filter, logs concatenated, (p, n)."""
-        return np.hstack([convolved(t, h)[:, m] for t, h, m in zip(tables, taps, self.counted, strict=True)])
+        parts = zip(tables, taps, self.counted, self.levels, strict=True)
+        return np.hstack([convolved(t, h)[:, m] / level for t, h, m, level in parts])
+
+    def local_levels(self, taps: list[FloatArray]) -> list[FloatArray]:
+        """Return the noise level of each valid row, relative to its log, at its time and at its speed.
+
+        The quantum of an encoder makes a noise that depends on the motion, and an inexact friction law a force that
+        is large wherever the axis is slow. Without these levels, candidates that act there are detected falsely.
+        """
+        if self.largely:
+            return self.levels
+        fit = self.fitted(taps, self.any_force(), rounds=2)
+        ends = np.cumsum([len(one) for one in self.levels])[:-1]
+        rests = np.split(fit.rest / np.sqrt(fit.variance), ends)
+        of_time, speeds = [], []
+        for b, m, rest in zip(self.balances, self.counted, rests, strict=True):
+            edges = np.linspace(0, len(rest), max(1, round(len(rest) / self.rate / WINDOW)) + 1).astype(int)
+            windows = [deviation(rest[start:stop]) for start, stop in pairwise(edges)]
+            of_time.append(np.interp(np.arange(len(rest)), 0.5 * (edges[1:] + edges[:-1]), windows))
+            # the low-pass filter spreads what happens at rest over rows of higher speed
+            slowest = minimum_filter1d(np.abs(b.velocity), round(2 * ROWS_PER_CORNER + 1) * b.every)
+            speeds.append(slowest[:: b.every][m])
+        level, speed = np.hstack(of_time), np.hstack(speeds)
+        octave = np.minimum(-np.log2(np.maximum(speed / speed.max(), 1e-9)), OCTAVES).round(0).astype(int)
+        power = np.bincount(octave, (np.hstack(rests) / level) ** 2)
+        count = np.bincount(octave)
+        level *= np.sqrt((power + FEWEST_IN_OCTAVE) / (count + FEWEST_IN_OCTAVE))[octave]
+        return np.split(level, ends)
 
     @property
     def rate(self) -> float:
@@ -573,13 +613,6 @@ class Evidence:
         ]
         return min(ends[0], 0.0), max(ends[1], 0.0)
 
-    def friction_gain(self) -> float:
-        """Return the gain in 2 ln likelihood of the mixture of friction laws over the model's own law."""
-        fit = self.null
-        own = [k for k, path in enumerate(self.paths) if path.startswith(("width.", "friction."))]
-        block = np.linalg.pinv(fit.gram, hermitian=True)[np.ix_(own, own)] * fit.variance
-        return float(fit.w[own] @ np.linalg.solve(block, fit.w[own]))
-
     @property
     def bases(self) -> tuple[Maximum, Maximum, Maximum]:
         """Fits of the nuisance parameters without a filter, with their own, and with the screening filter."""
@@ -628,12 +661,8 @@ class Evidence:
             v = np.maximum(v, np.sum(np.add.reduceat(products, edges, axis=1) ** 2, axis=1))
         return np.asarray(v)
 
-    @cached_property
-    def screen(self) -> Maximum:
-        """Fit of the nuisance parameters behind the screening filter, which absorbs no slow force.
-
-        The filter is estimated from the residual beside generic forces of position, time, speed and command.
-        """
+    def any_force(self) -> list[FloatArray]:
+        """Return columns of generic forces of position, time, speed and command of each log."""
         low, high = (f(g(b.position) for b in self.balances) for f, g in ((min, np.min), (max, np.max)))
         last = max(b.time[-1] for b in self.balances)
         any_force = []
@@ -641,6 +670,15 @@ class Evidence:
             table = [splines(b.position, low, high, 14), hats(b.time, np.linspace(0.0, last, 12))]
             more = [np.sign(b.velocity), b.velocity * np.abs(b.velocity), d * np.abs(d), np.gradient(d)]
             any_force.append(b.rows(np.vstack([*table, more])))
+        return any_force
+
+    @cached_property
+    def screen(self) -> Maximum:
+        """Fit of the nuisance parameters behind the screening filter, which absorbs no slow force.
+
+        The filter is estimated from the residual beside generic forces of position, time, speed and command.
+        """
+        any_force = self.any_force()
         parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force, strict=True)]
         return self.fitted(self.taps_of(self.fitted(self.plain, any_force, rounds=1).theta, parts))
 
