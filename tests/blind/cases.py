@@ -202,7 +202,7 @@ def _change(
     def parameters(amplitude: float) -> dict[str, tuple[float, str, float | None]]:
         return {"change": (sign * amplitude, "", own * size / deviation / amplitude)}
 
-    effect = Hidden(name, "usual", size, 0.0, 2.0, apply, parameters)
+    effect = Hidden(size, 0.0, 2.0, apply, parameters, name=name)
     return effect, size, float((size / deviation) ** 2)
 
 
