@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from . import truth
 from .hidden import Hidden
 from .identifiable import START, Signal, signatures
 from .machines import Machine, draw_machine
@@ -282,5 +281,3 @@ def _require_sane(run: Run, motion: Motion, machine: Machine) -> None:
     if not (error < 0.03 * length and np.abs(run.command).max() < 4 * machine.peak):
         raise ArithmeticError("the loop does not follow")
 
-
-__all__ = ["LAMBDAS", "Case", "Specification", "Unreachable", "draw_case", "scale", "truth"]
