@@ -280,4 +280,3 @@ def _require_sane(run: Run, motion: Motion, machine: Machine) -> None:
     length = machine.travel[1] - machine.travel[0]
     if not (error < 0.03 * length and np.abs(run.command).max() < 4 * machine.peak):
         raise ArithmeticError("the loop does not follow")
-
