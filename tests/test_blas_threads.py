@@ -4,7 +4,7 @@ import importlib
 import os
 import subprocess
 import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import threadpoolctl
@@ -39,21 +39,11 @@ def test_one_thread_within_and_what_was_there_behind(two_threads):
 
 
 def test_the_last_of_several_threads_puts_back_what_the_first_found(two_threads):
-    inside, ended, seen = threading.Event(), threading.Event(), []
-
-    def other():
+    with ThreadPoolExecutor(1) as pool:
         with ONE_THREAD:
-            inside.set()
-            ended.wait(10.0)
-            seen.extend(threads())
-
-    with ONE_THREAD:
-        thread = threading.Thread(target=other)
-        thread.start()
-        assert inside.wait(10.0)
-    ended.set()
-    thread.join()
-    assert set(seen) == {1}
+            pool.submit(ONE_THREAD.__enter__).result()
+        assert set(threads()) == {1}
+        pool.submit(ONE_THREAD.__exit__, None, None, None).result()
     assert set(threads()) == {2}
 
 

@@ -17,20 +17,18 @@ from cogging.shown import nearest_name
 from tests.fixtures.examples import LOG, MODEL, MOVE, PLANT
 
 SINE = cogging.Sine(cogging.SineParameters())
+#: Calls that take one thing for another, and what the one line says of it.
 MISTAKES = {
     "a plant for a model": (lambda: cogging.simulate(PLANT), r"simulate: model: .* got a Plant: closed_loop\(plant"),
     "a document": (lambda: cogging.simulate(MODEL.to_dict(), MOVE), r"simulate: model: .* Model\.from_dict makes"),
     "no such file": (lambda: cogging.simulate(MODEL, "ref"), r"ref: cannot be read: No such file"),
-    "a motion's parameters": (
+    "parameters": (
         lambda: cogging.simulate(MODEL, cogging.SineParameters()),
-        r"simulate: reference: must be .* got a SineParameters: Sine\(parameters\) is the motion",
+        r"reference: .*Sine\(parameters\) is the",
     ),
     "swapped": (lambda: cogging.diagnose(MODEL, LOG), r"diagnose: logs: .* a Model: the log comes before"),
     "no model": (lambda: cogging.identify(LOG), r"identify\(\) missing 1 required positional argument: 'model'"),
-    "an array for a log": (
-        lambda: cogging.identify(np.zeros((9, 3)), MODEL),
-        r"identify: logs: .* got an array of shape \(9, 3\): Log\(time=\.\.\., position",
-    ),
+    "an array": (lambda: cogging.identify(np.zeros((9, 3)), MODEL), r"logs: .* shape \(9, 3\): Log\(time=\.\.\., posi"),
     "a list with another": (lambda: cogging.identify([LOG, 3], MODEL), r"identify: logs: .*, got 3"),
     "a file for a log": (lambda: cogging.audit("a.csv"), r"audit: log: must be a Log, got 'a\.csv': read_log reads"),
     "a text for a number": (lambda: cogging.PidParameters(kp="1"), r"PidParameters: kp: must be a number, got '1'"),
@@ -39,22 +37,22 @@ MISTAKES = {
     "gains for a controller": (lambda: cogging.Pid(9600.0), r"Pid: parameters: must be a PidParameters, got 9600\.0"),
     "the class itself": (lambda: cogging.Pid(cogging.PidParameters), r"got the class PidParameters itself"),
     "a dict for an effect": (
-        lambda: cogging.Plant(MODEL.axis, effects=[{"name": "cable_spring"}]),
-        r"Plant: effects: must be a list, each an effect, got a list",
+        lambda: cogging.Plant(MODEL.axis, effects=[{}]),
+        r"effects: must be a list, each an effect",
     ),
     "two numbers": (
         lambda: cogging.AdaptiveRobustParameters(mass_bounds=[1.0]),
-        r"AdaptiveRobustParameters: mass_bounds: must be 2 numbers, got a list: \[1\.0\]",
+        r"mass_bounds: must be 2 numbers, got",
     ),
-    "a fraction for a count": (
-        lambda: cogging.SplineHarmonics(pitch=0.05, harmonics=[1.5]),
-        r"SplineHarmonics: harmonics: must be a list of whole numbers, got a list: \[1\.5\]",
+    "a fraction": (
+        lambda: cogging.SplineHarmonics(harmonics=[1.5]),
+        r"harmonics: must be a list of whole numbers, got",
     ),
     "a model for a plant": (
         lambda: cogging.closed_loop(MODEL, MODEL.make_controller(), SINE),
         r"closed_loop: plant: must be a Plant, got a Model: simulate\(model, reference\) runs one",
     ),
-    "one controller for a batch": (
+    "one for a batch": (
         lambda: cogging.closed_loop_batch([PLANT], MODEL.make_controller(), SINE),
         r"closed_loop_batch: controllers: must be a list, got a Pid",
     ),
@@ -65,10 +63,6 @@ MISTAKES = {
     "gains of another type": (
         lambda: MODEL.replace(controller=cogging.SpeedParameters(), controller_type="pid"),
         r"controller_type: must be speed with SpeedParameters, got 'pid'",
-    ),
-    "a controller for its gains": (
-        lambda: cogging.Model(MODEL.axis, controller=MODEL.make_controller()),
-        r"controller: must be the parameters of one of .* got Pid: give its \.parameters",
     ),
     "a row of a log": (lambda: LOG[3], r"Log: rows: must be a slice such as log\[100:200\], .* got 3"),
     "a shown progress": (lambda: cogging.identify(LOG, MODEL, progress="yes"), r"progress: must be True, False or a"),
@@ -96,12 +90,15 @@ def mistyped(name):
     return name[:2] + name[3:]
 
 
+def assert_said(text, meant):
+    assert "\n" not in text
+    assert f"did you mean {meant}?" in text or f"(did you mean '{meant}'?)" in text, text
+
+
 def assert_meant(call, meant):
     with pytest.raises((ValueError, TypeError, KeyError)) as refused:
         call()
-    said = str(refused.value)
-    assert "\n" not in said
-    assert f"did you mean {meant}?" in said or f"(did you mean '{meant}'?)" in said, said
+    assert_said(str(refused.value), meant)
 
 
 def test_a_mistyped_argument_of_any_class_or_function():
@@ -189,9 +186,7 @@ def test_a_mistyped_name_on_the_command_line(words, meant, tmp_path, monkeypatch
         (tmp_path / name).write_text(to_toml(document))
     before = sorted(tmp_path.iterdir())
     assert main(words.split()) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert f"did you mean {meant}?" in said or f"(did you mean '{meant}'?)" in said, said
+    assert_said(capsys.readouterr().err.removesuffix("\n"), meant)
     assert sorted(tmp_path.iterdir()) == before
 
 

@@ -21,30 +21,23 @@ HOSTILE = '<script>alert("x")</script>&\u202e\x1b[31m$x$'
 
 @pytest.mark.parametrize("name", FRAMED)
 def test_a_result_is_a_frame_with_units(name, monkeypatch):
-    frame = EXAMPLES[name].to_frame()
-    assert isinstance(frame.attrs["units"], dict)
-    assert set(frame.attrs["units"]) <= set(frame.columns)
-    assert all(unit not in ("", "1") for unit in frame.attrs["units"].values())
+    units = EXAMPLES[name].to_frame().attrs["units"]
+    assert set(units) <= set(EXAMPLES[name].to_frame().columns)
+    assert all(unit not in ("", "1") for unit in units.values())
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pandas is needed .*pip install 'cogging\[frames\]'"):
         EXAMPLES[name].to_frame()
 
 
-def test_a_log_as_a_frame():
+def test_frames_have_the_numbers_and_units_of_the_results():
     frame = LOG.to_frame()
     assert list(frame.columns) == [*LOG.columns(), "true_position", "true_velocity"]
-    for name in frame.columns:
-        np.testing.assert_array_equal(frame[name], getattr(LOG, name))
-    units = frame.attrs["units"]
-    assert (units["time"], units["reference_acceleration"], units["command"]) == ("s", "m/s^2", "V")
-    rotary = MODEL.replace(units=cogging.Units(command="A", position="rad"))
-    log = cogging.simulate(rotary, MOVE, seed=1)
-    assert log.to_frame().attrs["units"]["true_velocity"] == "rad/s"
+    assert all(np.array_equal(frame[name], getattr(LOG, name)) for name in frame.columns)
+    rotary = cogging.simulate(MODEL.replace(units=cogging.Units(command="A", position="rad")), MOVE, seed=1)
+    units = rotary.to_frame().attrs["units"]
+    assert [units[name] for name in ("time", "true_velocity", "command")] == ["s", "rad/s", "A"]
     learned = cogging.Log(LOG.time, LOG.position, LOG.command, estimates=np.stack([LOG.time, LOG.command], axis=1))
     np.testing.assert_array_equal(learned.to_frame()["estimates[1]"], LOG.command)
-
-
-def test_frames_have_the_numbers_of_the_results():
     fit, found, curve = EXAMPLES["MapFit"], EXAMPLES["Identification"], EXAMPLES["FrictionCurve"]
     assert list(fit.to_frame()["amplitude"]) == [entry.amplitude for entry in fit.amplitudes]
     assert fit.to_frame().attrs["units"] == {"amplitude": "V", "standard_error": "V", "phase": "rad"}
@@ -67,9 +60,8 @@ def test_frames_have_the_numbers_of_the_results():
 def test_frames_of_a_diagnosis():
     result = drawn_result(np.random.default_rng(1), "named", count=3)
     frame = result.to_frame()
-    expected = [(effect.name, name) for effect in result.effects for name in effect.parameters]
-    assert list(zip(frame["name"], frame["parameter"], strict=True)) == expected
-    assert list(frame["value"]) == [p.value for effect in result.effects for p in effect.parameters.values()]
+    expected = [(one.name, name, value.value) for one in result.effects for name, value in one.parameters.items()]
+    assert list(zip(frame["name"], frame["parameter"], frame["value"], strict=True)) == expected
     assert set(result.to_frame("limits")["name"]) == set(result.limits)
     ledger = result.to_frame("ledger")
     assert list(ledger["accepted"]) == [step.accepted for step in result.ledger]

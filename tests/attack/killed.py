@@ -26,14 +26,15 @@ import numpy as np
 
 from cogging.outputs import to_toml
 from cogging_command import run_command
-from tests.attack.operations import at_operation
 from tests.fixtures.sweeps import DOCUMENT, MANY, MOVE
 
 #: Options of the command, and worker processes (0: the command's own threads).
 WAYS = {"one thread": (("--threads", "1"), 0), "threads": (("--threads", "3"), 0), "processes": ((), 2)}
 STATUS = {signal.SIGKILL: -9, signal.SIGTERM: 143, signal.SIGINT: 130}
 HANG = 120.0  # s
-OPERATIONS = 60  # of files, before one of which a life is ended
+MOST = 60  # operations of files, before one of which a life is ended
+#: Audit events that change a folder; `open` where it writes.
+OPERATIONS = ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.link")
 
 
 class Sweep:
@@ -89,12 +90,23 @@ def live(log: str, operation: str, number: str, processes: str, *words: str) -> 
             file.write(f"{piece.first} {len(piece.points)}\n".encode())
         return plain(piece)
 
-    def concerns(_: str, path: str) -> bool:
-        return ".cogging-" in path or os.path.basename(out) in path
+    process, left = os.getpid(), int(operation)
+
+    def end_at_operation(event, arguments):
+        nonlocal left
+        if event not in OPERATIONS or os.getpid() != process:
+            return
+        path = f"{arguments[0]}"
+        writes = event != "open" or (arguments[2] or 0) & (os.O_WRONLY | os.O_RDWR)
+        inside = event in ("os.remove", "os.rmdir") and arguments[1] not in (-1, None)  # a folder that is removed
+        if writes and (inside or ".cogging-" in path or os.path.basename(out) in path):
+            left -= 1
+            if left == 0:
+                os.kill(process, int(number))
 
     def run() -> int:
         sweep.run_piece = run_piece
-        at_operation(int(operation), concerns, lambda *_: os.kill(os.getpid(), int(number)))
+        sys.addaudithook(end_at_operation)
         if processes == "0":
             return command(list(words))
         with ProcessPoolExecutor(int(processes)) as pool:
@@ -107,7 +119,7 @@ def live(log: str, operation: str, number: str, processes: str, *words: str) -> 
 def end_life(sweep: Sweep, chance: random.Random, seconds: float, number: int) -> tuple[int, str]:
     """Status and standard error of a life that is ended at a drawn moment (number 0: not)."""
     if number and chance.random() < 0.5:
-        process = sweep.start(chance.randint(1, OPERATIONS), number)
+        process = sweep.start(chance.randint(1, MOST), number)
     else:
         process = sweep.start()
         if number:

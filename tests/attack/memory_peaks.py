@@ -1,8 +1,12 @@
-"""Memory of a call, bytes a row: `python -m tests.attack.memory_peaks [TASK ROWS ...]`; Linux alone."""
+"""Memory of a call, bytes a row, and its time: `python -m tests.attack.memory_peaks [TASK ROWS ...]`; Linux alone.
+
+Each task runs in a process of its own. `read_log 20000000` makes a CSV of 1 GB in a temporary folder and reads it.
+"""
 
 from __future__ import annotations
 
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,8 +21,14 @@ DEFAULT = ("audit", "300000", "identify", "20000", "identify+13", "20000", "diag
 
 
 def call_of(task: str, rows: int) -> Callable[[], object]:
-    """The call to measure: a task of cogging.resources.ROW, `+13` for so many control points of the map, or `map`."""
+    """The call to measure: a task of cogging.resources.ROW, `+13` for so many control points of the map, or another."""
     name, _, points = task.partition("+")
+    if name == "read_log":
+        phase, folder = np.arange(rows) * 5e-5, tempfile.TemporaryDirectory()
+        path = Path(folder.name) / "log.csv"
+        columns = {"position": 0.25 + 0.2 * np.sin(phase), "command": np.cos(phase), "reference": 0.2 * np.sin(phase)}
+        cogging.Log(time=phase, **{key: np.round(column, 9) for key, column in columns.items()}).write(path)
+        return lambda: (folder, cogging.read_log(path))
     if name == "map":
         there = np.linspace(0.0, 0.5, rows // 2)
         position = np.concatenate([there, there[::-1]])

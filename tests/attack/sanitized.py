@@ -52,10 +52,14 @@ def main() -> int:
     if unknown := parts - set(PARTS):
         parser.error(f"PART: must be one of {', '.join(PARTS)}, got {', '.join(sorted(unknown))}")
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
-        checked, threads = (
-            Path(options.build or f"{folder}/build").resolve() / name for name in ("checked", "threads")
-        )
-        running = [pool.submit(run_threads, threads)] if "threads" in parts else []
+        place = Path(options.build or f"{folder}/build").resolve()
+        checked, threads = place / "checked", place / "threads"
+
+        def run_threads() -> bool:
+            built = build(threads, THREADS, ["batches"], python=False)
+            return built and run([f"{threads / 'tests' / 'cpp' / 'batches'}"], ALONE)
+
+        running = [pool.submit(run_threads)] if "threads" in parts else []
         in_python = bool({"calls", "rooms"} & parts)
         programs = PROGRAMS if "programs" in parts else ()
         targets = [*(["_core"] if in_python else []), *programs]
@@ -71,13 +75,8 @@ def main() -> int:
             words = [[*pytest, *(f"tests/{room}" for room in rooms)] for rooms in ROOMS if "rooms" in parts]
             words += [calls] if "calls" in parts else []
             running += [pool.submit(run, [sys.executable, "-m", *some], environment) for some in words]
-        running += [pool.submit(run, [program(checked, name)], ALONE) for name in programs]
+        running += [pool.submit(run, [f"{checked / 'tests' / 'cpp' / name}"], ALONE) for name in programs]
         return int(not all(one.result() for one in running))
-
-
-def run_threads(folder: Path) -> bool:
-    """Run batches under the sanitizer of threads; whether nothing was found."""
-    return build(folder, THREADS, ["batches"], python=False) and run([program(folder, "batches")], ALONE)
 
 
 def build(folder: Path, checks: str, targets: Sequence[str], *, python: bool) -> bool:
@@ -103,11 +102,6 @@ def build(folder: Path, checks: str, targets: Sequence[str], *, python: bool) ->
     return run(["cmake", "-S", f"{ROOT}", "-B", f"{folder}", "-G", "Ninja", *given], {}) and run(
         ["cmake", "--build", f"{folder}", "--parallel", parallel, "--target", *targets], {}
     )
-
-
-def program(folder: Path, name: str) -> str:
-    """The path of one of the programs of tests/cpp."""
-    return str(folder / "tests" / "cpp" / name)
 
 
 def run(command: Sequence[str], environment: Mapping[str, str]) -> bool:

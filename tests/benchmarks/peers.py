@@ -3,7 +3,7 @@
 The problem: a PID controller at 5 kHz holds an axis with cogging (three harmonics) and smooth friction on a motion; one
 Runge-Kutta step of order 4 a sample with the command held. Machines are drawn. Each library does the same arithmetic,
 written once below, in its own idiom (numba: a loop over runs; JAX: vmap of lax.scan; CasADi: map of a fold; numpy: rows
-over all runs at once; python-control and scipy: one run at a time). The position at the end and the rms error of every
+over all runs at once). The position at the end and the rms error of every
 run are compared with the core's before anything is timed. Each library runs in a process of its own, on one thread, in
 turns, few runs before many; the time of the first call beyond a later one (compilation) and the peak memory of the
 process are listed beside.
@@ -29,7 +29,6 @@ RATE, SECONDS = 5000.0, 0.4  # Hz; s of one move there and back
 HARMONICS, PITCH, WIDTH = (1, 2, 3), 0.03, 1.0 / 900.0
 KP, KI, KD = 9600.0, 1e5, 48.0
 CLOSE = 1e-6  # m
-ONE_BY_ONE = 3  # runs at most of a library that takes seconds for one
 LONG = 1.0  # s, of a call that is timed once in a round
 
 
@@ -89,8 +88,8 @@ def by_cogging(problem: Problem) -> Run:
     return run
 
 
-def laws(sin: Any, cos: Any, atan: Any, compiled: Callable = lambda function: function) -> tuple[Callable, ...]:
-    """Acceleration, command and whole sample of the loop, of numbers, arrays or symbols."""
+def loop_of(sin: Any, cos: Any, atan: Any, compiled: Callable = lambda function: function) -> Callable:
+    """One sample of the loop, of numbers, arrays or symbols."""
 
     @compiled
     def acceleration(machine, x, v, u):
@@ -103,16 +102,12 @@ def laws(sin: Any, cos: Any, atan: Any, compiled: Callable = lambda function: fu
         return (u - friction - force) * (1.0 / machine[0])
 
     @compiled
-    def command(x, total, before, at):
-        error = x - at[0]
-        total = total + error * (1.0 / RATE)
-        return 0.12 * at[1] - KP * error - KI * total - KD * (error - before) * RATE, total, error
-
-    @compiled
     def sample(machine, state, at):
         h = 1.0 / RATE
         x, v, total, before, squares = state
-        u, total, error = command(x, total, before, at)
+        error = x - at[0]
+        total = total + error * (1.0 / RATE)
+        u = 0.12 * at[1] - KP * error - KI * total - KD * (error - before) * RATE
         a1 = acceleration(machine, x, v, u)
         v2 = v + 0.5 * h * a1
         a2 = acceleration(machine, x + 0.5 * h * v, v2, u)
@@ -123,12 +118,12 @@ def laws(sin: Any, cos: Any, atan: Any, compiled: Callable = lambda function: fu
         x_next = x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
         return x_next, v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4), total, error, squares + error * error
 
-    return acceleration, command, sample
+    return sample
 
 
 def by_numpy(problem: Problem) -> Run:
     """numpy: all runs of one row at once."""
-    _, _, sample = laws(np.sin, np.cos, np.arctan)
+    sample = loop_of(np.sin, np.cos, np.arctan)
     machines, nothing = problem.machines.T, np.zeros(len(problem.machines))
 
     def run() -> Answer:
@@ -144,7 +139,7 @@ def by_numba(problem: Problem) -> Run:
     """numba: a compiled loop over runs and rows."""
     import numba
 
-    _, _, sample = laws(math.sin, math.cos, math.atan, numba.njit)
+    sample = loop_of(math.sin, math.cos, math.atan, numba.njit)
 
     @numba.njit
     def loops(machines, reference):
@@ -166,7 +161,7 @@ def by_jax(problem: Problem) -> Run:
     import jax.numpy as jnp
 
     jax.config.update("jax_enable_x64", True)
-    _, _, sample = laws(jnp.sin, jnp.cos, jnp.arctan)
+    sample = loop_of(jnp.sin, jnp.cos, jnp.arctan)
 
     def one(machine: jax.Array, reference: jax.Array) -> tuple[jax.Array, jax.Array]:
         start = (reference[0, 0], 0.0, 0.0, 0.0, 0.0)
@@ -182,7 +177,7 @@ def by_casadi(problem: Problem) -> Run:
     """CasADi: a fold over the rows, mapped over the runs, by its own virtual machine."""
     import casadi
 
-    _, _, sample = laws(casadi.sin, casadi.cos, casadi.atan)
+    sample = loop_of(casadi.sin, casadi.cos, casadi.atan)
     state, at, machine = casadi.SX.sym("state", 5), casadi.SX.sym("at", 2), casadi.SX.sym("machine", 9)
     after = casadi.vertcat(*sample(machine, casadi.vertsplit(state), at))
     rows, runs = len(problem.reference) - 1, len(problem.machines)
@@ -200,56 +195,13 @@ def by_casadi(problem: Problem) -> Run:
     return run
 
 
-def by_scipy(problem: Problem) -> Run:
-    """scipy: solve_ivp (RK45 at 1e-9) over each sample, one run after the other."""
-    from scipy.integrate import solve_ivp
-
-    acceleration, command, _ = laws(math.sin, math.cos, math.atan)
-
-    def one(machine: np.ndarray) -> tuple[float, float]:
-        state, total, before, squares = np.array([problem.reference[0, 0], 0.0]), 0.0, 0.0, 0.0
-        for k, at in enumerate(problem.reference[:-1]):
-            u, total, before = command(state[0], total, before, at)
-            squares += before * before
-
-            def rates(_, s, u=u):
-                return [s[1], acceleration(machine, s[0], s[1], u)]
-
-            state = solve_ivp(rates, (k / RATE, (k + 1) / RATE), state, rtol=1e-9, atol=1e-12).y[:, -1]
-        return float(state[0]), squares
-
-    return lambda: problem.answer(*np.array([one(machine) for machine in problem.machines]).T)
-
-
-def by_control(problem: Problem) -> Run:
-    """python-control: a nonlinear system in discrete time, one run after the other."""
-    import control
-
-    _, _, sample = laws(math.sin, math.cos, math.atan)
-
-    def one(machine: np.ndarray) -> tuple[float, float]:
-        def after(_: float, state: np.ndarray, at: np.ndarray, __: dict) -> np.ndarray:
-            return np.array(sample(machine, state, at))
-
-        loop = control.nlsys(after, lambda _, state, at, __: state, inputs=2, outputs=5, states=5, dt=1.0 / RATE)
-        moments = np.arange(len(problem.reference)) / RATE
-        start = [problem.reference[0, 0], 0.0, 0.0, 0.0, 0.0]
-        last = control.input_output_response(loop, moments, problem.reference.T, start).outputs[:, -1]
-        return last[0], last[4]
-
-    return lambda: problem.answer(*np.array([one(machine) for machine in problem.machines]).T)
-
-
 PEERS: dict[str, tuple[Callable[[Problem], Run], str]] = {
     "cogging": (by_cogging, "cogging"),
     "numba": (by_numba, "numba"),
     "JAX": (by_jax, "jax"),
     "CasADi": (by_casadi, "casadi"),
     "numpy": (by_numpy, "numpy"),
-    "python-control": (by_control, "control"),
-    "scipy": (by_scipy, "scipy"),
 }
-SLOW = ("python-control", "scipy")  # seconds a run: one alone is timed
 
 
 def installed() -> list[str]:
@@ -258,15 +210,11 @@ def installed() -> list[str]:
 
 
 def differences(names: list[str], runs: int, rows: int) -> dict[str, float]:
-    """Largest difference of each answer from the core's, m; of a slow library, of the first runs alone."""
+    """Largest difference of each answer from the core's, m."""
     problem = Problem.drawn(runs, rows)
     expected = by_cogging(problem)()
-    found = {}
-    for name in names:
-        count = min(runs, ONE_BY_ONE) if name in SLOW else runs
-        answer = PEERS[name][0](Problem(problem.machines[:count], problem.reference))()
-        found[name] = max(float(np.abs(a - b[:count]).max()) for a, b in zip(answer, expected, strict=True))
-    return found
+    answers = {name: PEERS[name][0](problem)() for name in names}
+    return {name: float(np.abs(np.subtract(answer, expected)).max()) for name, answer in answers.items()}
 
 
 # Timing ---------------------------------------------------------------------------------------------------------------
@@ -302,8 +250,7 @@ def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[tup
     for number in range(1, rounds + 1):
         for name in names:
             print(f"  round {number} of {rounds}: {name}", file=sys.stderr, flush=True)
-            timed = [runs for runs in counts if name not in SLOW or runs == 1]
-            for runs, one in zip(timed, child.call(measured, name, rows, repeats, timed), strict=True):
+            for runs, one in zip(counts, child.call(measured, name, rows, repeats, counts), strict=True):
                 found.setdefault((runs, name), []).append(one)
     usual = {which: statistics.median(one["seconds"] for one in some) for which, some in found.items()}
     return [
@@ -316,5 +263,4 @@ def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[tup
         )
         for runs in counts
         for name in names
-        if (runs, name) in found
     ]

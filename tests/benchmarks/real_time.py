@@ -239,17 +239,8 @@ def main(calls):
         print(f"{name:20}" + "".join(map(str.rjust, cells, widths.values())))
 
 
-def number_of_calls():
-    """The number of calls on the command line; status 2 where it cannot be."""
+if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--calls", type=int, default=10_000_000)
-    calls = parser.parse_args().calls
-    if not 1 <= calls <= 1_000_000_000:
-        parser.error(f"--calls: must be from 1 to 1000000000, got {calls}")
-    if compiler() is None:
-        parser.error("needs a C++ compiler: $CXX, c++, g++ or clang++")
-    return calls
-
-
-if __name__ == "__main__":
-    sys.exit(run_command(lambda: main(number_of_calls())))
+    options = parser.parse_args()
+    sys.exit(run_command(lambda: main(options.calls)))

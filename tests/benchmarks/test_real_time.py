@@ -57,7 +57,7 @@ def test_a_step_in_closed_loop_neither_allocates_nor_meets_denormal_numbers(rows
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of symbols as ELF has them")
-@pytest.mark.parametrize("flag", ["-O3", "-Os"])
+@pytest.mark.parametrize("flag", ["-O3", pytest.param("-Os", marks=pytest.mark.study)])
 def test_a_step_calls_nothing_that_locks_allocates_or_throws_and_its_stack_is_bounded(folder, flag, tmp_path):
     """Of a unit that holds the steps and nothing else: function-local statics, memory, exceptions would be seen."""
     made = compile_unit(tmp_path, flag)

@@ -67,7 +67,6 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--keep", action="store_true", help="use the cases and answers that are in --out")
     parser.add_argument("--rescore", action="store_true", help="score the answers that are in --out, run nothing")
     parser.add_argument("--report", action="store_true", help="for a report: refuse the seeds of the tuning")
-    parser.add_argument("--brief", action="store_true", help="without power and confusion by effect")
     options = parser.parse_args(arguments)
     if options.report and options.seed in tuning_seeds():
         parser.error(f"--seed: must not be one of the tuning (seeds.toml) in a report, got {options.seed}")
@@ -127,7 +126,7 @@ def main(arguments: list[str] | None = None) -> int:
         run_suite(options.out, options.jobs, again=not options.keep)
     _, figures = score_suite(options.out)
     title = f"== diagnose, seed {options.seed}" + (" (a seed of the tuning)" if options.seed in tuning_seeds() else "")
-    print(format_table(figures, title, details=not options.brief))
+    print(format_table(figures, title))
     return 0
 
 

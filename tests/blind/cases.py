@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from . import truth
 from .hidden import Hidden
 from .identifiable import START, Signal, signatures
 from .machines import Machine, draw_machine
@@ -202,7 +201,7 @@ def _change(
     def parameters(amplitude: float) -> dict[str, tuple[float, str, float | None]]:
         return {"change": (sign * amplitude, "", own * size / deviation / amplitude)}
 
-    effect = Hidden(name, "usual", size, 0.0, 2.0, apply, parameters)
+    effect = Hidden(size, 0.0, 2.0, apply, parameters, name=name)
     return effect, size, float((size / deviation) ** 2)
 
 
@@ -281,6 +280,3 @@ def _require_sane(run: Run, motion: Motion, machine: Machine) -> None:
     length = machine.travel[1] - machine.travel[0]
     if not (error < 0.03 * length and np.abs(run.command).max() < 4 * machine.peak):
         raise ArithmeticError("the loop does not follow")
-
-
-__all__ = ["LAMBDAS", "Case", "Specification", "Unreachable", "draw_case", "scale", "truth"]

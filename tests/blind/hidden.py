@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from . import truth
 from .machines import Machine
+from .motions import Motion
 from .truth import Plan
 
 Apply = Callable[[Plan, float], None]
@@ -21,23 +22,55 @@ class Hidden:
     """An effect of one case before and after scaling.
 
     Attributes:
-        name: of the vocabulary, or of the list of effects outside it.
-        shape: "usual", or which other form of the same cause.
         start: first amplitude tried; low, high: physical range. What the amplitude is depends on the effect.
         apply: puts the effect of an amplitude into a plan, in place.
-        parameters: fields of the contract at an amplitude; empty where the shape has none.
+        fields: of the contract at an amplitude, for the usual shape, or where `any_shape_has_fields` for all.
+        shape: "usual", or which other form of the same cause.
         tolerated: names that are no error where this effect, outside the vocabulary, is hidden.
-        law: friction law that the machine must have.
+        name: of the vocabulary, or of the list of effects outside it.
     """
 
-    name: str
-    shape: str
     start: float
     low: float
     high: float
     apply: Apply
-    parameters: Callable[[float], Parameters] = field(default=lambda amplitude: {})
+    fields: Callable[[float], Parameters] = lambda amplitude: {}
+    shape: str = "usual"
+    any_shape_has_fields: bool = False
     tolerated: tuple[str, ...] = ()
+    name: str = ""
+
+    def parameters(self, amplitude: float) -> Parameters:
+        """Fields of the contract at an amplitude; empty where the shape has none."""
+        return self.fields(amplitude) if self.shape == "usual" or self.any_shape_has_fields else {}
+
+
+Draw = Callable[[np.random.Generator, Machine, Motion], Hidden]
+
+
+def listed(effects: dict[str, Draw]) -> Callable[[Draw], Draw]:
+    """Decorate a function that draws an effect: it is listed under its name, which the effect bears."""
+
+    def decorate(draw: Draw) -> Draw:
+        def named(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
+            effect = draw(rng, machine, motion)
+            effect.name = draw.__name__
+            return effect
+
+        effects[draw.__name__] = named
+        return named
+
+    return decorate
+
+
+def sign(rng: np.random.Generator) -> float:
+    """Draw -1 or 1."""
+    return float(rng.choice([-1.0, 1.0]))
+
+
+def sizes(unit: float, start: float, low: float, high: float) -> tuple[float, float, float]:
+    """Amplitudes given as shares of a unit."""
+    return start * unit, low * unit, high * unit
 
 
 def wave(x: np.ndarray, period: float, phase: float, form: Callable[[np.ndarray], np.ndarray] = np.sin) -> np.ndarray:
@@ -85,11 +118,11 @@ def add_row(name: str, shape: Callable[[Plan], np.ndarray]) -> Apply:
     return apply
 
 
-def set_scalars(amplitude_field: str, **others: float) -> Apply:
-    """Make an effect whose amplitude is one scalar of the plan, beside others that are fixed."""
+def set_scalars(amplitude_field: str, factor: float = 1.0, **others: float) -> Apply:
+    """Make an effect whose amplitude times `factor` is one scalar of the plan, beside others that are fixed."""
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan[amplitude_field] = amplitude
+        plan[amplitude_field] = factor * amplitude
         for name, value in others.items():
             plan[name] = value
 

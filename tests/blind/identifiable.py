@@ -8,8 +8,6 @@ amplitudes of the known cogging, the initial state. A constant force is no nuisa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
@@ -32,38 +30,24 @@ def whitening_filter(noise: np.ndarray, order: int = ORDER) -> tuple[np.ndarray,
     return taps, float(np.var(lfilter(taps, 1.0, noise)[order:]))
 
 
-@dataclass
 class Signal:
     """The measure of effects on one plan without effects: base command, whitening and nuisances.
 
     Attributes:
         base: command without effect, quantiser off, (n,).
-        nuisances: orthonormal whitened signatures, (n', p).
+        directions: whitened signatures by name. nuisances: the same, orthonormal, (n', p).
     """
 
-    plan: Plan
-    machine: Machine
-    base: np.ndarray = field(init=False)
-    taps: np.ndarray = field(init=False)
-    variance: float = field(init=False)
-    nuisances: np.ndarray = field(init=False)
-    directions: dict[str, np.ndarray] = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.base = self.plan.smooth().run().command
-        quiet = self.plan.silent().run().command
-        skip = self._skip
-        self.taps, self.variance = whitening_filter((self.plan.run().command - quiet)[skip:])
+    def __init__(self, plan: Plan, machine: Machine) -> None:
+        self.machine, self._skip = machine, int(SKIP * plan["rate"])
+        self.base = plan.smooth().run().command
+        noise = (plan.run().command - plan.silent().run().command)[self._skip :]
+        self.taps, self.variance = whitening_filter(noise)
         if not self.variance > 0.0:
             raise ArithmeticError("the log has no noise")
-        self.directions = {
-            name: self.whiten(column) for name, column in signatures(self.plan, self.machine, self.base).items()
-        }
+        columns = signatures(plan, machine, self.base)
+        self.directions = {name: self.whiten(column) for name, column in columns.items()}
         self.nuisances = self._orthonormal(list(self.directions.values()))
-
-    @property
-    def _skip(self) -> int:
-        return int(SKIP * self.plan["rate"])
 
     def whiten(self, difference: np.ndarray) -> np.ndarray:
         """Whitened difference of commands in units of the noise, without the start."""

@@ -55,7 +55,7 @@ def gravity(rng: np.random.Generator, machine: Machine, turn: float) -> Hidden:
     def parameters(amplitude: float) -> Parameters:
         return {"moment": (amplitude, "V", None), "angle": (angle, "rad", None)}
 
-    return Hidden("gravity", "usual", peak, 1e-3 * peak, 20 * peak, push, parameters)
+    return Hidden(peak, 1e-3 * peak, 20 * peak, push, parameters, name="gravity")
 
 
 def mass_change(rng: np.random.Generator, machine: Machine, nominal: float) -> Hidden:
@@ -65,9 +65,10 @@ def mass_change(rng: np.random.Generator, machine: Machine, nominal: float) -> H
     def apply(plan: Plan, amplitude: float) -> None:
         plan["mass"] = bare * (1 + amplitude)
 
-    return Hidden(
-        "mass_change", "usual", 1.0, 0.5, 6.0, apply, lambda a: {"change": (bare * (1 + a) / nominal - 1, "", None)}
-    )
+    def parameters(amplitude: float) -> Parameters:
+        return {"change": (bare * (1 + amplitude) / nominal - 1, "", None)}
+
+    return Hidden(1.0, 0.5, 6.0, apply, parameters, name="mass_change")
 
 
 NAMES = (*(name for name in VOCABULARY if name not in LEFT_OUT), "gravity", "mass_change")

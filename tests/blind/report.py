@@ -23,15 +23,11 @@ TARGETS = {
 }
 
 
-#: What `--brief` leaves out.
-DETAILS = ("power", "naming", "confusion")
-
-
-def format_table(figures: Mapping[str, Any], title: str = "", *, details: bool = True) -> str:
+def format_table(figures: Mapping[str, Any], title: str = "") -> str:
     """Return the figures of score.table as text, a line each, with the target of each beside it."""
     lines = [title] if title else []
     for name, value in figures.items():
-        if value is None or (name in DETAILS and not details):
+        if value is None:
             continue
         label, target = name.replace("_", " "), f"   [{TARGETS[name]}]" if name in TARGETS else ""
         if isinstance(value, Mapping):

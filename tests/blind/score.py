@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.stats import binomtest
 
 CONFIDENT = 0.9
-SIGMAS_95 = 1.959963984540054
 DETECTED = ("named", "ambiguous", "unlisted")
 ALARMS = (*DETECTED, "controller_mismatch", "error")
 BINS = (0.0, 0.5, 0.7, 0.9, 0.97, 1.0)
@@ -58,13 +58,11 @@ class Rate:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Wilson's score interval: where the normal test of p against k / n is not refused at 5 %."""
+        """Wilson's score interval of 95 %."""
         if not self.count:
             return 0.0, 1.0
-        z2, n, p = SIGMAS_95**2, self.count, self.value
-        center = (p + z2 / (2 * n)) / (1 + z2 / n)
-        half = math.sqrt(z2 * (p * (1 - p) / n + z2 / (4 * n * n))) / (1 + z2 / n)
-        return max(center - half, 0.0), min(center + half, 1.0)
+        interval = binomtest(self.hits, self.count).proportion_ci(method="wilson")
+        return float(interval.low), float(interval.high)
 
     def __str__(self) -> str:
         if not self.count:
@@ -124,7 +122,7 @@ class Outcome:
 
     @property
     def detected(self) -> bool:
-        """Something was found."""
+        """Whether something was found."""
         return self.verdict in DETECTED
 
 
@@ -159,7 +157,9 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
             if known["deviation"]:
                 errors.append((f"{entry['name']}.{name}", (found["value"] - known["value"]) / known["deviation"]))
     closed, worse = _gap(key, result.get("gap") or {})
-    misreading = key.get("misreading")
+    misreading, largest = key.get("misreading"), None
+    if key["kind"] == "large" and not misreading:
+        largest = bool(classes and classes[0] & set(key["largest"]))
     return Outcome(
         case=case,
         kind=key["kind"],
@@ -179,9 +179,7 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
         covered=tuple(covered),
         errors=tuple(errors),
         seconds=seconds,
-        largest=bool(classes and classes[0] & set(key["largest"]))
-        if key["kind"] == "large" and not misreading
-        else None,
+        largest=largest,
         found=len(named & set(truths)),
         said=_said(misreading, verdict, f"{result.get('mismatch')} {result.get('error')}") if misreading else None,
         grows=_grows(result.get("gap") or {}),
@@ -234,8 +232,8 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
     def by_ratio(group: list[Outcome], flag: Callable[[Outcome], bool]) -> dict[str, Rate]:
         return {f"{ratio:g}": Rate.of(flag(o) for o in group if o.ratio == ratio) for ratio in ratios}
 
-    def share(group: list[Outcome], flag: Callable[[Outcome], bool]) -> Rate:
-        return Rate.of(flag(o) for o in group)
+    def is_above(o: Outcome) -> bool:
+        return o.key.get("law_ratio", 0.0) >= 30
 
     found = [o for o in single if o.right]
     large = [o for o in single + many if o.ratio >= 300]
@@ -246,19 +244,15 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
     errors = np.array([error for o in outcomes if o.right for _, error in o.errors])
     return {
         "cases": len(outcomes),
-        "errors": share(outcomes, lambda o: o.verdict == "error"),
-        "false_alarm": share(nulls, lambda o: o.verdict in ALARMS),
+        "errors": Rate.of(o.verdict == "error" for o in outcomes),
+        "false_alarm": Rate.of(o.verdict in ALARMS for o in nulls),
         "false_alarm_by_family": {
             family: Rate.of(o.verdict in ALARMS for o in nulls if o.family == family)
             for family in sorted({o.family for o in nulls})
         },
         "false_alarm_by_law_ratio": {
-            "friction law under 30": share(
-                [o for o in nulls if o.key.get("law_ratio", 0.0) < 30], lambda o: o.verdict in ALARMS
-            ),
-            "friction law above 30": share(
-                [o for o in nulls if o.key.get("law_ratio", 0.0) >= 30], lambda o: o.verdict in ALARMS
-            ),
+            f"friction law {side} 30": Rate.of(o.verdict in ALARMS for o in nulls if is_above(o) == (side == "above"))
+            for side in ("under", "above")
         },
         "detected": by_ratio(single, lambda o: o.detected),
         "named": by_ratio(single, lambda o: o.right),
@@ -266,17 +260,17 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "mean_names": float(np.mean([o.names for o in found])) if found else None,
         "mean_names_apart": float(np.mean([o.apart for o in found])) if found else None,
         "confident_wrong": by_ratio(single, lambda o: bool(o.wrong)),
-        "confident_wrong_all": share(single, lambda o: bool(o.wrong)),
-        "confident_wrong_many": share(many, lambda o: bool(o.wrong)),
+        "confident_wrong_all": Rate.of(bool(o.wrong) for o in single),
+        "confident_wrong_many": Rate.of(bool(o.wrong) for o in many),
         "outside_detected": by_ratio(outside, lambda o: o.detected),
         "outside_unlisted": by_ratio(outside, lambda o: o.verdict == "unlisted"),
         "outside_confident_wrong": by_ratio(outside, lambda o: bool(o.wrong)),
-        "outside_confident_wrong_all": share(outside, lambda o: bool(o.wrong)),
-        "pairs_right": share([o for o in many if o.kind == "pair"], lambda o: o.right),
-        "triples_right": share([o for o in many if o.kind == "triple"], lambda o: o.right),
-        "unknown_controller_named": share([o for o in single if not o.key["stated_controller"]], lambda o: o.right),
+        "outside_confident_wrong_all": Rate.of(bool(o.wrong) for o in outside),
+        "pairs_right": Rate.of(o.right for o in many if o.kind == "pair"),
+        "triples_right": Rate.of(o.right for o in many if o.kind == "triple"),
+        "unknown_controller_named": Rate.of(o.right for o in single if not o.key["stated_controller"]),
         "gap_closed_median": _median([o.closed for o in large]),
-        "made_worse": share([o for o in outcomes if o.worse is not None], lambda o: bool(o.worse)),
+        "made_worse": Rate.of(bool(o.worse) for o in outcomes if o.worse is not None),
         "coverage": Rate.of(coverage),
         "error_to_bound": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
         "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,

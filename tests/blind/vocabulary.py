@@ -2,28 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from . import truth
-from .hidden import Hidden, Parameters, add_map, add_row, quadratures, set_scalars, shares, times, wave
+from .hidden import (
+    Draw,
+    Hidden,
+    Parameters,
+    add_map,
+    add_row,
+    listed,
+    quadratures,
+    set_scalars,
+    shares,
+    sign,
+    sizes,
+    times,
+    wave,
+)
 from .machines import Machine, log_uniform
 from .motions import Motion
 from .shapes import any_decay, any_profile, any_pulse, any_rise, any_spring, any_wave
 from .truth import Plan
 
-Draw = Callable[[np.random.Generator, Machine, Motion], Hidden]
 ODD = 0.6  # share of cases with another shape than the usual
 DRAWN = "drawn"  # a shape of shapes.py, no two the same
+#: Effects of the vocabulary that are scaled to a ratio; the three changes of nominal parameters are set in cases.py.
+#: `gravity` is hidden in the large alone, where axes turn.
+VOCABULARY: dict[str, Draw] = {}
+CHANGES = ("mass_change", "viscous_change", "coulomb_change")
 
 
 def _shape(rng: np.random.Generator, *others: str) -> str:
     return str(rng.choice(others)) if others and rng.random() < ODD else "usual"
-
-
-def _sign(rng: np.random.Generator) -> float:
-    return float(rng.choice([-1.0, 1.0]))
 
 
 def _one(name: str, value: float, unit: str) -> Parameters:
@@ -34,38 +47,34 @@ def _length(machine: Machine) -> float:
     return machine.travel[1] - machine.travel[0]
 
 
+@listed(VOCABULARY)
 def constant_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    sign, peak = _sign(rng), machine.peak
-    return Hidden(
-        "constant_force",
-        "usual",
-        1e-3 * peak,
-        1e-6 * peak,
-        0.5 * peak,
-        add_map("force", lambda plan: np.full(plan.maps.shape[1], sign)),
-        lambda a: _one("force", sign * a, "V"),
-    )
+    way = sign(rng)
+    push = add_map("force", lambda plan: np.full(plan.maps.shape[1], way))
+    return Hidden(*sizes(machine.peak, 1e-3, 1e-6, 0.5), push, lambda a: _one("force", way * a, "V"))
 
 
+@listed(VOCABULARY)
 def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, peak, length = (_shape(rng, DRAWN), float(rng.choice([-1, 1, 1, 1])), machine.peak, _length(machine))
+    shape, way, length = _shape(rng, DRAWN), float(rng.choice([-1, 1, 1, 1])), _length(machine)
     center = machine.travel[0] + length * rng.uniform(0.1, 0.9)
     spring = any_spring(rng)
 
     def pull(plan: Plan) -> np.ndarray:
         if shape == DRAWN:
             s = np.clip(shares(plan, machine), 0.0, 1.0)
-            return -sign * (spring(s) - spring(np.array([(center - machine.travel[0]) / length])))
-        return -sign * (plan.positions - center) / length
+            return -way * (spring(s) - spring(np.array([(center - machine.travel[0]) / length])))
+        return -way * (plan.positions - center) / length
 
-    def parameters(a: float) -> Parameters:
-        return {} if shape != "usual" else {"stiffness": (sign * a / length, "V/m", 1.0), "center": (center, "m", None)}
+    def fields(a: float) -> Parameters:
+        return {"stiffness": (way * a / length, "V/m", 1.0), "center": (center, "m", None)}
 
-    return Hidden("cable_spring", shape, 2e-3 * peak, 1e-5 * peak, 0.5 * peak, add_map("force", pull), parameters)
+    return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.5), add_map("force", pull), fields, shape)
 
 
+@listed(VOCABULARY)
 def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, peak = _shape(rng, DRAWN), _sign(rng), machine.peak
+    shape, way = _shape(rng, DRAWN), sign(rng)
     decay, fall = _length(machine) * rng.uniform(0.03, 0.12), any_decay(rng)
     # the two ends of a machine are not alike, and often one alone has a magnet's edge or a stop near
     left_side, right_side = [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (1.0, rng.uniform(0.3, 0.9))][int(rng.integers(4))]
@@ -74,31 +83,30 @@ def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hi
         left = (plan.positions - machine.travel[0]) / decay
         right = (machine.travel[1] - plan.positions) / decay
         if shape == DRAWN:
-            return sign * (right_side * fall(right) - left_side * fall(left))
-        return sign * (np.exp(-right) - np.exp(-left))
+            return way * (right_side * fall(right) - left_side * fall(left))
+        return way * (np.exp(-right) - np.exp(-left))
 
-    def parameters(a: float) -> Parameters:
-        return {} if shape != "usual" else {"force": (sign * a, "V", 1.0), "decay_length": (decay, "m", None)}
+    def fields(a: float) -> Parameters:
+        return {"force": (way * a, "V", 1.0), "decay_length": (decay, "m", None)}
 
-    return Hidden("end_effect", shape, 5e-3 * peak, 1e-5 * peak, 0.5 * peak, add_map("force", push), parameters)
+    return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.5), add_map("force", push), fields, shape)
 
 
+@listed(VOCABULARY)
 def local_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """At a place that the motion passes: a bell, or a pulse of any kind that is as wide."""
-    shape, sign, peak, pulse = _shape(rng, DRAWN), _sign(rng), machine.peak, any_pulse(rng)
+    shape, way, pulse = _shape(rng, DRAWN), sign(rng), any_pulse(rng)
     center = float(np.quantile(motion.position, rng.uniform(0.1, 0.9)))
     width = _length(machine) * log_uniform(rng, 0.004, 0.06)
 
     def push(plan: Plan) -> np.ndarray:
         distance = (plan.positions - center) / width
-        return sign * (pulse(distance / 3 + 0.5) if shape == DRAWN else np.exp(-(distance**2)))
+        return way * (pulse(distance / 3 + 0.5) if shape == DRAWN else np.exp(-(distance**2)))
 
-    def parameters(a: float) -> Parameters:
-        if shape != "usual":
-            return {}
-        return {"force": (sign * a, "V", 1.0), "center": (center, "m", None), "width": (width, "m", None)}
+    def fields(a: float) -> Parameters:
+        return {"force": (way * a, "V", 1.0), "center": (center, "m", None), "width": (width, "m", None)}
 
-    return Hidden("local_force", shape, 5e-3 * peak, 1e-5 * peak, 0.5 * peak, add_map("force", push), parameters)
+    return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.5), add_map("force", push), fields, shape)
 
 
 def _free_period(rng: np.random.Generator, machine: Machine) -> float:
@@ -108,23 +116,19 @@ def _free_period(rng: np.random.Generator, machine: Machine) -> float:
             return period
 
 
+@listed(VOCABULARY)
 def cogging_harmonic(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, phase, peak = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), machine.peak
+    shape, phase = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi)
     period, form = _free_period(rng, machine), any_wave(rng)
-    return Hidden(
-        "cogging_harmonic",
-        shape,
-        2e-3 * peak,
-        1e-5 * peak,
-        0.3 * peak,
-        add_map("force", lambda plan: -wave(plan.positions, period, phase, form if shape == DRAWN else np.sin)),
-        lambda a: quadratures("period", period, "V", phase, a) if shape == "usual" else {},
-    )
+    push = add_map("force", lambda plan: -wave(plan.positions, period, phase, form if shape == DRAWN else np.sin))
+    fields = partial(quadratures, "period", period, "V", phase)
+    return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.3), push, fields, shape)
 
 
+@listed(VOCABULARY)
 def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape = _shape(rng, DRAWN, DRAWN, "unknown_period")
-    index, phase, peak = int(rng.integers(len(machine.periods))), rng.uniform(0, 2 * np.pi), machine.peak
+    index, phase = int(rng.integers(len(machine.periods))), rng.uniform(0, 2 * np.pi)
     period = _free_period(rng, machine) if shape == "unknown_period" else machine.periods[index]
     waves, shift, profile = rng.uniform(0.4, 1.3), rng.uniform(0, 2 * np.pi), any_profile(rng)
 
@@ -138,56 +142,36 @@ def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motio
             envelope = np.sin(2 * np.pi * waves * s + shift)
         return -envelope * np.sin(2 * np.pi * plan.positions / period + phase)
 
-    return Hidden(
-        "cogging_modulation",
-        shape,
-        4e-3 * peak,
-        1e-5 * peak,
-        0.3 * peak,
-        add_map("force", force),
-        lambda a: {"period": (period, "m", None)},
-    )
+    fields = {"period": (period, "m", None)}
+    return Hidden(*sizes(machine.peak, 4e-3, 1e-5, 0.3), add_map("force", force), lambda a: fields, shape, True)
 
 
-def _asymmetry(rng: np.random.Generator, name: str, level: float, start: float, most: float, unit: str) -> Hidden:
-    """Friction that differs with direction; sizes are shares of its level."""
-    sign = _sign(rng)
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan[name] = sign * amplitude
-
-    def parameters(amplitude: float) -> Parameters:
-        return _one("difference", sign * amplitude, unit)
-
-    return Hidden(name, "usual", start * level, 1e-5 * level, most * level, apply, parameters)
-
-
+@listed(VOCABULARY)
 def coulomb_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    return _asymmetry(rng, "coulomb_asymmetry", machine.scalars["coulomb"], 0.02, 1.2, "V")
+    way, amplitudes = sign(rng), sizes(machine.scalars["coulomb"], 0.02, 1e-5, 1.2)
+    return Hidden(*amplitudes, set_scalars("coulomb_asymmetry", way), lambda a: _one("difference", way * a, "V"))
 
 
+@listed(VOCABULARY)
 def viscous_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    return _asymmetry(rng, "viscous_asymmetry", machine.scalars["viscous"], 0.05, 1.5, "V/(m/s)")
+    way, amplitudes = sign(rng), sizes(machine.scalars["viscous"], 0.05, 1e-5, 1.5)
+    return Hidden(*amplitudes, set_scalars("viscous_asymmetry", way), lambda a: _one("difference", way * a, "V/(m/s)"))
 
 
+@listed(VOCABULARY)
 def stribeck_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, level = _shape(rng, "rational", "hyperbolic", "two_speeds"), machine.scalars["coulomb"]
+    shape = _shape(rng, "rational", "hyperbolic", "two_speeds")
     speed, exponent = log_uniform(rng, 3e-3, 0.05), float(rng.choice([1.0, 2.0, rng.uniform(0.7, 2.5)]))
-    apply = set_scalars(
-        "stribeck",
-        stribeck_velocity=speed,
-        stribeck_exponent=exponent,
-        stribeck_shape=float(truth.STRIBECK_SHAPES.index(shape)),
-    )
+    form = float(truth.STRIBECK_SHAPES.index(shape))
+    apply = set_scalars("stribeck", stribeck_velocity=speed, stribeck_exponent=exponent, stribeck_shape=form)
 
-    def parameters(a: float) -> Parameters:
-        if shape != "usual":
-            return {}
+    def fields(a: float) -> Parameters:
         return {"static_excess": (a, "V", None), "velocity": (speed, "m/s", None)}
 
-    return Hidden("stribeck_friction", shape, 0.05 * level, 1e-5 * level, 1.5 * level, apply, parameters)
+    return Hidden(*sizes(machine.scalars["coulomb"], 0.05, 1e-5, 1.5), apply, fields, shape)
 
 
+@listed(VOCABULARY)
 def presliding_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """The amplitude is the presliding distance Coulomb / stiffness; without the effect the bristles are rigid."""
     shape = str(rng.choice(["lugre", "dahl"]))
@@ -198,15 +182,13 @@ def presliding_friction(rng: np.random.Generator, machine: Machine, motion: Moti
         plan["bristle"] = amplitude
         plan["bristle_damping"] = ratio * np.sqrt(level / amplitude * mass) if shape == "lugre" else 0.0
 
-    def parameters(a: float) -> Parameters:
-        return {"stiffness": (level / a, "V/m", None)}
-
     low = max(3.0 * machine.scalars["bristle"], 2 * machine.scalars["resolution"], 5e-7)  # below, it is sticking
-    return Hidden("presliding_friction", shape, 3 * low, low, 1e-3, apply, parameters)
+    return Hidden(3 * low, low, 1e-3, apply, lambda a: {"stiffness": (level / a, "V/m", None)}, shape, True)
 
 
+@listed(VOCABULARY)
 def position_dependent_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, level = _shape(rng, DRAWN), _sign(rng), machine.scalars["coulomb"]
+    shape, way = _shape(rng, DRAWN), sign(rng)
     nodes = np.array([0.0, *np.sort(rng.uniform(0.15, 0.85, int(rng.integers(1, 4)))), 1.0])
     heights = rng.uniform(-1.0, 1.0, len(nodes))
     heights = (heights - heights.mean()) / np.abs(heights - heights.mean()).max()
@@ -214,75 +196,57 @@ def position_dependent_friction(rng: np.random.Generator, machine: Machine, moti
 
     def extra(plan: Plan) -> np.ndarray:
         s = shares(plan, machine)
-        if shape == DRAWN:
-            return sign * profile(s)
-        return sign * np.interp(s, nodes, heights)
+        return way * (profile(s) if shape == DRAWN else np.interp(s, nodes, heights))
 
-    return Hidden(
-        "position_dependent_friction", shape, 0.05 * level, 1e-4 * level, 0.8 * level, add_map("coulomb", extra)
-    )
+    return Hidden(*sizes(machine.scalars["coulomb"], 0.05, 1e-4, 0.8), add_map("coulomb", extra), shape=shape)
 
 
+@listed(VOCABULARY)
 def quadratic_drag(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign = _shape(rng, "other_power"), float(rng.choice([-1, 1, 1, 1]))
+    shape, way = _shape(rng, "other_power"), float(rng.choice([-1, 1, 1, 1]))
     exponent = 2.0 if shape == "usual" else float(rng.choice([rng.uniform(1.6, 1.85), rng.uniform(2.2, 3.0)]))
     unit = machine.peak / machine.velocity**exponent
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["drag"] = sign * amplitude * unit
+        plan["drag"] = way * amplitude * unit
         plan["drag_exponent"] = exponent
 
-    return Hidden(
-        "quadratic_drag",
-        shape,
-        0.01,
-        1e-5,
-        0.4 if sign > 0 else 0.05,
-        apply,
-        lambda a: _one("coefficient", sign * a * unit, "V/(m/s)^2") if shape == "usual" else {},
-    )
+    def fields(a: float) -> Parameters:
+        return _one("coefficient", way * a * unit, "V/(m/s)^2")
+
+    return Hidden(0.01, 1e-5, 0.4 if way > 0 else 0.05, apply, fields, shape)
 
 
+@listed(VOCABULARY)
 def force_constant_ripple(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, phase, form = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), any_wave(rng)
     period = machine.pitch * float(rng.choice([1.0, 0.5, rng.uniform(0.6, 1.7)]))
-    return Hidden(
-        "force_constant_ripple",
-        shape,
-        5e-3,
-        1e-5,
-        0.3,
-        add_map("gain", lambda plan: wave(plan.positions, period, phase, form if shape == DRAWN else np.sin)),
-        lambda a: quadratures("period", period, "", phase, a) if shape == "usual" else {},
-    )
+    gain = add_map("gain", lambda plan: wave(plan.positions, period, phase, form if shape == DRAWN else np.sin))
+    return Hidden(5e-3, 1e-5, 0.3, gain, partial(quadratures, "period", period, "", phase), shape)
 
 
+@listed(VOCABULARY)
 def force_constant_drift(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, tau = _shape(rng, DRAWN), _sign(rng), rng.uniform(2.0, 8.0)
+    shape, way, tau = _shape(rng, DRAWN), sign(rng), rng.uniform(2.0, 8.0)
     rise = any_rise(rng)
 
     def change(plan: Plan) -> np.ndarray:
         t = times(plan)
-        if shape == DRAWN:
-            return sign * rise(t / t[-1])
-        return sign * (1 - np.exp(-t / tau))
+        return way * (rise(t / t[-1]) if shape == DRAWN else 1 - np.exp(-t / tau))
 
-    return Hidden(
-        "force_constant_drift",
-        shape,
-        5e-3,
-        1e-5,
-        0.3,
-        add_row("gain", change),
-        lambda a: {"change": (sign * a, "", None), "time_constant": (tau, "s", None)} if shape == "usual" else {},
-    )
+    def fields(a: float) -> Parameters:
+        return {"change": (way * a, "", None), "time_constant": (tau, "s", None)}
+
+    return Hidden(5e-3, 1e-5, 0.3, add_row("gain", change), fields, shape)
 
 
+@listed(VOCABULARY)
 def command_delay(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     high = min(6e-3, 0.25 / _bandwidth(machine))
-    return Hidden("command_delay", "usual", 3e-4, 2e-6, high, set_scalars("delay"), lambda a: _one("delay", a, "s"))
+    return Hidden(3e-4, 2e-6, high, set_scalars("delay"), lambda a: _one("delay", a, "s"))
 
 
+@listed(VOCABULARY)
 def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, ratio = _shape(rng, "two_lags", "second_order"), rng.uniform(0.3, 1.0)
     damping = rng.uniform(0.4, 0.95)
@@ -292,15 +256,8 @@ def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
         plan["second_lag"] = ratio * amplitude if shape == "two_lags" else 0.0
         plan["lag_damping"] = damping if shape == "second_order" else 0.0
 
-    return Hidden(
-        "actuator_lag",
-        shape,
-        5e-4,
-        5e-6,
-        min(8e-3, 0.3 / _bandwidth(machine)),
-        apply,
-        lambda a: _one("time_constant", a, "s") if shape == "usual" else {},
-    )
+    high = min(8e-3, 0.3 / _bandwidth(machine))
+    return Hidden(5e-4, 5e-6, high, apply, lambda a: _one("time_constant", a, "s"), shape)
 
 
 def _bandwidth(machine: Machine) -> float:
@@ -309,16 +266,12 @@ def _bandwidth(machine: Machine) -> float:
     return (s["kv"] if s["controller"] == truth.CASCADE else s["kd"]) / s["mass"]
 
 
-def largest_command(machine: Machine, motion: Motion) -> float:
-    """Largest command that a motion asks for, without control error."""
-    s = machine.scalars
-    inertia = s["mass"] * motion.acceleration + s["viscous"] * motion.velocity
-    return float(np.abs(inertia + s["coulomb"] * np.sign(motion.velocity)).max())
-
-
+@listed(VOCABULARY)
 def command_saturation(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """The amplitude is the share of the largest command of the motion that is cut; for a soft one, largest / limit."""
-    shape, full = _shape(rng, "one_sided", "soft", "knee"), largest_command(machine, motion)
+    shape, s = _shape(rng, "one_sided", "soft", "knee"), machine.scalars
+    inertia = s["mass"] * motion.acceleration + s["viscous"] * motion.velocity
+    full = float(np.abs(inertia + s["coulomb"] * np.sign(motion.velocity)).max())
     side, knee = str(rng.choice(["saturation_up", "saturation_down"])), rng.uniform(3.0, 12.0)
 
     def apply(plan: Plan, amplitude: float) -> None:
@@ -332,30 +285,17 @@ def command_saturation(rng: np.random.Generator, machine: Machine, motion: Motio
         else:
             plan["saturation_up"] = plan["saturation_down"] = limit
 
-    return Hidden(
-        "command_saturation",
-        shape,
-        0.2,
-        0.01,
-        0.7,
-        apply,
-        lambda a: {"limit": (full * (1.1 - a), "V", None)} if shape == "usual" else {},
-    )
+    return Hidden(0.2, 0.01, 0.7, apply, lambda a: {"limit": (full * (1.1 - a), "V", None)}, shape)
 
 
+@listed(VOCABULARY)
 def command_dead_zone(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, level = _shape(rng, "one_sided", "rounded"), machine.scalars["coulomb"]
-    return Hidden(
-        "command_dead_zone",
-        shape,
-        0.05 * level,
-        1e-5 * level,
-        0.15 * machine.peak,
-        set_scalars("dead_zone", dead_zone_shape=float(truth.DEAD_ZONES.index(shape))),
-        lambda a: {"width": (a, "V", None)} if shape == "usual" else {},
-    )
+    apply = set_scalars("dead_zone", dead_zone_shape=float(truth.DEAD_ZONES.index(shape)))
+    return Hidden(0.05 * level, 1e-5 * level, 0.15 * machine.peak, apply, lambda a: {"width": (a, "V", None)}, shape)
 
 
+@listed(VOCABULARY)
 def encoder_periodic_error(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, phase = _shape(rng, "triangular", "harmonics"), rng.uniform(0, 2 * np.pi)
     period, second, turn = log_uniform(rng, 5e-4, 0.03), rng.uniform(0.2, 0.6), rng.uniform(0, 2 * np.pi)
@@ -368,134 +308,62 @@ def encoder_periodic_error(rng: np.random.Generator, machine: Machine, motion: M
         plan["encoder_turn"] = turn
         plan["x_start"] -= amplitude * np.sin(2 * np.pi * plan["x_start"] / period + phase) * (shape == "usual")
 
-    return Hidden(
-        "encoder_periodic_error",
-        shape,
-        1e-6,
-        1e-8,
-        min(1e-4, period / 20),
-        apply,
-        lambda a: quadratures("period", period, "m", phase, a) if shape == "usual" else {},
-    )
+    high = min(1e-4, period / 20)
+    return Hidden(1e-6, 1e-8, high, apply, partial(quadratures, "period", period, "m", phase), shape)
 
 
+@listed(VOCABULARY)
 def encoder_scale_error(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """reading = x (1 + scale); the axis rests where its reading is the reference."""
-    sign = _sign(rng)
+    way = sign(rng)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["encoder_scale"] = sign * amplitude
-        plan["x_start"] /= 1 + sign * amplitude
+        plan["encoder_scale"] = way * amplitude
+        plan["x_start"] /= 1 + way * amplitude
 
-    return Hidden("encoder_scale_error", "usual", 1e-3, 1e-6, 0.03, apply, lambda a: _one("scale", sign * a, ""))
+    return Hidden(1e-3, 1e-6, 0.03, apply, lambda a: _one("scale", way * a, ""))
 
 
+@listed(VOCABULARY)
 def backlash(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     ratio = log_uniform(rng, 0.02, 0.5)
-    return Hidden(
-        "backlash",
-        "usual",
-        2e-5,
-        1e-6,
-        2e-3,
-        set_scalars("gap", coupling=truth.BACKLASH, load_ratio=ratio),
-        lambda a: {"gap": (a, "m", None), "mass_ratio": (ratio, "", None)},
-    )
+    apply = set_scalars("gap", coupling=truth.BACKLASH, load_ratio=ratio)
+    return Hidden(2e-5, 1e-6, 2e-3, apply, lambda a: {"gap": (a, "m", None), "mass_ratio": (ratio, "", None)})
 
 
+@listed(VOCABULARY)
 def flexible_mode(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, frequency = _shape(rng, "hardening"), log_uniform(rng, 15.0, min(150.0, machine.rate / 10))
     damping, hardness = log_uniform(rng, 0.01, 0.08), log_uniform(rng, 0.1, 1.0)
     deflection = machine.acceleration / (2 * np.pi * frequency) ** 2
-
-    return Hidden(
-        "flexible_mode",
-        shape,
-        0.02,
-        1e-4,
-        0.6,
-        set_scalars(
-            "load_ratio",
-            coupling=truth.FLEXIBLE,
-            mode_frequency=frequency,
-            mode_damping=damping,
-            hardening=hardness / deflection**2 if shape == "hardening" else 0.0,
-        ),
-        lambda a: (
-            {"frequency": (frequency, "Hz", None), "damping_ratio": (damping, "", None), "mass_ratio": (a, "", None)}
-            if shape == "usual"
-            else {}
-        ),
-    )
+    mode = {"coupling": truth.FLEXIBLE, "mode_frequency": frequency, "mode_damping": damping}
+    mode["hardening"] = hardness / deflection**2 if shape == "hardening" else 0.0
+    known = {"frequency": (frequency, "Hz", None), "damping_ratio": (damping, "", None)}
+    apply = set_scalars("load_ratio", **mode)
+    return Hidden(0.02, 1e-4, 0.6, apply, lambda a: known | {"mass_ratio": (a, "", None)}, shape)
 
 
+@listed(VOCABULARY)
 def disturbance_step(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, sign, peak = _shape(rng, DRAWN), _sign(rng), machine.peak
+    shape, way = _shape(rng, DRAWN), sign(rng)
     begin = rng.uniform(0.1, 0.6) * machine.duration
     end = begin + rng.uniform(0.1, 0.35) * machine.duration
     pulse = any_pulse(rng)
 
     def force(plan: Plan) -> np.ndarray:
         t = times(plan)
-        return sign * (pulse((t - begin) / (end - begin)) if shape == DRAWN else (t >= begin) & (t <= end))
+        return way * (pulse((t - begin) / (end - begin)) if shape == DRAWN else (t >= begin) & (t <= end))
 
-    def parameters(a: float) -> Parameters:
-        return {"force": (sign * a, "V", 1.0), "start": (begin, "s", None), "stop": (end, "s", None)}
+    def fields(a: float) -> Parameters:
+        return {"force": (way * a, "V", 1.0), "start": (begin, "s", None), "stop": (end, "s", None)}
 
-    return Hidden(
-        "disturbance_step",
-        shape,
-        2e-3 * peak,
-        1e-5 * peak,
-        0.5 * peak,
-        add_row("force", force),
-        lambda a: parameters(a) if shape == "usual" else {},
-    )
+    return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.5), add_row("force", force), fields, shape)
 
 
+@listed(VOCABULARY)
 def disturbance_tone(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, phase, peak = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), machine.peak
+    shape, phase = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi)
     frequency, form = log_uniform(rng, 2.0, min(120.0, machine.rate / 12)), any_wave(rng)
-    return Hidden(
-        "disturbance_tone",
-        shape,
-        2e-3 * peak,
-        1e-6 * peak,
-        0.3 * peak,
-        add_row("force", lambda plan: wave(times(plan), 1 / frequency, phase, form if shape == DRAWN else np.sin)),
-        lambda a: quadratures("frequency", frequency, "V", phase, a, "Hz") if shape == "usual" else {},
-    )
-
-
-#: Effects of the vocabulary that are scaled to a ratio; the three changes of nominal parameters are set in cases.py.
-#: `gravity` is hidden in the large alone, where axes turn.
-VOCABULARY: dict[str, Draw] = {
-    draw.__name__: draw
-    for draw in (
-        constant_force,
-        cable_spring,
-        end_effect,
-        local_force,
-        cogging_harmonic,
-        cogging_modulation,
-        coulomb_asymmetry,
-        viscous_asymmetry,
-        stribeck_friction,
-        presliding_friction,
-        position_dependent_friction,
-        quadratic_drag,
-        force_constant_ripple,
-        force_constant_drift,
-        command_delay,
-        actuator_lag,
-        command_saturation,
-        command_dead_zone,
-        encoder_periodic_error,
-        encoder_scale_error,
-        backlash,
-        flexible_mode,
-        disturbance_step,
-        disturbance_tone,
-    )
-}
-CHANGES = ("mass_change", "viscous_change", "coulomb_change")
+    push = add_row("force", lambda plan: wave(times(plan), 1 / frequency, phase, form if shape == DRAWN else np.sin))
+    fields = partial(quadratures, "frequency", frequency, "V", phase, key="Hz")
+    return Hidden(*sizes(machine.peak, 2e-3, 1e-6, 0.3), push, fields, shape)

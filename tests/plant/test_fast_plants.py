@@ -47,7 +47,7 @@ def check(seeds, fastest):
 
 
 #: Machines among which every effect that acts on the motion is in two at least.
-COVERING = (1, 6, 8, 9, 13, 16, 17, 20, 21, 37, 43, 53, 58, 59)
+COVERING = (0, 8, 14, 31, 46, 58, 68, 75, 82, 90, 99, 100, 115, 117)
 
 
 def test_random_plants_are_those_of_scipy():
@@ -62,7 +62,7 @@ def test_random_plants_are_those_of_scipy():
 
 def test_motors_that_stick_while_their_loads_ring_are_those_of_scipy():
     """The pull of the load is in the balance of the resting motor; it tears it loose again, some times in each run."""
-    seeds = (37, 156, 211)
+    seeds = (19, 79, 113)
     for seed in seeds:
         rests = draw(seed, 20.0).simulated()[:, 1] == 0.0
         assert np.count_nonzero(rests[1:] != rests[:-1]) >= 3

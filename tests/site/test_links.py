@@ -75,21 +75,3 @@ def test_what_a_page_loads_is_in_the_site(pages, site):
             assert target[0].is_file(), (path, link)
     for style in site.rglob("*.css"):
         assert not re.search(r"url\(\s*['\"]?(https?:)?//", style.read_text(encoding="utf-8")), style
-
-
-def test_the_pages_of_each_room_and_effect_are_there(pages, site):
-    from cogging.effects.effect import VOCABULARY
-
-    names = {str(path.relative_to(site)) for path in pages}
-    assert {f"_generated/effects/{name}.html" for name in VOCABULARY} <= names
-    assert {"index.html", "start.html", "how_to.html", "explanation.html", "effects.html", "gallery.html"} <= names
-    assert {"api.html", "evidence.html", "glossary.html"} <= names
-
-
-def test_every_public_name_is_told_once(pages, site):
-    import cogging
-
-    told = [place for path, page in pages.items() if "_generated/api" in path.as_posix() for place in page.places]
-    called = {name for name in cogging.__all__ if callable(getattr(cogging, name))}
-    assert {f"cogging.{name}" for name in called} <= set(told)
-    assert len(told) == len(set(told)) or not {name for name in called if told.count(f"cogging.{name}") > 1}
