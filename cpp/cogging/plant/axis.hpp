@@ -94,7 +94,6 @@ class Axis {
   }
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
-  const CoggingModel<Scalar>& cogging() const { return cogging_; }
 
   /// Whether a force law jumps at times.
   bool has_events() const { return !events_.empty(); }
@@ -121,20 +120,6 @@ class Axis {
   Scalar acceleration(const Scalar& position, const Scalar& velocity, const Scalar& drive, double time,
                       const Scalar& held = 0.0) const {
     return sliding(cogging_.force(position), position, velocity, direction_of_(velocity), drive, held, time);
-  }
-
-  /// Coulomb level with all that the effects add to it, V, before it is kept from pushing.
-  Scalar summed_friction_level(const Motion<Scalar>& motion) const {
-    Scalar level = parameters_.coulomb;
-    for_each_law(laws_, [&](const HasFrictionLevel<Scalar> auto& law) { level += law.friction_level(motion); });
-    return level;
-  }
-
-  /// What the effects add to the gain 1 of the command.
-  Scalar command_gain(const Scalar& position, double time) const {
-    Scalar gain = 0.0;
-    for_each_law(gains_, [&](const HasCommandGain<Scalar> auto& law) { gain += law.command_gain(position, time); });
-    return gain;
   }
 
   /// Moves the state on by h from `time` with the drive held: one classical Runge-Kutta step of fourth order where
@@ -221,7 +206,9 @@ class Axis {
 
   // The force constant's effects multiply what the amplifier puts out, `drive - held`.
   COGGING_NOINLINE Scalar amplify(Scalar drive, Scalar held, Scalar position, double time) const {
-    return drive + command_gain(position, time) * (drive - held);
+    Scalar gain = 0.0;
+    for_each_law(gains_, [&](const HasCommandGain<Scalar> auto& law) { gain += law.command_gain(position, time); });
+    return drive + gain * (drive - held);
   }
 
   template <class State>
