@@ -61,23 +61,17 @@ std::vector<double> net_forces(const Predictor& predictor, const std::vector<Pla
 }
 
 void bind_predictor(py::module_& module) {
-  py::class_<Prediction>(module, "Prediction", "A prediction along a log, with its slopes: what `propagate` needs.")
-      .def_property_readonly(
-          "innovation", [](const Prediction& p) { return to_array(std::vector(p.innovation)); },
-          "m, reading less what was foreseen")
-      .def_property_readonly(
-          "position", [](const Prediction& p) { return to_array(std::vector(p.position)); }, "m, corrected")
-      .def_property_readonly(
-          "velocity", [](const Prediction& p) { return to_array(std::vector(p.velocity)); }, "m/s, corrected")
-      .def_property_readonly(
-          "middle_position", [](const Prediction& p) { return to_array(std::vector(p.middle_position)); },
-          "m, half-way to the next row")
-      .def_property_readonly(
-          "middle_velocity", [](const Prediction& p) { return to_array(std::vector(p.middle_velocity)); },
-          "m/s, half-way to the next row")
-      .def_property_readonly(
-          "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
-          "1, or 0 where the axis sticks");
+  py::class_<Prediction> prediction(module, "Prediction",
+                                    "A prediction along a log, with its slopes: what `propagate` needs.");
+  const std::tuple<const char*, std::vector<double> Prediction::*, const char*> columns[] = {
+      {"innovation", &Prediction::innovation, "m, reading less what was foreseen"},
+      {"position", &Prediction::position, "m, corrected"},
+      {"velocity", &Prediction::velocity, "m/s, corrected"},
+      {"middle_position", &Prediction::middle_position, "m, half-way to the next row"},
+      {"middle_velocity", &Prediction::middle_velocity, "m/s, half-way to the next row"}};
+  for (const auto& [name, column, doc] : columns)
+    prediction.def_property_readonly(
+        name, [column](const Prediction& p) { return to_array(std::vector(p.*column)); }, doc);
 
   py::class_<Predictor>(module, "Predictor", R"(One step ahead along a log.
 

@@ -122,6 +122,13 @@ class Axis {
     return sliding(cogging_.force(position), position, velocity, direction_of_(velocity), drive, held, time);
   }
 
+  /// What the effects add to the gain 1 of the command.
+  Scalar command_gain(const Scalar& position, double time) const {
+    Scalar gain = 0.0;
+    for_each_law(gains_, [&](const HasCommandGain<Scalar> auto& law) { gain += law.command_gain(position, time); });
+    return gain;
+  }
+
   /// Moves the state on by h from `time` with the drive held: one classical Runge-Kutta step of fourth order where
   /// that is accurate (StepAccuracy), else as many as it takes. With coulomb_width = 0 the step is cut where the
   /// axis stops or breaks away, so that it sticks and slips exactly.
@@ -206,9 +213,7 @@ class Axis {
 
   // The force constant's effects multiply what the amplifier puts out, `drive - held`.
   COGGING_NOINLINE Scalar amplify(Scalar drive, Scalar held, Scalar position, double time) const {
-    Scalar gain = 0.0;
-    for_each_law(gains_, [&](const HasCommandGain<Scalar> auto& law) { gain += law.command_gain(position, time); });
-    return drive + gain * (drive - held);
+    return drive + command_gain(position, time) * (drive - held);
   }
 
   template <class State>
