@@ -79,12 +79,9 @@ template <>
 struct IndexOf<double> {
   using type = int;
 };
-/// Of a value below 2^31; 0 for one below 0 and for a NaN, which is no integer.
-inline int truncate_to_index(double value) {
-  return static_cast<int>(value > 0.0 ? value : 0.0);
-}
-inline int clamp_index(int value, int lower, int upper) {
-  return std::clamp(value, lower, upper);
+/// Of a value below 2^31, at most `last`; 0 for one below 0 and for a NaN, which is no integer.
+inline int truncate_to_index(double value, int last) {
+  return std::min(static_cast<int>(value > 0.0 ? value : 0.0), last);
 }
 inline double from_index(int value) {
   return static_cast<double>(value);

@@ -110,7 +110,7 @@ class BSpline {
   COGGING_INLINE Scalar locate(const Scalar& position, typename IndexOf<Scalar>::type& span) const {
     // Clamped before it becomes an integer: a position far outside must not overflow.
     const Scalar u = clamp((position - origin_) * inverse_pitch_, Scalar(0.0), Scalar(spans()));
-    span = clamp_index(truncate_to_index(u), 0, spans() - 1);
+    span = truncate_to_index(u, spans() - 1);
     return u - from_index(span);
   }
 

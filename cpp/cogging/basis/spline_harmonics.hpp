@@ -23,7 +23,7 @@ namespace cogging {
 /// are stored as in the paper: one row a control point, in it sine and cosine of each term in turn.
 class SplineHarmonics {
  public:
-  static constexpr int terms_max = 32, powers_max = 128;
+  static constexpr int terms_max = 32, powers_max = 128, terms_unrolled = 6;
   static constexpr double coefficients_max = 1e7;  // 80 MB of them, and far below what an index can count
 
   /// The k active control points and the 2n harmonic values at a position: S_r without its zeros. Behind the
@@ -203,12 +203,34 @@ class SplineHarmonics {
                                 const Scalar* coefficients) const {
 #if defined(__GNUC__)
     if constexpr (std::is_same_v<Scalar, double>) {  // sine and cosine of a term side by side, in the same order
-      const double* row = coefficients + first * columns();
+      const std::ptrdiff_t columns = this->columns();
+      const double *row_end = coefficients + (first + 1) * columns, *harmonic_end = harmonic + columns;
       Pair total{};
-      for (int q = 0; q < columns(); q += 2) {
-        Pair sum = weight[0] * pair_at(row + q);
-        for (int j = 1; j < order; ++j) sum += weight[j] * pair_at(row + j * columns() + q);
-        total += sum * pair_at(harmonic + q);
+      const auto add = [&](std::ptrdiff_t q) COGGING_INLINE_LAMBDA {
+        Pair sum = weight[0] * pair_at(row_end + q);
+        for (int j = 1; j < order; ++j) sum += weight[j] * pair_at(row_end + j * columns + q);
+        total += sum * pair_at(harmonic_end + q);
+      };
+      std::ptrdiff_t q = -columns;
+      for (; q < -2 * terms_unrolled; q += 2) add(q);
+      switch (q) {  // the last terms at places known to the compiler
+        case -12:
+          add(-12);
+          [[fallthrough]];
+        case -10:
+          add(-10);
+          [[fallthrough]];
+        case -8:
+          add(-8);
+          [[fallthrough]];
+        case -6:
+          add(-6);
+          [[fallthrough]];
+        case -4:
+          add(-4);
+          [[fallthrough]];
+        default:
+          add(-2);
       }
       return total[0] + total[1];
     }
