@@ -95,7 +95,7 @@ COGGING_INLINE void turn(int quadrant, double& sine, double& cosine) {
 }
 
 /// From a million radians on. Beyond 1e12, where an angle and the next number lie 1e-4 rad apart, the library answers.
-inline void sin_cos_of_large(double angle, double& sine, double& cosine) {
+COGGING_COLD inline void sin_cos_of_large(double angle, double& sine, double& cosine) {
   if (!(std::abs(angle) < 1e12)) {
     sine = std::sin(angle);
     cosine = std::cos(angle);
@@ -113,7 +113,12 @@ inline void sin_cos_of_large(double angle, double& sine, double& cosine) {
 
 /// Sine and cosine of an angle (rad).
 COGGING_INLINE void sin_cos(double angle, double& sine, double& cosine) {
-  if (!(std::abs(angle) < 1e6)) return elementary::sin_cos_of_large(angle, sine, cosine);
+  if (!(std::abs(angle) < 1e6)) [[unlikely]] {
+    double s, c;  // those of the caller would have to leave their registers
+    elementary::sin_cos_of_large(angle, s, c);
+    sine = s, cosine = c;
+    return;
+  }
   const double turns = (angle * elementary::two_over_pi + elementary::round_shift) - elementary::round_shift;
   elementary::quarter_sin_cos(angle, turns, sine, cosine);
   elementary::turn(static_cast<int>(turns) & 3, sine, cosine);

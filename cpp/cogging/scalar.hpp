@@ -4,13 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "cogging/elementary.hpp"
 
 namespace cogging {
 
-using std::abs, std::round;
+using std::abs;
+
+/// To the nearest whole number, halves away from zero, as std::round, which is a call without SSE4.1.
+inline double round(double value) {
+  if (!(std::abs(value) < 0x1p52)) return value;
+  const double below_half = 0.49999999999999994;  // what lies just below a half must not be lifted over it
+  return std::copysign(static_cast<double>(static_cast<std::int64_t>(value + std::copysign(below_half, value))), value);
+}
 
 inline double select(bool condition, double if_true, double if_false) {
   return condition ? if_true : if_false;

@@ -125,7 +125,8 @@ class BSpline {
       Scalar saved = 0.0;
       for (int r = 0; r < d; ++r) {
         const Scalar part = weight[r] * reciprocal[d];
-        weight[r] = saved + (double(r + 1) - t) * part;
+        const Scalar falling = (double(r + 1) - t) * part;
+        weight[r] = r == 0 ? falling : saved + falling;
         saved = (t + double(d - r - 1)) * part;
       }
       weight[d] = saved;

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cogging/basis/b_spline.hpp"
@@ -100,13 +101,13 @@ class SplineHarmonics {
     return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA { return value(order, active, coefficients); });
   }
 
-  /// In one go: the weights of the control points then stay in registers.
+  /// In one go, the harmonics first: the weights of the control points then stay in registers.
   template <class Scalar>
   COGGING_INLINE Scalar value(const Scalar& position, const Scalar* coefficients) const {
     return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
       Active<Scalar> active;
-      spline_.evaluate(order, position, active.spline);
       evaluate_harmonics(position, active.harmonic);
+      spline_.evaluate(order, position, active.spline);
       return value(order, active, coefficients);
     });
   }
@@ -213,25 +214,9 @@ class SplineHarmonics {
       };
       std::ptrdiff_t q = -columns;
       for (; q < -2 * terms_unrolled; q += 2) add(q);
-      switch (q) {  // the last terms at places known to the compiler
-        case -12:
-          add(-12);
-          [[fallthrough]];
-        case -10:
-          add(-10);
-          [[fallthrough]];
-        case -8:
-          add(-8);
-          [[fallthrough]];
-        case -6:
-          add(-6);
-          [[fallthrough]];
-        case -4:
-          add(-4);
-          [[fallthrough]];
-        default:
-          add(-2);
-      }
+      [&]<int... i>(std::integer_sequence<int, i...>) COGGING_INLINE_LAMBDA {  // the last at places that do not change
+        ((q <= 2 * (i - terms_unrolled) ? add(2 * (i - terms_unrolled)) : void()), ...);
+      }(std::make_integer_sequence<int, terms_unrolled>());
       return total[0] + total[1];
     }
 #endif
