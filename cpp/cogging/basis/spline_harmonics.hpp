@@ -104,14 +104,12 @@ class SplineHarmonics {
   /// In one go, the harmonics first: the weights of the control points then stay in registers.
   template <class Scalar>
   COGGING_INLINE Scalar value(const Scalar& position, const Scalar* coefficients) const {
-    switch (spline_.order()) {
-      case 1:
-        return value_at(std::integral_constant<int, 1>{}, position, coefficients);
-      case 3:
-        return value_at(std::integral_constant<int, 3>{}, position, coefficients);
-      default:
-        return value_of_rare_order(position, coefficients);
-    }
+    return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
+      Active<Scalar> active;
+      evaluate_harmonics(position, active.harmonic);
+      spline_.evaluate(order, position, active.spline);
+      return value(order, active, coefficients);
+    });
   }
 
   /// Adds `step` times S_r(x) to the coefficients, each kept within the bounds.
@@ -171,21 +169,6 @@ class SplineHarmonics {
   struct Product {
     std::ptrdiff_t factor, place;  // columns: the power at `place` is the last one plus the one at `factor`
   };
-
-  template <class Order, class Scalar>
-  COGGING_INLINE Scalar value_at(Order order, const Scalar& position, const Scalar* coefficients) const {
-    Active<Scalar> active;
-    evaluate_harmonics(position, active.harmonic);
-    spline_.evaluate(order, position, active.spline);
-    return value(order, active, coefficients);
-  }
-
-  // Out of line: in each of the four stages of a step they would take half of the compiler's time.
-  template <class Scalar>
-  COGGING_NOINLINE Scalar value_of_rare_order(Scalar position, const Scalar* coefficients) const {
-    return spline_.with_order([&](auto order)
-                                  COGGING_INLINE_LAMBDA { return value_at(order, position, coefficients); });
-  }
 
   template <class Order, class Scalar>
   COGGING_INLINE Scalar value(Order order, const Active<Scalar>& active, const Scalar* coefficients) const {
