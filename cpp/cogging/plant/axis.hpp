@@ -156,19 +156,6 @@ class Axis {
     return move(state, drive, time, 0.0, h);
   }
 
-  /// What `advance` does where one step errs more than it may.
-  COGGING_NOINLINE void advance_in_parts(AxisState<double>& state, const Drive<double>& drive, double time,
-                                         double h) const
-    requires std::same_as<Scalar, double>
-  {
-    advance_in_pieces(
-        state, time, 0.0, h, 0.5 * h,
-        [&](AxisState<double>& at, double offset, double length) {
-          return move(at, drive, time, offset, length) <= 0.0;
-        },
-        [](const AxisState<double>& at) { return std::isfinite(at.velocity); });
-  }
-
   /// Takes steps as they are given, whatever they err by.
   void leave_steps() { accuracy_.leave_steps(); }
 
@@ -252,6 +239,19 @@ class Axis {
       BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
     else
       StickSlip(*this, drive, time, 0.0, h).advance(state);
+  }
+
+  // Where one step errs more than it may.
+  COGGING_NOINLINE void advance_in_parts(AxisState<double>& state, const Drive<double>& drive, double time,
+                                         double h) const
+    requires std::same_as<Scalar, double>
+  {
+    advance_in_pieces(
+        state, time, 0.0, h, 0.5 * h,
+        [&](AxisState<double>& at, double offset, double length) {
+          return move(at, drive, time, offset, length) <= 0.0;
+        },
+        [](const AxisState<double>& at) { return std::isfinite(at.velocity); });
   }
 
   // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.

@@ -94,7 +94,7 @@ class AxesInLanes {
         one.speed_max = lane(start.speed_max, i);
         const Drive<double> driven{lane(drive.target, i), lane(drive.deviation, i), lane(drive.rate, i),
                                    lane(drive.force, i), drive.lagging};
-        alone_[i].advance_in_parts(one, driven, time, h);
+        alone_[i].advance(one, driven, time, h);
         set_lane(state.position, i, one.position);
         set_lane(state.velocity, i, one.velocity);
       });
