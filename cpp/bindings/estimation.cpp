@@ -60,45 +60,18 @@ std::vector<double> net_forces(const Predictor& predictor, const std::vector<Pla
   return values;
 }
 
-// What is looked at lives as long. py::keep_alive would do it for a result, but ends the process where an argument has
-// the wrong type (pybind11 3.1 runs it on the mark of a failed conversion, too).
-struct BoundPlantAlong {
-  py::object predictor, prediction;
-  std::unique_ptr<PlantAlong> plant;
-};
-
 void bind_predictor(py::module_& module) {
-  py::class_<Prediction>(module, "Prediction", "A prediction along a log, with its slopes: what `propagate` needs.")
-      .def_property_readonly(
-          "innovation", [](const Prediction& p) { return to_array(std::vector(p.innovation)); },
-          "m, reading less what was foreseen")
-      .def_property_readonly(
-          "position", [](const Prediction& p) { return to_array(std::vector(p.position)); }, "m, corrected")
-      .def_property_readonly(
-          "velocity", [](const Prediction& p) { return to_array(std::vector(p.velocity)); }, "m/s, corrected")
-      .def_property_readonly(
-          "middle_position", [](const Prediction& p) { return to_array(std::vector(p.middle_position)); },
-          "m, half-way to the next row")
-      .def_property_readonly(
-          "middle_velocity", [](const Prediction& p) { return to_array(std::vector(p.middle_velocity)); },
-          "m/s, half-way to the next row")
-      .def_property_readonly(
-          "moving", [](const Prediction& p) { return to_array(std::vector(p.moving)); },
-          "1, or 0 where the axis sticks");
-
-  py::class_<BoundPlantAlong>(module, "PlantAlong",
-                              R"(A plant along its prediction on a log, to which effects are added.
-
-What all effects need of the plant is worked out once, when the first asks for it.)")
-      .def(
-          "added",
-          [](const BoundPlantAlong& self, const std::vector<Effect<>>& effects, const std::vector<double>& sizes,
-             unsigned threads) {
-            std::vector<double> rows =
-                without_gil([&](StopRequest* stop) { return self.plant->added(effects, sizes, threads, stop); });
-            return to_array(std::move(rows), {py::ssize_t(effects.size()), py::ssize_t(self.plant->rows())});
-          },
-          py::arg("effects"), py::arg("sizes"), py::kw_only(), py::arg("threads") = 0, "As Predictor.added.");
+  py::class_<Prediction> prediction(module, "Prediction",
+                                    "A prediction along a log, with its slopes: what `propagate` needs.");
+  const std::tuple<const char*, std::vector<double> Prediction::*, const char*> columns[] = {
+      {"innovation", &Prediction::innovation, "m, reading less what was foreseen"},
+      {"position", &Prediction::position, "m, corrected"},
+      {"velocity", &Prediction::velocity, "m/s, corrected"},
+      {"middle_position", &Prediction::middle_position, "m, half-way to the next row"},
+      {"middle_velocity", &Prediction::middle_velocity, "m/s, half-way to the next row"}};
+  for (const auto& [name, column, doc] : columns)
+    prediction.def_property_readonly(
+        name, [column](const Prediction& p) { return to_array(std::vector(p.*column)); }, doc);
 
   py::class_<Predictor>(module, "Predictor", R"(One step ahead along a log.
 
@@ -159,53 +132,7 @@ Raises:
           },
           py::arg("along"), py::arg("mass"), py::arg("forces"), py::arg("reading_errors") = py::none(), py::kw_only(),
           py::arg("threads") = 0,
-          R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)")
-      .def_static(
-          "is_addable", &is_addable, py::arg("plant"), py::arg("effect"),
-          "Whether `added` can tell what an effect would add to a plant: no bristle, no error of the reading, no "
-          "memory "
-          "of its own beside a bristle or a load, and under friction no heavy load that rings long or has play.")
-      .def(
-          "added",
-          [](const Predictor& self, const Prediction& along, const Plant<>& plant, const std::vector<Effect<>>& effects,
-             const std::vector<double>& sizes, unsigned threads) {
-            return rows_of(self, effects.size(), [&](StopRequest* stop) {
-              return self.plant_along(along, plant)->added(effects, sizes, threads, stop);
-            });
-          },
-          py::arg("along"), py::arg("plant"), py::arg("effects"), py::arg("sizes"), py::kw_only(),
-          py::arg("threads") = 0,
-          R"(What each effect would add to the innovations of a plant (m, (p, n)) per size of it, to first order.
-
-Its own law is evaluated along the prediction of the plant and passed through the observer's loop: forces, friction
-levels and gains; the difference that a shape, a delay or a lag makes to the command that acts, with where in each
-interval it does; a load of its own by the deflection that the plant's net force causes.
-
-Args:
-    along: prediction of `plant` on this log.
-    plant: what the effects join, one at a time.
-    effects: p of them.
-    sizes: what each row is divided by, (p,), above 0.
-
-Raises:
-    ValueError: an effect that is not addable (see is_addable) or not valid; sizes that are not one an effect.)")
-      .def(
-          "plant_along",
-          [](const Predictor& self, const Prediction& along, const Plant<>& plant) {
-            const auto look_at = [](const auto& one) { return py::cast(&one, py::return_value_policy::reference); };
-            return BoundPlantAlong{look_at(self), look_at(along), self.plant_along(along, plant)};
-          },
-          py::arg("along"), py::arg("plant"), "A plant along its prediction on this log, for many calls of `added`.")
-      .def(
-          "propagate_transposed",
-          [](const Predictor& self, const Prediction& along, double mass, const Array& weight) {
-            Adjoint adjoint = without_gil(
-                [&](StopRequest* stop) { return self.propagate_transposed(along, mass, view(weight), stop); });
-            return std::pair(to_array(std::move(adjoint.force)), to_array(std::move(adjoint.reading)));
-          },
-          py::arg("along"), py::arg("mass"), py::arg("weight"),
-          "The transpose of propagate: by how much forces (n,) and errors of the reading (n,) move sum(weight "
-          "innovation).");
+          R"(What small forces (V, (p, n)) and errors of the reading (m, (p, n)) add to the innovations (m, (p, n)).)");
 }
 
 void bind_whitening(py::module_& module) {

@@ -94,7 +94,6 @@ Raises:
             return arrays;
           },
           "The columns, (n,) each, in the order of `wanted`; the reader is empty afterwards and may read on.");
-  module.attr("NumberReader").attr("LINE_MAX") = NumberReader::line_max;  // bytes of the longest line that is read
 
   module.def(
       "format_rows",

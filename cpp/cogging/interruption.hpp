@@ -45,13 +45,6 @@ class StopCheck {
     left_ = together_;
   }
 
-  /// In place of row(), for rows so quick that a countdown would be felt: asks, and gives the row before which to ask
-  /// again, `end` at most. Throws Interrupted.
-  std::size_t rows_until(std::size_t first, std::size_t end) {
-    ask();
-    return std::min(end, first + static_cast<std::size_t>(together_));
-  }
-
  private:
   static constexpr int most_together = 1024;
   static constexpr std::chrono::milliseconds slow{5};

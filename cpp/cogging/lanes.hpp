@@ -198,16 +198,10 @@ struct IndexOf<Lanes<count>> {
   using type = LaneIndex<count>;
 };
 template <std::size_t count>
-COGGING_INLINE LaneIndex<count> truncate_to_index(const Lanes<count>& value) {
-  const Lanes<count> positive = select(value > 0.0, value, Lanes<count>(0.0));
-  LaneIndex<count> result{positive, false};
-  for (std::size_t p = 0; p < positive.parts; ++p)
-    result.whole.part[p] = Register<positive.width>::trunc(positive.part[p]);
-  return result;
-}
-template <std::size_t count>
-COGGING_INLINE LaneIndex<count> clamp_index(const LaneIndex<count>& value, int lower, int upper) {
-  const Lanes<count> whole = clamp(value.whole, Lanes<count>(lower), Lanes<count>(upper));
+COGGING_INLINE LaneIndex<count> truncate_to_index(const Lanes<count>& value, int last) {
+  Lanes<count> whole = select(value > 0.0, value, Lanes<count>(0.0));
+  for (auto& part : whole.part) part = Register<whole.width>::trunc(part);
+  whole = smaller(whole, Lanes<count>(last));
   return {whole, all(whole == Lanes<count>(whole[0]))};
 }
 template <std::size_t count>

@@ -4,13 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "cogging/elementary.hpp"
 
 namespace cogging {
 
-using std::abs, std::round;
+using std::abs;
+
+/// To the nearest whole number, halves away from zero, as std::round, which is a call without SSE4.1.
+inline double round(double value) {
+  if (!(std::abs(value) < 0x1p52)) return value;
+  const double below_half = 0.49999999999999994;  // what lies just below a half must not be lifted over it
+  return std::copysign(static_cast<double>(static_cast<std::int64_t>(value + std::copysign(below_half, value))), value);
+}
 
 inline double select(bool condition, double if_true, double if_false) {
   return condition ? if_true : if_false;
@@ -79,12 +87,9 @@ template <>
 struct IndexOf<double> {
   using type = int;
 };
-/// Of a value below 2^31; 0 for one below 0 and for a NaN, which is no integer.
-inline int truncate_to_index(double value) {
-  return static_cast<int>(value > 0.0 ? value : 0.0);
-}
-inline int clamp_index(int value, int lower, int upper) {
-  return std::clamp(value, lower, upper);
+/// Of a value below 2^31, at most `last`; 0 for one below 0 and for a NaN, which is no integer.
+inline int truncate_to_index(double value, int last) {
+  return std::min(static_cast<int>(value > 0.0 ? value : 0.0), last);
 }
 inline double from_index(int value) {
   return static_cast<double>(value);

@@ -118,9 +118,6 @@ def batches():
         "innovations": lambda n: predictor.innovations([plant] * 1500, threads=n),
         "net_force": lambda n: predictor.net_force([plant] * 1500, middle, middle, threads=n),
         "propagate": lambda n: predictor.propagate(along, 1.0, forces, threads=n),
-        "added": lambda n: predictor.added(
-            along, plant, [cogging.EFFECTS["constant_force"](force=0.1)] * 1500, [1.0] * 1500, threads=n
-        ),
         "whiten": lambda n: _core.whiten(forces, [0.5], threads=n),
     }
 

@@ -37,22 +37,6 @@ def test_pickles_of_every_protocol():
             assert copy.deepcopy(value) == value
 
 
-def test_a_plant_along_a_prediction_lives_as_long_as_it_is_held():
-    time = np.linspace(0.0, 0.1, 200)
-    plant = POOL["Plant"]
-    effect, sizes = [cogging.effects.CableSpring(stiffness=1.0)], [1.0]
-
-    def made():
-        predictor = cogging._core.Predictor(time, 0.1 * time, time)
-        return predictor.plant_along(predictor.predict(plant), plant)
-
-    held = [made() for _ in range(20)]  # each of its own predictor, which nothing else holds
-    first = held[0].added(effect, sizes)
-    assert np.abs(first).max() > 0.0
-    for one in held[1:]:
-        np.testing.assert_array_equal(one.added(effect, sizes), first)
-
-
 @pytest.mark.parametrize(
     ("kind", "fields", "line"),
     [

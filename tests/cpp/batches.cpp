@@ -330,32 +330,21 @@ void jobs_that_throw() {
   }
 }
 
-// Predictions along one log: plants, small forces, and effects added to one prediction, which several callers ask.
+// Predictions along one log: plants and small forces.
 class Predictions {
  public:
   explicit Predictions(const std::vector<Run>& runs)
       : log_(logged(runs[0])), predictor_(log_.time, log_.position, log_.command) {
     for (std::size_t i = 0; i <= width; ++i) plants_.push_back(runs[i].plant);  // the next is pushed
-    for (std::size_t i = 0; i < plants_.size(); ++i) {
-      CableSpring<double> spring;
-      spring.stiffness = 0.1 + 0.1 * static_cast<double>(i);
-      added_.emplace_back(spring);
-      added_.emplace_back(FlexibleMode<double>{60.0 + 5.0 * static_cast<double>(i), 0.02, 0.1});
-      added_.emplace_back(Backlash<double>{1e-5, 0.1});
-    }
-    sizes_.assign(added_.size(), 0.5);
-    plain_.axis = runs[0].plant.axis;
-    plain_.axis.coulomb = 0.0;  // where dry friction decides, a load is no small addition
-    along_ = predictor_.predict(plain_);
+    along_ = predictor_.predict(plants_[0]);
   }
 
   Bits on(unsigned threads) const {
     Bits bits;
     add_bits(bits, predictor_.innovations(plants_, threads));
     std::vector<double> forces;
-    for (int i = 0; i < 20; ++i) forces.insert(forces.end(), log_.command.begin(), log_.command.end());
-    add_bits(bits, predictor_.propagate(along_, plain_.axis.mass, 20, forces, {}, threads));
-    add_bits(bits, predictor_.plant_along(along_, plain_)->added(added_, sizes_, threads));
+    for (int i = 0; i < 21; ++i) forces.insert(forces.end(), log_.command.begin(), log_.command.end());
+    add_bits(bits, predictor_.propagate(along_, plants_[0].axis.mass, 21, forces, {}, threads));
     return bits;
   }
 
@@ -364,13 +353,6 @@ class Predictions {
     check::holds(expected.size() > 1000, "predictions of no rows");
     for (const unsigned threads : counts)
       check::holds(on(threads) == expected, std::to_string(threads) + " threads: other predictions");
-    const auto along = predictor_.plant_along(along_, plain_);  // makes what all need when it is first asked
-    const std::vector<double> one = predictor_.plant_along(along_, plain_)->added(added_, sizes_, 1);
-    std::array<std::vector<double>, 4> found;
-    std::vector<std::thread> callers;
-    for (auto& answer : found) callers.emplace_back([&] { answer = along->added(added_, sizes_, 2); });
-    for (std::thread& caller : callers) caller.join();
-    for (const auto& answer : found) check::holds(answer == one, "one prediction asked at once: other bits");
   }
 
  private:
@@ -384,9 +366,6 @@ class Predictions {
   Log<> log_;
   Predictor predictor_;
   std::vector<Plant<>> plants_;
-  std::vector<Effect<>> added_;
-  std::vector<double> sizes_;
-  Plant<> plain_;
   Prediction along_;
 };
 

@@ -139,6 +139,84 @@ def test_the_observer_starts_anew_after_a_gap(columns):
     assert found == pytest.approx(expected, abs=1e-12)
 
 
+def test_propagate_is_the_derivative_of_the_innovations(columns):
+    time, position, command = columns
+    spring = EFFECTS["cable_spring"](stiffness=40.0)
+    options = {"bandwidth": BANDWIDTH, "initial_velocity": 0.9, "steps_per_sample": 4}
+
+    def innovations(force, read=position):
+        model = Model(axis=AXIS, effects=(spring, EFFECTS["constant_force"](force=force)))
+        return Predictor(time, read, command, **options).innovations([model.plant()])[0]
+
+    predictor = Predictor(time, position, command, **options)
+    along = predictor.predict(Model(axis=AXIS, effects=(spring,)).plant())
+    sizes = np.array([1.0, 2.0, 0.5, -1.0, 4.0, 8.0])  # powers of two: a row has the bits that it has alone
+    table = predictor.propagate(along, 0.7, sizes[:, None] * np.ones((1, 400)))
+    np.testing.assert_array_equal(table, sizes[:, None] * table[0])
+    one = table[0]
+    difference = (innovations(1e-3) - innovations(-1e-3)) / 2e-3
+    assert one == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
+    error = 1e-6 * np.sin(200.0 * time)
+    read = predictor.propagate(along, 0.7, np.zeros((1, 400)), error[None, :])[0]
+    difference = innovations(0.0, position - error) - innovations(0.0)
+    assert read == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
+
+
+def mean_of_strikes(log, axis, loads):
+    """Mean innovations (m) of motor and load, a trajectory for each load: Runge-Kutta of both masses by hand."""
+    ratio, gap = loads[0].mass_ratio, np.array([load.gap for load in loads])
+    motor, mass = axis.mass * (1.0 - ratio), axis.mass * ratio
+    reduced, w = motor * ratio, 2.0 * np.pi * loads[0].contact_frequency
+    stiffness, damping = w**2 * reduced, 2.0 * loads[0].contact_damping_ratio * w * reduced
+
+    def slope(state, command):
+        _, v, q, r = state
+        spring = stiffness * np.maximum(np.abs(q) - 0.5 * gap, 0.0) * np.sign(q)
+        pull = spring + np.clip(damping * r, -np.abs(spring), np.abs(spring))
+        friction = axis.viscous * v + axis.coulomb * 2.0 / np.pi * np.arctan(v / axis.coulomb_width)
+        a = (command - friction + pull) / motor
+        return np.array([v, a, r, -pull / mass - a])
+
+    h, pieces = log.time[1] - log.time[0], 16
+    pole = np.exp(-2.0 * np.pi * BANDWIDTH * h)
+    gains = np.array([[1.0 - pole**2], [(1.0 - pole) ** 2 / h]])
+    state, innovations, d = np.zeros((4, len(loads))), [np.zeros(len(loads))], h / pieces
+    state[0] = log.position[0]
+    for u, reading in zip(log.command[:-1], log.position[1:], strict=True):
+        for _ in range(pieces):
+            one = slope(state, u)
+            two = slope(state + 0.5 * d * one, u)
+            three = slope(state + 0.5 * d * two, u)
+            state = state + d / 6.0 * (one + 2.0 * two + 2.0 * three + slope(state + d * three, u))
+        innovations.append(reading - state[0])
+        state[:2] += gains * innovations[-1]
+    return np.mean(innovations, axis=1)
+
+
+@pytest.mark.parametrize(("mass_ratio", "gap"), [(0.05, 2e-4), (0.4, 1e-4)])
+def test_a_loose_load_does_on_average_what_single_trajectories_do(mass_ratio, gap):
+    axis = AxisParameters(mass=0.8, viscous=3.0, coulomb=1.0, coulomb_width=0.002)
+    controller = cogging.PidParameters(sample_rate=2000.0, kp=4000.0, kd=60.0)
+    time = np.arange(601) / 2000.0
+    motion = cogging.Sampled(time, 0.1 * np.sin(6.0 * time), None, None)
+    shake = 0.3 * np.random.default_rng(1).normal(size=len(time))
+    machine = Model(axis=axis, controller=controller, controller_type="pid")
+    log = cogging.simulate(machine, motion, duration=0.3, added_command=shake)
+
+    def plant(**fields):
+        return Model(axis=axis, effects=(EFFECTS["backlash"](**fields),)).plant()
+
+    predictor = Predictor(log.time, log.position, log.command, bandwidth=BANDWIDTH)
+    loads = [EFFECTS["backlash"](gap=share * gap, mass_ratio=mass_ratio) for share in (0.7, 0.85, 1.0, 1.15, 1.3)]
+    expected = mean_of_strikes(log, axis, loads)
+    loose = plant(gap=gap, mass_ratio=mass_ratio)
+    rigid, found, none = predictor.innovations([Model(axis=axis).plant(), loose, plant(gap=gap)])
+    assert np.linalg.norm(expected - rigid) > 1e-6
+    assert np.linalg.norm(found - expected) < 0.04 * np.linalg.norm(expected - rigid)
+    np.testing.assert_array_equal(predictor.predict(loose).innovation, found)
+    np.testing.assert_array_equal(none, rigid)
+
+
 def test_invalid_columns_are_refused(columns):
     time, position, command = columns
     unstable = Model(axis=AxisParameters(mass=1.0), effects=(EFFECTS["cable_spring"](stiffness=-1e9),))

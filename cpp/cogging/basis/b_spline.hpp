@@ -110,7 +110,7 @@ class BSpline {
   COGGING_INLINE Scalar locate(const Scalar& position, typename IndexOf<Scalar>::type& span) const {
     // Clamped before it becomes an integer: a position far outside must not overflow.
     const Scalar u = clamp((position - origin_) * inverse_pitch_, Scalar(0.0), Scalar(spans()));
-    span = clamp_index(truncate_to_index(u), 0, spans() - 1);
+    span = truncate_to_index(u, spans() - 1);
     return u - from_index(span);
   }
 
@@ -125,7 +125,8 @@ class BSpline {
       Scalar saved = 0.0;
       for (int r = 0; r < d; ++r) {
         const Scalar part = weight[r] * reciprocal[d];
-        weight[r] = saved + (double(r + 1) - t) * part;
+        const Scalar falling = (double(r + 1) - t) * part;
+        weight[r] = r == 0 ? falling : saved + falling;
         saved = (t + double(d - r - 1)) * part;
       }
       weight[d] = saved;

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cogging/basis/b_spline.hpp"
@@ -23,7 +24,7 @@ namespace cogging {
 /// are stored as in the paper: one row a control point, in it sine and cosine of each term in turn.
 class SplineHarmonics {
  public:
-  static constexpr int terms_max = 32, powers_max = 128;
+  static constexpr int terms_max = 32, powers_max = 128, terms_unrolled = 6;
   static constexpr double coefficients_max = 1e7;  // 80 MB of them, and far below what an index can count
 
   /// The k active control points and the 2n harmonic values at a position: S_r without its zeros. Behind the
@@ -100,13 +101,13 @@ class SplineHarmonics {
     return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA { return value(order, active, coefficients); });
   }
 
-  /// In one go: the weights of the control points then stay in registers.
+  /// In one go, the harmonics first: the weights of the control points then stay in registers.
   template <class Scalar>
   COGGING_INLINE Scalar value(const Scalar& position, const Scalar* coefficients) const {
     return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
       Active<Scalar> active;
-      spline_.evaluate(order, position, active.spline);
       evaluate_harmonics(position, active.harmonic);
+      spline_.evaluate(order, position, active.spline);
       return value(order, active, coefficients);
     });
   }
@@ -203,13 +204,19 @@ class SplineHarmonics {
                                 const Scalar* coefficients) const {
 #if defined(__GNUC__)
     if constexpr (std::is_same_v<Scalar, double>) {  // sine and cosine of a term side by side, in the same order
-      const double* row = coefficients + first * columns();
+      const std::ptrdiff_t columns = this->columns();
+      const double *row_end = coefficients + (first + 1) * columns, *harmonic_end = harmonic + columns;
       Pair total{};
-      for (int q = 0; q < columns(); q += 2) {
-        Pair sum = weight[0] * pair_at(row + q);
-        for (int j = 1; j < order; ++j) sum += weight[j] * pair_at(row + j * columns() + q);
-        total += sum * pair_at(harmonic + q);
-      }
+      const auto add = [&](std::ptrdiff_t q) COGGING_INLINE_LAMBDA {
+        Pair sum = weight[0] * pair_at(row_end + q);
+        for (int j = 1; j < order; ++j) sum += weight[j] * pair_at(row_end + j * columns + q);
+        total += sum * pair_at(harmonic_end + q);
+      };
+      std::ptrdiff_t q = -columns;
+      for (; q < -2 * terms_unrolled; q += 2) add(q);
+      [&]<int... i>(std::integer_sequence<int, i...>) COGGING_INLINE_LAMBDA {  // the last at places that do not change
+        ((q <= 2 * (i - terms_unrolled) ? add(2 * (i - terms_unrolled)) : void()), ...);
+      }(std::make_integer_sequence<int, terms_unrolled>());
       return total[0] + total[1];
     }
 #endif

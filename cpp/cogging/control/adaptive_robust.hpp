@@ -191,7 +191,6 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
   double command_limit() const { return parameters_.command_limit; }
   /// mass, viscous, coulomb, d_n, then A_r one control point after the other.
   std::span<const Scalar> estimates() const { return estimates_; }
-  const Scalar& sliding_variable() const { return p_; }
   const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {

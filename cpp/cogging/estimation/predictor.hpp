@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "cogging/estimation/added_effect.hpp"
 #include "cogging/estimation/expected_prediction.hpp"
 #include "cogging/estimation/observer_loop.hpp"
 #include "cogging/estimation/prediction.hpp"
@@ -20,7 +18,7 @@ namespace cogging {
 /// One step ahead along a log: a plant is driven by the recorded command and held to the recorded position by an
 /// observer; the innovation (m) is what the plant did not foresee.
 ///
-/// Tables have one row for each plant, force or effect and one entry a row of the log. Each call may be given a stop
+/// Tables have one row for each plant or force and one entry a row of the log. Each call may be given a stop
 /// request; it then throws Interrupted where that asks for it. `threads` as in run_batch.
 class Predictor {
  public:
@@ -77,22 +75,8 @@ class Predictor {
     require(reading_errors.empty() || reading_errors.size() == forces.size(), "reading_errors",
             "must have the shape of forces", static_cast<double>(reading_errors.size()));
     require_positive("mass", mass);
-    const ObserverLoop loop(along, log(), options(stop));
-    return pass_all(loop, mass, count, forces.data(), reading_errors.empty() ? nullptr : reading_errors.data(),
-                    threads);
-  }
-
-  /// The transpose of propagate: by how much forces and errors of the reading move sum(weight innovation).
-  Adjoint propagate_transposed(const Prediction& along, double mass, std::span<const double> weight,
-                               StopRequest* stop = nullptr) const {
-    require_length("weight", weight);
-    require_positive("mass", mass);
-    return pass_transposed(ObserverLoop(along, log(), options(stop)), mass, weight);
-  }
-
-  /// A plant along its prediction on this log, to which effects are added (see PlantAlong): both must outlive it.
-  std::unique_ptr<PlantAlong> plant_along(const Prediction& along, const Plant<double>& plant) const {
-    return std::make_unique<PlantAlong>(plant, along, log(), options(nullptr));
+    const double* errors = reading_errors.empty() ? nullptr : reading_errors.data();
+    return ObserverLoop(along, log(), options(stop)).pass(mass, count, forces.data(), errors, threads);
   }
 
   /// Raises std::invalid_argument for a column that is not as long as the log.

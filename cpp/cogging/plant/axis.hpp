@@ -2,6 +2,8 @@
 // The axis: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2, 8 to 10).
 
 #include <algorithm>
+#include <cmath>
+#include <concepts>
 #include <limits>
 #include <tuple>
 #include <type_traits>
@@ -77,6 +79,7 @@ class Axis {
     for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) {
       if (uses(law, Hook::command_gain)) gains_.push_back(law);
     });
+    is_bare_ = laws_.empty() && gains_.empty();
     for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
     for_each_law(bound, [&](const HasBristle auto& law) {
       if (law.bristle().exists()) add_state(law.name, bristle_, law.bristle(), bristle_.exists());
@@ -94,7 +97,6 @@ class Axis {
   }
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
-  const CoggingModel<Scalar>& cogging() const { return cogging_; }
 
   /// Whether a force law jumps at times.
   bool has_events() const { return !events_.empty(); }
@@ -123,13 +125,6 @@ class Axis {
     return sliding(cogging_.force(position), position, velocity, direction_of_(velocity), drive, held, time);
   }
 
-  /// Coulomb level with all that the effects add to it, V, before it is kept from pushing.
-  Scalar summed_friction_level(const Motion<Scalar>& motion) const {
-    Scalar level = parameters_.coulomb;
-    for_each_law(laws_, [&](const HasFrictionLevel<Scalar> auto& law) { level += law.friction_level(motion); });
-    return level;
-  }
-
   /// What the effects add to the gain 1 of the command.
   Scalar command_gain(const Scalar& position, double time) const {
     Scalar gain = 0.0;
@@ -140,14 +135,17 @@ class Axis {
   /// Moves the state on by h from `time` with the drive held: one classical Runge-Kutta step of fourth order where
   /// that is accurate (StepAccuracy), else as many as it takes. With coulomb_width = 0 the step is cut where the
   /// axis stops or breaks away, so that it sticks and slips exactly.
-  COGGING_INLINE void advance(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double h) const {
+  COGGING_INLINE void advance(AxisState<double>& state, const Drive<double>& drive, double time, double h) const
+    requires std::same_as<Scalar, double>
+  {
     if (has_states_ || sticks_) {
       advance_other(state, drive, time, h);
     } else {
-      const Scalar position = state.position, velocity = state.velocity;
-      const Scalar excess = move(state, drive, time, 0.0, h);
-      if (!all(excess <= 0.0)) [[unlikely]]
-        move_in_pieces(state, position, velocity, excess, drive, time, h);
+      const double position = state.position, velocity = state.velocity;
+      if (!(move(state, drive, time, 0.0, h) <= 0.0)) [[unlikely]] {
+        state.position = position, state.velocity = velocity;
+        advance_in_parts(state, drive, time, h);
+      }
     }
     state.speed_max = larger(state.speed_max, abs(state.velocity));
   }
@@ -183,22 +181,12 @@ class Axis {
 
   friend class StickSlip<Axis>;
 
-  struct Forces {
-    Scalar without_friction, friction_level;  // V
-  };
-
-  COGGING_INLINE Forces forces(const Scalar& cogging, const Scalar& position, const Scalar& velocity,
-                               const Scalar& direction, double time) const {
-    const Forces sum{-parameters_.viscous * velocity - cogging, parameters_.coulomb};
-    return laws_.empty() ? sum : add_laws(sum, position, velocity, direction, time);
-  }
-
   // Where the cogging force is known already.
   COGGING_INLINE Balance balance(const Scalar& cogging, const Scalar& position, const Scalar& velocity,
                                  const Scalar& direction, const Scalar& drive, const Scalar& held, double time) const {
-    const auto [force, friction_level] = forces(cogging, position, velocity, direction, time);
-    const Scalar amplified = gains_.empty() ? drive : amplify(drive, held, position, time);
-    return {amplified + force, friction_level};
+    const Scalar force = -parameters_.viscous * velocity - cogging;
+    if (is_bare_) return {drive + force, parameters_.coulomb};
+    return balance_of_laws(force, position, velocity, direction, drive, held, time);
   }
 
   // Acceleration of an axis that slides in `direction`.
@@ -209,19 +197,18 @@ class Axis {
   }
 
   // Out of line and by value: where there are no laws, position and velocity then stay apart in registers.
-  COGGING_NOINLINE Forces add_laws(Forces sum, Scalar position, Scalar velocity, Scalar direction, double time) const {
+  COGGING_NOINLINE Balance balance_of_laws(Scalar force, Scalar position, Scalar velocity, Scalar direction,
+                                           Scalar drive, Scalar held, double time) const {
     const Motion<Scalar> motion{position, velocity, direction, time};
+    Scalar friction_level = parameters_.coulomb;
     for_each_law(laws_, [&]<HasMotionLaw<Scalar> E>(const E& law) {  // in one pass: two take a tenth longer
-      if constexpr (HasForce<E, Scalar>) sum.without_friction += law.force(motion);
-      if constexpr (HasFrictionLevel<E, Scalar>) sum.friction_level += law.friction_level(motion);
+      if constexpr (HasForce<E, Scalar>) force += law.force(motion);
+      if constexpr (HasFrictionLevel<E, Scalar>) friction_level += law.friction_level(motion);
     });
-    sum.friction_level = select(sum.friction_level < 0.0, Scalar(0.0), sum.friction_level);  // friction never pushes
-    return sum;
-  }
-
-  // The force constant's effects multiply what the amplifier puts out, `drive - held`.
-  COGGING_NOINLINE Scalar amplify(Scalar drive, Scalar held, Scalar position, double time) const {
-    return drive + command_gain(position, time) * (drive - held);
+    friction_level = select(friction_level < 0.0, Scalar(0.0), friction_level);  // friction never pushes
+    // The force constant's effects multiply what the amplifier puts out.
+    const Scalar amplified = gains_.empty() ? drive : drive + command_gain(position, time) * (drive - held);
+    return {amplified + force, friction_level};
   }
 
   template <class State>
@@ -245,14 +232,26 @@ class Axis {
     return widths;
   }
 
-  COGGING_NOINLINE void advance_other(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time,
-                                      double h) const {
-    if constexpr (std::is_same_v<Scalar, double>) {
-      if (has_states_)
-        BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
-      else
-        StickSlip(*this, drive, time, 0.0, h).advance(state);
-    }
+  COGGING_NOINLINE void advance_other(AxisState<double>& state, const Drive<double>& drive, double time, double h) const
+    requires std::same_as<Scalar, double>
+  {
+    if (has_states_)
+      BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
+    else
+      StickSlip(*this, drive, time, 0.0, h).advance(state);
+  }
+
+  // Where one step errs more than it may.
+  COGGING_NOINLINE void advance_in_parts(AxisState<double>& state, const Drive<double>& drive, double time,
+                                         double h) const
+    requires std::same_as<Scalar, double>
+  {
+    advance_in_pieces(
+        state, time, 0.0, h, 0.5 * h,
+        [&](AxisState<double>& at, double offset, double length) {
+          return move(at, drive, time, offset, length) <= 0.0;
+        },
+        [](const AxisState<double>& at) { return std::isfinite(at.velocity); });
   }
 
   // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.
@@ -261,25 +260,6 @@ class Axis {
     return step(state, drive, time, offset, h,
                 [&](const Scalar& cogging, const Scalar& x, const Scalar& v, const Scalar& u, double t)
                     COGGING_INLINE_LAMBDA { return sliding(cogging, x, v, direction_of_(v), u, drive.force, t); });
-  }
-
-  // From the start again, for each lane whose whole step was not accurate; what the others do is left.
-  COGGING_NOINLINE void move_in_pieces(AxisState<Scalar>& state, const Scalar& position, const Scalar& velocity,
-                                       const Scalar& excess, const Drive<Scalar>& drive, double time, double h) const {
-    AxisState<Scalar> start = state;
-    start.position = position, start.velocity = velocity;
-    for (std::size_t i = 0; i < lanes_of<Scalar>; ++i) {
-      if (lane(excess, i) <= 0.0) continue;
-      AxisState<Scalar> end = start;
-      advance_in_pieces(
-          end, time, 0.0, h,
-          [&](AxisState<Scalar>& at, double offset, double length) {
-            return lane(move(at, drive, time, offset, length), i) <= 0.0;
-          },
-          [&](const AxisState<Scalar>& at) { return std::isfinite(lane(at.velocity, i)); });
-      set_lane(state.position, i, lane(end.position, i));
-      set_lane(state.velocity, i, lane(end.velocity, i));
-    }
   }
 
   // One step with f(cogging, position, velocity, command, time); by how much it errs more than it may.
@@ -365,6 +345,7 @@ class Axis {
   Scalar inverse_mass_ = 1.0;
   SmoothSign<Scalar> direction_of_;
   bool has_friction_ = false, sticks_ = false, has_states_ = false;
+  bool is_bare_ = true;                                // no effect acts on it
   std::vector<Effect<Scalar>> laws_, gains_, events_;  // by what they answer to
   StepAccuracy<Scalar> accuracy_;
   Bristle bristle_;

@@ -83,7 +83,7 @@ class BodyWithStates {
 
   void move(AxisState<double>& state, const Drive<double>& drive, double time, double from, double until) const {
     advance_in_pieces(
-        state, time, from, until,
+        state, time, from, until, until - from,
         [&](AxisState<double>& at, double offset, double length) {
           return step(at, drive, time, offset, length, Mode::moves, 0.0);
         },

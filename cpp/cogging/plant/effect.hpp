@@ -87,9 +87,6 @@ template <class E>
 concept HasEvents = requires(const E& effect, double time) { effect.next_event(time); };
 template <class E>
 concept ChoosesHooks = requires(const E& effect) { effect.uses(Hook::force); };
-/// A law that answers a whole course at once, by what its caller need not know.
-template <class E>
-concept AnswersAlong = requires(const E& effect, const Course& course) { effect.along(Hook::force, course); };
 template <class E>
 concept MaySerialise = requires(const E& effect) { effect.serial(); };
 template <class E>

@@ -52,10 +52,12 @@ COGGING_INLINE Stages<Slope> runge_kutta(const Slope& first, double h, const Inp
 }
 
 /// Moves the state from offset `from` to offset `until` of the step that begins at `time`, in as many pieces as are
-/// accurate, while it is finite(state). step(state, offset, length) makes a piece and says whether it is accurate.
+/// accurate, while it is finite(state). step(state, offset, length) makes a piece and says whether it is accurate; the
+/// first is at most as long as `first`.
 template <class State, class Step, class Finite>
-void advance_in_pieces(State& state, double time, double from, double until, const Step& step, const Finite& finite) {
-  StepControl control(time, until - from);
+void advance_in_pieces(State& state, double time, double from, double until, double first, const Step& step,
+                       const Finite& finite) {
+  StepControl control(time, until - from, first);
   double done = from;
   while (done < until && finite(state)) {
     const State start = state;

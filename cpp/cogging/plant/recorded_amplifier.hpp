@@ -13,11 +13,6 @@
 
 namespace cogging {
 
-/// What acts over an interval of length h: its mean, and the integral of (h / 2 - s) u(s) from s = 0 to h.
-struct CommandMoments {
-  double mean = 0.0, excess = 0.0;  // V, V s^2
-};
-
 /// What Amplifier does in a run, for commands that were recorded: shaped, delayed, passed through the current
 /// loop. Before the first row, the first command is taken to have acted for ever.
 class RecordedAmplifier {
@@ -56,26 +51,13 @@ class RecordedAmplifier {
   }
 
   /// Mean of what acts over [start, end], V.
-  double mean(double start, double end) { return moments(start, end).mean; }
-
-  /// What acts over [start, end], with how early it does.
-  CommandMoments moments(double start, double end) {
-    const double middle = 0.5 * (end - start);
-    CommandMoments sum;
+  double mean(double start, double end) {
+    double sum = 0.0;
     over(start, end, [&](const Drive<double>& drive, double from, double to) {
-      const double length = to - from, before = from - start;
-      sum.mean += drive.target * length;
-      sum.excess += drive.target * length * (middle - (before + 0.5 * length));
-      if (!drive.lagging) return;
-      const double decay = drive.rate * length, settled = -expm1(-decay);
-      const double whole = settled / drive.rate;  // integral of exp(-rate s), and of s exp(-rate s)
-      const double first = decay < 1e-3 ? length * length * (0.5 - decay * (1.0 / 3.0 - 0.125 * decay))
-                                        : (settled - decay * (1.0 - settled)) / (drive.rate * drive.rate);
-      sum.mean += drive.deviation * whole;
-      sum.excess += drive.deviation * ((middle - before) * whole - first);
+      sum += drive.target * (to - from);
+      if (drive.lagging) sum += drive.deviation * (-expm1(-drive.rate * (to - from)) / drive.rate);
     });
-    sum.mean /= end - start;
-    return sum;
+    return sum / (end - start);
   }
 
  private:

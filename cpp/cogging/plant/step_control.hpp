@@ -190,9 +190,10 @@ class StepAccuracy {
 };
 
 /// The lengths of the pieces of one step, which begins at `time`, s: halved until a piece is accurate, doubled after.
+/// The first try is as long as `first`.
 class StepControl {
  public:
-  StepControl(double time, double whole) : time_(time), next_(whole), shortest_(1e-12 * whole) {}
+  StepControl(double time, double whole, double first) : time_(time), next_(first), shortest_(1e-12 * whole) {}
 
   /// The length of the next piece, at most `left`. `tried(length)` makes it and says whether it is accurate.
   /// Raises DivergedError where the pieces are too many: a run that diverges may get too fast before it is far away.

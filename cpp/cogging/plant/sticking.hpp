@@ -40,7 +40,7 @@ class StickSlip {
         from_(from),
         until_(until),
         done_(from),
-        control_(time, until - from) {}
+        control_(time, until - from, until - from) {}
 
   void advance(AxisState<double>& state) {
     while (done_ < until_ && stops_ < stops_max) {

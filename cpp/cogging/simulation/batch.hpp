@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -45,12 +46,10 @@ class ThreadsAtWork {
 };
 
 /// The jobs of a batch, taken one after the other by whatever thread is free.
-template <class Job>
 class JobQueue {
  public:
-  JobQueue(std::size_t count, StopRequest* stop, const Job& job) : count_(count), stop_(stop), job_(job) {
-    failures_.resize(count);
-  }
+  JobQueue(std::size_t count, StopRequest* stop, const std::function<void(std::size_t)>& job)
+      : count_(count), stop_(stop), job_(job), failures_(count) {}
 
   /// Does jobs until none is left or the batch is interrupted.
   void work() {
@@ -80,7 +79,7 @@ class JobQueue {
  private:
   std::size_t count_;
   StopRequest* stop_;
-  const Job& job_;
+  const std::function<void(std::size_t)>& job_;
   std::vector<std::exception_ptr> failures_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> interrupted_{false};
@@ -98,10 +97,10 @@ inline unsigned threads_of(unsigned threads) {
 /// none) asks for it: before a job begins, and in jobs that ask it themselves.
 ///
 /// Raises std::invalid_argument for more than 1024 threads, and where the system cannot start as many as are used.
-template <class Job>
-void run_batch(std::size_t count, unsigned threads, StopRequest* stop, const Job& job) {
+inline void run_batch(std::size_t count, unsigned threads, StopRequest* stop,
+                      const std::function<void(std::size_t)>& job) {
   threads = static_cast<unsigned>(std::min<std::size_t>(threads_of(threads), std::max<std::size_t>(count, 1)));
-  JobQueue<Job> jobs(count, stop, job);
+  JobQueue jobs(count, stop, job);
   ThreadsAtWork at_work;
   const auto work_and_end = [&] {
     jobs.work();

@@ -71,7 +71,7 @@ namespace detail {
 
 template <std::size_t place, class AnyEffect, class Visitor>
 COGGING_INLINE void visit_at(AnyEffect& effect, const Visitor& visitor) {
-  if constexpr (std::invocable<const Visitor&, decltype(std::get<place>(effect))>)
+  if constexpr (std::invocable<const Visitor&, std::variant_alternative_t<place, AnyEffect>&>)
     if (auto* const law = std::get_if<place>(&effect)) visitor(*law);
 }
 
@@ -83,7 +83,8 @@ template <class AnyEffect, class Visitor>
 COGGING_INLINE void visit_law(AnyEffect& effect, const Visitor& visitor) {
   [&]<std::size_t... place>(std::index_sequence<place...>) COGGING_INLINE_LAMBDA {
     // Few are asked for one by one: std::visit would have a function for each effect of the list.
-    if constexpr ((std::size_t{std::invocable<const Visitor&, decltype(std::get<place>(effect))>} + ...) <= 4)
+    if constexpr ((std::size_t{std::invocable<const Visitor&, std::variant_alternative_t<place, AnyEffect>&>} + ...) <=
+                  4)
       (detail::visit_at<place>(effect, visitor), ...);
     else
       std::visit(
