@@ -14,10 +14,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
 #include "cogging/inlining.hpp"
-#include "cogging/register_types.hpp"
 
 namespace cogging {
 
@@ -30,38 +28,25 @@ inline constexpr double round_shift = 6755399441055744.0, two_over_pi = 0.636619
 /// pi/2 in three parts of 33 bits: products with a whole number below 2^20 are exact.
 inline constexpr double half_pi[] = {1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624879595063154e-21};
 
-/// sine(r) = r + r^3 (first + r^2 second + ...), cosine(r) = 1 - r^2 / 2 + r^4 (first + ...), |r| at most some pi / 4.
-inline constexpr double sine_series[] = {-1.66666666666666324348e-01, 8.33333333332248946124e-03,
-                                         -1.98412698298579493134e-04, 2.75573137070700676789e-06,
-                                         -2.50507602534068634195e-08, 1.58969099521155010221e-10};
-inline constexpr double cosine_series[] = {4.16666666666666019037e-02, -1.38888888888741095749e-03,
-                                           2.48015872894767294178e-05, -2.75573143513906633035e-07,
-                                           2.08757232129817482790e-09, -1.13596475577881948265e-11};
-template <class Number, class Term>
-COGGING_INLINE Number sum_series(const Number& z, const Term& term) {
-  return term(0) + z * (term(1) + z * (term(2) + z * (term(3) + z * (term(4) + z * term(5)))));
-}
-
 /// Sine and cosine of angle - turns * pi / 2, at most some pi / 4.
 template <class Number>
 COGGING_INLINE void quarter_sin_cos(const Number& angle, const Number& turns, Number& sine, Number& cosine) {
   const Number r = ((angle - turns * half_pi[0]) - turns * half_pi[1]) - turns * half_pi[2];
-  const Number z = r * r, half = 0.5 * z, rest = 1.0 - half;
-#if defined(__GNUC__)
-  if constexpr (std::is_same_v<Number, double>) {  // both series in one register
-    using Pair = RegisterTypes<2>::Numbers;
-    const Pair square{z, z}, first{r, z};
-    const Pair series = first * square * sum_series(square, [](int i) COGGING_INLINE_LAMBDA {
-                          return Pair{sine_series[i], cosine_series[i]};
-                        });
-    sine = r + series[0];
-    cosine = rest + (((1.0 - rest) - half) + series[1]);
-    return;
-  }
-#endif
-  sine = r + r * z * sum_series(z, [](int i) COGGING_INLINE_LAMBDA { return sine_series[i]; });
+  const Number z = r * r;
+  sine = r + r * z *
+                 (-1.66666666666666324348e-01 +
+                  z * (8.33333333332248946124e-03 +
+                       z * (-1.98412698298579493134e-04 +
+                            z * (2.75573137070700676789e-06 +
+                                 z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
+  const Number half = 0.5 * z, rest = 1.0 - half;
   cosine = rest + (((1.0 - rest) - half) +
-                   z * z * sum_series(z, [](int i) COGGING_INLINE_LAMBDA { return cosine_series[i]; }));
+                   z * z *
+                       (4.16666666666666019037e-02 +
+                        z * (-1.38888888888741095749e-03 +
+                             z * (2.48015872894767294178e-05 +
+                                  z * (-2.75573143513906633035e-07 +
+                                       z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
 }
 
 /// atan(x) = high + low + atan(t): high and low of the intervals from 7/16, 11/16, 19/16 and 39/16 on.
