@@ -103,65 +103,6 @@ def test_smooth_friction_spring_and_drag_against_scipy(columns):
     assert found == pytest.approx(expected, abs=2e-11)
 
 
-def test_delay_with_irregular_time_stamps(columns):
-    time, position, command = columns
-    delay, mass = 2.3e-3, 0.7
-
-    def acting(start, end):
-        """Pieces (length, command) of what acts over an interval; before the first row, the first command."""
-        edges = np.unique(np.concatenate([[start, end], (time + delay)[(time + delay > start) & (time + delay < end)]]))
-        for a, b in itertools.pairwise(edges):
-            yield b - a, command[max(np.searchsorted(time + delay, 0.5 * (a + b)) - 1, 0)]
-
-    def advance(k, x, v):
-        for length, u in acting(time[k], time[k + 1]):
-            x, v = x + v * length + 0.5 * u / mass * length**2, v + u / mass * length
-        return x, v
-
-    expected, _ = observe(time, position, advance)
-    model = Model(axis=MASS_ALONE, effects=(EFFECTS["command_delay"](delay=delay),))
-    assert innovations_of(columns, model) == pytest.approx(expected, abs=1e-12)
-    mean = [sum(h * u for h, u in acting(a, b)) / (b - a) for a, b in itertools.pairwise(time)]
-    force = Predictor(*columns).net_force([model.plant()], np.zeros(400), np.zeros(400))[0]
-    assert force[:-1] == pytest.approx(mean, abs=1e-6)  # two times closer than 1 ns are one
-
-
-def test_the_observer_starts_anew_after_a_gap(columns):
-    time, position, command = (column.copy() for column in columns)
-    time[200:] += 0.3
-
-    def advance(k, x, v):
-        h = time[k + 1] - time[k]
-        return x + v * h + 0.5 * command[k] / 0.7 * h**2, v + command[k] / 0.7 * h
-
-    expected, _ = observe(time, position, advance, gap=0.1)
-    found = innovations_of((time, position, command), Model(axis=MASS_ALONE), gap=0.1)
-    assert found == pytest.approx(expected, abs=1e-12)
-
-
-def test_propagate_is_the_derivative_of_the_innovations(columns):
-    time, position, command = columns
-    spring = EFFECTS["cable_spring"](stiffness=40.0)
-    options = {"bandwidth": BANDWIDTH, "initial_velocity": 0.9, "steps_per_sample": 4}
-
-    def innovations(force, read=position):
-        model = Model(axis=AXIS, effects=(spring, EFFECTS["constant_force"](force=force)))
-        return Predictor(time, read, command, **options).innovations([model.plant()])[0]
-
-    predictor = Predictor(time, position, command, **options)
-    along = predictor.predict(Model(axis=AXIS, effects=(spring,)).plant())
-    sizes = np.array([1.0, 2.0, 0.5, -1.0, 4.0, 8.0])  # powers of two: a row has the bits that it has alone
-    table = predictor.propagate(along, 0.7, sizes[:, None] * np.ones((1, 400)))
-    np.testing.assert_array_equal(table, sizes[:, None] * table[0])
-    one = table[0]
-    difference = (innovations(1e-3) - innovations(-1e-3)) / 2e-3
-    assert one == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
-    error = 1e-6 * np.sin(200.0 * time)
-    read = predictor.propagate(along, 0.7, np.zeros((1, 400)), error[None, :])[0]
-    difference = innovations(0.0, position - error) - innovations(0.0)
-    assert read == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
-
-
 def mean_of_strikes(log, axis, loads):
     """Mean innovations (m) of motor and load, a trajectory for each load: Runge-Kutta of both masses by hand."""
     ratio, gap = loads[0].mass_ratio, np.array([load.gap for load in loads])
@@ -215,6 +156,65 @@ def test_a_loose_load_does_on_average_what_single_trajectories_do(mass_ratio, ga
     assert np.linalg.norm(found - expected) < 0.04 * np.linalg.norm(expected - rigid)
     np.testing.assert_array_equal(predictor.predict(loose).innovation, found)
     np.testing.assert_array_equal(none, rigid)
+    sizes = np.array([1.0, 2.0, 0.5, -1.0, 4.0, 8.0])[:, None]  # powers of two: a row has the bits that it has alone
+    table = predictor.propagate(predictor.predict(loose), 0.7, sizes * np.ones((1, len(log))))
+    np.testing.assert_array_equal(table, sizes * table[0])
+
+
+def test_delay_with_irregular_time_stamps(columns):
+    time, position, command = columns
+    delay, mass = 2.3e-3, 0.7
+
+    def acting(start, end):
+        """Pieces (length, command) of what acts over an interval; before the first row, the first command."""
+        edges = np.unique(np.concatenate([[start, end], (time + delay)[(time + delay > start) & (time + delay < end)]]))
+        for a, b in itertools.pairwise(edges):
+            yield b - a, command[max(np.searchsorted(time + delay, 0.5 * (a + b)) - 1, 0)]
+
+    def advance(k, x, v):
+        for length, u in acting(time[k], time[k + 1]):
+            x, v = x + v * length + 0.5 * u / mass * length**2, v + u / mass * length
+        return x, v
+
+    expected, _ = observe(time, position, advance)
+    model = Model(axis=MASS_ALONE, effects=(EFFECTS["command_delay"](delay=delay),))
+    assert innovations_of(columns, model) == pytest.approx(expected, abs=1e-12)
+    mean = [sum(h * u for h, u in acting(a, b)) / (b - a) for a, b in itertools.pairwise(time)]
+    force = Predictor(*columns).net_force([model.plant()], np.zeros(400), np.zeros(400))[0]
+    assert force[:-1] == pytest.approx(mean, abs=1e-6)  # two times closer than 1 ns are one
+
+
+def test_the_observer_starts_anew_after_a_gap(columns):
+    time, position, command = (column.copy() for column in columns)
+    time[200:] += 0.3
+
+    def advance(k, x, v):
+        h = time[k + 1] - time[k]
+        return x + v * h + 0.5 * command[k] / 0.7 * h**2, v + command[k] / 0.7 * h
+
+    expected, _ = observe(time, position, advance, gap=0.1)
+    found = innovations_of((time, position, command), Model(axis=MASS_ALONE), gap=0.1)
+    assert found == pytest.approx(expected, abs=1e-12)
+
+
+def test_propagate_is_the_derivative_of_the_innovations(columns):
+    time, position, command = columns
+    spring = EFFECTS["cable_spring"](stiffness=40.0)
+    options = {"bandwidth": BANDWIDTH, "initial_velocity": 0.9, "steps_per_sample": 4}
+
+    def innovations(force, read=position):
+        model = Model(axis=AXIS, effects=(spring, EFFECTS["constant_force"](force=force)))
+        return Predictor(time, read, command, **options).innovations([model.plant()])[0]
+
+    predictor = Predictor(time, position, command, **options)
+    along = predictor.predict(Model(axis=AXIS, effects=(spring,)).plant())
+    one = predictor.propagate(along, 0.7, np.ones((1, 400)))[0]
+    difference = (innovations(1e-3) - innovations(-1e-3)) / 2e-3
+    assert one == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
+    error = 1e-6 * np.sin(200.0 * time)
+    read = predictor.propagate(along, 0.7, np.zeros((1, 400)), error[None, :])[0]
+    difference = innovations(0.0, position - error) - innovations(0.0)
+    assert read == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
 
 
 def test_invalid_columns_are_refused(columns):
