@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,7 +143,8 @@ def search(
     outcome: Outcome | None = None
     current = model
     for step in range(ROUNDS):
-        evidence = Evidence(balances, model, current, list(extra), tuple(free))
+        uniform = outcome is not None and outcome.nominal.largely
+        evidence = Evidence(balances, model, current, list(extra), tuple(free), uniform=uniform)
         evidence.prepare(2 if step == 0 else 3, listen=step == 0)
         current = evidence.model
         found = [f for f in search_once(evidence, also or {}) if f.name not in excluded]
@@ -154,8 +156,9 @@ def search(
         outcome.evidence = outcome.both = evidence
         outcome.found = found
         extra = with_amplitudes(extra, evidence)
+        same: dict[str, Any] = {"extra": list(extra), "uniform": outcome.nominal.largely}
         if others:
-            outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
+            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
         if step == ROUNDS - 1:
             break
 
@@ -165,13 +168,13 @@ def search(
         contenders = contenders_of(outcome.both, compared, len(given))
         if others and not outcome.shift and model.cogging is None:
             # with gravity, the zero is the same in all logs
-            same = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
-            waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD and not same]
+            fixed = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
+            waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD and not fixed]
             top = max(waves, key=lambda c: c.ratio, default=None)
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
                 others = [b.moved(outcome.shift) for b in others]
-                outcome.both = Evidence([*balances, *others], model, current, list(extra), tuple(free)).prepare()
+                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
                 contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)

@@ -203,6 +203,7 @@ class Evidence:
         extra: accepted candidates without a law: each has `columns(evidence)`.
         free: paths of the axis without a prior.
         plainly: whether to skip whitening whatever the size of the residual.
+        uniform: whether all rows have the same noise level, as where a given model lacks most of the command.
         drives: part of the command that the reference motion explains, V, (n,) of each log (see `drive`).
         accelerations: m/s^2, likewise.
         blurs: V, likewise.
@@ -228,6 +229,7 @@ class Evidence:
     extra: list[Any] = field(default_factory=list)
     free: tuple[str, ...] = ()
     plainly: bool = False
+    uniform: bool = False
     drives: list[FloatArray] = field(init=False, repr=False)
     accelerations: list[FloatArray] = field(init=False, repr=False)
     blurs: list[FloatArray] = field(init=False, repr=False)
@@ -339,7 +341,7 @@ class Evidence:
         The quantum of an encoder makes a noise that depends on the motion, and an inexact friction law a force that
         is large wherever the axis is slow. Without these levels, candidates that act there are detected falsely.
         """
-        if self.largely:
+        if self.largely or self.uniform:
             return self.levels
         fit = self.fitted(taps, self.any_force(), rounds=2)
         ends = np.cumsum([len(one) for one in self.levels])[:-1]
