@@ -1008,7 +1008,7 @@ CELLS = {
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
 }
-NESTED = 0.5  # minimum share of the gain of a wider family that a law explains, to be preferred or to give its name
+NESTED = 0.7  # minimum share of the gain of a wider family that a law explains, to give its name
 
 
 def with_cells(found: Sequence[Found]) -> list[Found]:

@@ -24,6 +24,7 @@ from cogging.model.model import Model
 from cogging.resources import on_threads
 
 THRESHOLD = 20.0  # minimum score of an accepted candidate: above those of 36 drawn logs with nothing missing
+PREFERRED = 0.5  # of the gain of a force without a law: a law that explains more is accepted, the rest may follow
 MINOR = 0.1  # of the largest score: a smaller one comes from a law that is only nearly right
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
@@ -64,6 +65,11 @@ class Contender:
     blocks: FloatArray = field(repr=False)
     gains: tuple[float, float] = (0.0, 0.0)
     expected: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def is_lawful(self) -> bool:
+        """Whether the candidate is a law, or a change of the axis."""
+        return self.found.columns is None or self.found.effect is not None
 
     @property
     def is_contradicted(self) -> bool:
@@ -209,18 +215,24 @@ def search(
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
     """Return the best shape of each name, without shapes that have no law where a law explains nearly as much.
 
-    Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others.
+    Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others. A law
+    that explains less than NESTED of such a shape has this share as its likeness.
     """
-    lawful = [c for c in contenders if c.found.columns is None or c.found.effect is not None]
-    named = max((c.ratio - c.found.k for c in contenders if not c.found.name.startswith("~")), default=0.0)
     best: dict[str, Contender] = {}
     for c in contenders:
-        name, has_law = c.found.name, c in lawful
-        along = {name}.union(*(names for names in CELLS.values() if name in names))
-        most = max((other.ratio - other.found.k for other in lawful if other.found.name in along), default=0.0)
-        rival = named if name.startswith("~") else most
-        if c.found.k > 1 and not has_law and rival >= NESTED * (c.ratio - c.found.k):
-            continue
+        name = c.found.name
+        if c.found.k > 1 and not c.is_lawful:
+            along = {name}.union(*(names for names in CELLS.values() if name in names))
+            if name.startswith("~"):
+                laws = [other for other in contenders if not other.found.name.startswith("~")]
+            else:
+                laws = [other for other in contenders if other.found.name in along and other.is_lawful]
+            rival = max(laws, key=lambda other: other.ratio - other.found.k, default=None)
+            share = 0.0 if rival is None else (rival.ratio - rival.found.k) / (c.ratio - c.found.k)
+            if rival is not None and share >= PREFERRED:
+                if share < NESTED:
+                    rival.found = replace(rival.found, likeness=float(min(rival.found.likeness, share)))
+                continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)
 
