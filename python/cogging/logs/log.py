@@ -298,9 +298,9 @@ def _array(name: str, given: Any) -> npt.NDArray[Any]:
     for row, value in enumerate(array.flat):  # of a table with missing entries, or integers beyond 64 bits
         if not isinstance(value, numbers.Real) or isinstance(value, bool):
             raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
-    return np.array([math.inf if abs(value) > LARGEST_FLOAT else float(value) for value in array.flat]).reshape(
-        array.shape
-    )
+    too_large = [isinstance(value, numbers.Rational) and abs(value) > LARGEST_FLOAT for value in array.flat]
+    read = [math.inf if over else float(value) for value, over in zip(array.flat, too_large, strict=True)]
+    return np.array(read).reshape(array.shape)
 
 
 def _require_increasing(time: FloatArray, first_row: int = 0) -> None:
