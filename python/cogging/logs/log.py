@@ -8,7 +8,6 @@ import itertools
 import math
 import numbers
 import os
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,7 +33,6 @@ from cogging.values import ByValue
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LARGEST_FLOAT = sys.float_info.max
 SHORTEST = 1e-12  # s, mean step between rows: differences over less overflow
 SMALLEST = 1e-30  # range of a column in any unit: its fourth power is not zero
 REQUIRED = ("time", "position", "command")
@@ -298,9 +296,15 @@ def _array(name: str, given: Any) -> npt.NDArray[Any]:
     for row, value in enumerate(array.flat):  # of a table with missing entries, or integers beyond 64 bits
         if not isinstance(value, numbers.Real) or isinstance(value, bool):
             raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
-    too_large = [isinstance(value, numbers.Rational) and abs(value) > LARGEST_FLOAT for value in array.flat]
-    read = [math.inf if over else float(value) for value, over in zip(array.flat, too_large, strict=True)]
-    return np.array(read).reshape(array.shape)
+    return np.array([_as_float(value) for value in array.flat]).reshape(array.shape)
+
+
+def _as_float(value: Any) -> float:
+    """Return a real number; infinity for a whole number or a fraction beyond the range of floats."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def _require_increasing(time: FloatArray, first_row: int = 0) -> None:
