@@ -34,7 +34,7 @@ from cogging.log_check.controller_check import ControllerCheck, check_controller
 from cogging.log_check.controller_recovery import RecoveredController, recover_controller
 from cogging.diagnosis.diagnosis_result import Diagnosis
 from cogging.diagnosis.location import Location
-from cogging.diagnosis.diagnose import diagnose
+from cogging.diagnosis.diagnosis import diagnose
 from cogging.design.experiment_plan import ExperimentPlan
 from cogging.design.motion_limits import MotionLimits
 from cogging.design.experiment_plan import plan_experiment
@@ -64,7 +64,7 @@ from cogging.model.parameters import parameters_of
 from cogging.simulation.batch import Batch, closed_loop_batch
 from cogging.simulation.run import closed_loop
 from cogging.simulation.reference import read_reference
-from cogging.simulation.sweep import SweepRuns, sweep
+from cogging.simulation.parameter_sweep import SweepRuns, sweep
 from cogging.file_schema import schema
 from cogging.simulation.run import repeat, simulate
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum

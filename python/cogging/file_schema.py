@@ -10,9 +10,9 @@ from cogging import _core
 from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
 from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
 from cogging.model.units import LABEL
+from cogging.simulation.parameter_sweep import KEYS as SWEEP
+from cogging.simulation.parameter_sweep import NEEDED as SWEEP_NEEDED
 from cogging.simulation.reference import REFERENCES
-from cogging.simulation.sweep import KEYS as SWEEP
-from cogging.simulation.sweep import NEEDED as SWEEP_NEEDED
 from cogging.simulation.varied import METHODS
 
 NUMBER = {"type": "number"}

@@ -17,7 +17,7 @@ from unittest import mock
 
 import cogging
 from cogging import outputs
-from cogging.simulation import sweep as sweeps
+from cogging.simulation import parameter_sweep as sweeps
 from tests.fixtures.sweeps import MANY, MOVE, SMALL
 
 OPTIONS = {"method": "random", "runs": 40, "seed": 5, "threads": 1, "duration": 0.02}

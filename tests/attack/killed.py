@@ -80,7 +80,7 @@ class Sweep:
 def live(log: str, operation: str, number: str, processes: str, *words: str) -> int:
     """Run the sweep, write which runs it begins to `log`, and send itself a signal before a file operation."""
     from cogging.cli.main import main as command
-    from cogging.simulation import sweep
+    from cogging.simulation import parameter_sweep as sweep
 
     plain, out = sweep.run_piece, words[words.index("--out") + 1]
 

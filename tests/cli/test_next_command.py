@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import cogging
-import cogging.diagnosis.diagnose
+import cogging.diagnosis.diagnosis
 from cogging.cli.main import COMMANDS, main
 from cogging.cli.next_command import command_line
 from tests.fixtures import command_files
@@ -47,7 +47,7 @@ def diagnosed(monkeypatch, unmeasured):
             seen.append((logs, options))
             return dataclasses.replace(unmeasured, **{"model": model, **changes})
 
-        monkeypatch.setattr(cogging.diagnosis.diagnose, "diagnose", diagnose)
+        monkeypatch.setattr(cogging.diagnosis.diagnosis, "diagnose", diagnose)
         return seen
 
     return answer

@@ -10,7 +10,7 @@ import pytest
 
 import cogging
 from cogging.effects import Custom
-from cogging.simulation import sweep as sweeps
+from cogging.simulation import parameter_sweep as sweeps
 from tests.fixtures.sweeps import FEW, MANY, MOVE, SMALL, same
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="signals, locks, pipes and links of POSIX")

@@ -49,7 +49,7 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Diagnose the logs, write what was asked for, print the verdict."""
-    from cogging.diagnosis.diagnose import diagnose
+    from cogging.diagnosis.diagnosis import diagnose
     from cogging.model.model import Model
 
     outputs = {"--json": json_file(arguments), "--report": arguments.report, "--out": arguments.out}

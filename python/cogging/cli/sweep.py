@@ -48,7 +48,7 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
     from cogging.plot.shown_figure import picture
-    from cogging.simulation.sweep import files_of_job, read_sweep, run_job, sweep
+    from cogging.simulation.parameter_sweep import files_of_job, read_sweep, run_job, sweep
 
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}

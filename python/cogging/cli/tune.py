@@ -50,7 +50,7 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
     from cogging.design.tuning import read_tune, run_tune
-    from cogging.simulation.sweep import files_of_job
+    from cogging.simulation.parameter_sweep import files_of_job
 
     asked = read_tune(arguments.tune)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}

@@ -39,7 +39,7 @@ def repeated(log: Log, other: Log) -> Mask:
         keys = _rounded_rows(mine, other, spread)
         if (found := _equal_rows(mine, other, keys, spread)).any():
             return found
-        copied = _rows_between(other, mine, spread)  # of the other log, where that one lacks rows
+        copied = _rows_between(other, mine, spread)  # rows of the other log, where this log lacks some
         for found in (_rows_between(mine, other, spread), np.isin(keys[0], keys[1][copied])):
             if found.sum() >= MUCH * min(len(log), len(other)):
                 return np.asarray(found)

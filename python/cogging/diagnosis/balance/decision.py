@@ -213,10 +213,10 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """Return the best shape of each name, without shapes that have no law where a law explains nearly as much.
+    """Return the best shape of each name, without shapes that have no law where a law explains most of their gain.
 
     Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others. A law
-    that explains less than NESTED of such a shape has this share as its likeness.
+    that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
     """
     best: dict[str, Contender] = {}
     for c in contenders:
@@ -228,10 +228,11 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
             else:
                 laws = [other for other in contenders if other.found.name in along and other.is_lawful]
             rival = max(laws, key=lambda other: other.ratio - other.found.k, default=None)
-            share = 0.0 if rival is None else (rival.ratio - rival.found.k) / (c.ratio - c.found.k)
-            if rival is not None and share >= PREFERRED:
-                if share < NESTED:
-                    rival.found = replace(rival.found, likeness=float(min(rival.found.likeness, share)))
+            gain = c.ratio - c.found.k
+            if rival is not None and (law_gain := rival.ratio - rival.found.k) >= PREFERRED * gain:
+                if law_gain < NESTED * gain:
+                    likeness = min(rival.found.likeness, float(law_gain / gain))
+                    rival.found = replace(rival.found, likeness=likeness)
                 continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)

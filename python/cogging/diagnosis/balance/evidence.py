@@ -355,7 +355,7 @@ class Evidence:
             slowest = minimum_filter1d(np.abs(b.velocity), round(2 * ROWS_PER_CORNER + 1) * b.every)
             speeds.append(slowest[:: b.every][m])
         level, speed = np.hstack(of_time), np.hstack(speeds)
-        octave = np.minimum(-np.log2(np.maximum(speed / speed.max(), 1e-9)), OCTAVES).round(0).astype(int)
+        octave = np.minimum(-np.log2(np.maximum(speed / speed.max(), 1e-9)), OCTAVES).round().astype(int)
         power = np.bincount(octave, (np.hstack(rests) / level) ** 2)
         count = np.bincount(octave)
         level *= np.sqrt((power + FEWEST_IN_OCTAVE) / (count + FEWEST_IN_OCTAVE))[octave]
