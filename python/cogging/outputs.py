@@ -217,8 +217,9 @@ def to_toml(document: Mapping[str, Any], *, like: str = "") -> str:
     with contextlib.suppress(ValueError):  # a layout that _updated does not follow
         updated = _updated(like, document) if like else text
         text = updated if parse_toml(updated) == parse_toml(text) else text
-    if broken := re.search(".*[\ud800-\udfff].*", text):
-        raise ValueError(f"{printable(broken[0])}: must be text that UTF-8 holds, got half of a pair of surrogates")
+    if broken := re.search("[\ud800-\udfff]", text):
+        line = text[text.rfind("\n", 0, broken.start()) + 1 :].partition("\n")[0]
+        raise ValueError(f"{printable(line)}: must be text that UTF-8 holds, got half of a pair of surrogates")
     return text
 
 

@@ -25,7 +25,7 @@ from cogging.resources import on_threads
 
 THRESHOLD = 20.0  # minimum score of an accepted candidate: above those of 36 drawn logs with nothing missing
 PREFERRED = 0.5  # of the gain of a force without a law: a law that explains more is accepted, the rest may follow
-MINOR = 0.1  # of the largest score: a smaller one comes from a law that is only nearly right
+MINOR = 0.05  # of the largest score: a smaller one comes from a law that is only nearly right
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
