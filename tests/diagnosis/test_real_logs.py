@@ -20,7 +20,9 @@ def logs():
     return emps.read("DATA_EMPS"), emps.read("DATA_EMPS_PULSES")
 
 
-@pytest.fixture(scope="module", params=[True, False], ids=["cascade", "no controller"])
+@pytest.fixture(
+    scope="module", params=[True, pytest.param(False, marks=pytest.mark.study)], ids=["cascade", "no controller"]
+)
 def axis(request, logs):
     result = cogging.diagnose(logs[0], emps.published(request.param), confirm=logs[1])
     print("\n" + result.text())
@@ -126,6 +128,7 @@ def test_cogging_makes_most_of_its_current(motor):
 # Hidden by hand in the axis -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 def test_a_coulomb_level_taken_away(logs):
     model = emps.published()
     result = cogging.diagnose(logs[0], model.replace(axis=model.axis.replace(coulomb=0.0)), confirm=logs[1])

@@ -17,17 +17,14 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.linalg import solve_triangular
 from scipy.ndimage import minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
-from scipy.signal import butter, sosfiltfilt
 
-from cogging._core import Predictor
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import ROWS_PER_CORNER, DifferencedBalance
-from cogging.effects.effect import Effect, Wave, Window, kind_of
-from cogging.estimation.residuals import quiet_plant
+from cogging.diagnosis.balance.nuisances import ROUNDING, instruments_of, nuisances_of
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
-from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
+from cogging.model.parameters import effect_paths, parameters_of, with_values
 
 # Noise
 FEWEST = 60  # minimum number of valid rows, about two for each fitted parameter
@@ -36,27 +33,16 @@ BAND = 1.3  # ratio of the band edges to the centre frequency of the median powe
 LINES = 24  # minimum number of spectral lines in that band
 CENTRES = 96  # frequencies at which the median is taken, several in each band
 TAIL = 5.0  # degrees of freedom of the Student-t noise: tails of measured residuals
-SINGULAR = 1e-8  # relative to the largest eigenvalue of the scaled columns: smaller ones are rounding errors
 OUTLIER = 5.0  # standard deviations at which rows are clipped before the whitening filter is estimated
 WINDOW = 0.3  # s: of the local noise level
 OCTAVES = 14  # of the speed, below the highest, in each of which the noise has a level
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
-# Nuisance parameters
-TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
-WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
-KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
+# Re-tuning
 WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
-UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
-COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
-# Instruments: regression of the command on the model's force along the reference at several lags
-LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
-LAG = 4e-4  # s
-MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
-SLOW = 10.0  # Hz: below it the measured acceleration has little noise
 
 
 def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
@@ -182,7 +168,7 @@ def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArra
         # drop directions of nearly collinear columns: their amplitudes would be huge and cancel
         unit = np.sqrt(np.diag(gram))
         value, vector = np.linalg.eigh(gram / np.outer(unit, unit))
-        seen = value > SINGULAR * value[-1]
+        seen = value > ROUNDING * value[-1]
         along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
         w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
@@ -204,9 +190,8 @@ class Evidence:
         free: paths of the axis without a prior.
         plainly: whether to skip whitening whatever the size of the residual.
         uniform: whether all rows have the same noise level, as where a given model lacks most of the command.
-        drives: part of the command that the reference motion explains, V, (n,) of each log (see `drive`).
+        drives: part of the command that the reference motion explains, V, (n,) of each log (see `Instruments`).
         accelerations: m/s^2, likewise.
-        blurs: V, likewise.
         largely: whether the residual is too large a share of the command to be treated as noise.
         alike: number of rows that count as one independent row; 1 for noise.
         paths: paths of the p nuisance parameters, before the columns of `extra`.
@@ -232,7 +217,6 @@ class Evidence:
     uniform: bool = False
     drives: list[FloatArray] = field(init=False, repr=False)
     accelerations: list[FloatArray] = field(init=False, repr=False)
-    blurs: list[FloatArray] = field(init=False, repr=False)
     largely: bool = field(init=False, repr=False, default=False)
     alike: float = field(init=False, repr=False, default=1.0)
     paths: list[str] = field(init=False, repr=False)
@@ -295,14 +279,19 @@ class Evidence:
         Raises:
             TooLittleMotion: fewer than FEWEST rows are valid.
         """
-        made = [drive(b, self.model) for b in self.balances]
-        self.drives, self.accelerations, self.blurs = ([one[k] for one in made] for k in range(3))
-        self.paths, tables = nuisance_columns(self)
+        instruments = [instruments_of(b, self.model) for b in self.balances]
+        self.drives = [one.drive for one in instruments]
+        self.accelerations = [one.acceleration for one in instruments]
+        known = nuisances_of(self.model, self.given, self.balances, instruments, self.free)
+        self.paths, self.limits = known.paths, known.limits
         more = [s.columns(self) for s in self.extra]
-        tables = [np.vstack([t, *(s[i] for s in more)]) for i, t in enumerate(tables)]
+        tables = [
+            np.vstack([np.zeros((0, len(b.time))), *t, *(s[i] for s in more)])
+            for i, (b, t) in enumerate(zip(self.balances, known.tables, strict=True))
+        ]
         count = len(tables[0]) - len(self.paths)
-        self.prior_sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)])
-        self.prior_offset = np.concatenate([self.prior_offset, np.zeros(count)])
+        self.prior_sigma = np.array(known.sigma + [np.inf] * count)
+        self.prior_offset = np.array(known.offset + [0.0] * count)
         self.raw = [b.residual(self.model) for b in self.balances]
         self.masks = [b.mask for b in self.balances]
         self.counted = [b.counted for b in self.balances]
@@ -749,183 +738,3 @@ def orthonormal(rows: FloatArray) -> FloatArray:
     value, vector = np.linalg.eigh(rows @ rows.T)
     good = value > 1e-9 * value[-1]
     return np.asarray((vector[:, good] / np.sqrt(value[good])).T @ rows)
-
-
-def drive(b: DifferencedBalance, model: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the instruments of a log: drive (V), acceleration (m/s^2) and blur (V), (n,) each.
-
-    The loop feeds its own noise back into the command and into later rows, so that a column made of the command raises
-    false alarms. The drive is the command regressed on the model's force along the reference at several lags; the
-    acceleration is the one that it causes. The blur is the force of the bare axis along the measured motion less that
-    along the reference: mostly noise of the speed.
-    """
-    only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
-    plant = quiet_plant(only)
-    if b.reference is None:
-        forces = b.forces([plant])[0]
-        slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
-        caused = (slow + forces) / model.axis.mass
-        # below SLOW use the measured acceleration: the command also balances forces that the model lacks
-        read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
-        caused = caused + sosfiltfilt(read, b.acceleration - caused)
-        slow = model.axis.mass * caused - forces
-        return slow, caused, np.zeros_like(slow)
-    x, v, a = b.reference
-    along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
-    rows = np.arange(len(x))
-    stride = max(1, round(LAG / b.step))
-    columns = [np.ones(len(x)), x - x.mean(), v]
-    for lag in LAGS:
-        at = np.clip(rows - stride * lag, 0, len(x) - 1)
-        columns += [a[at], along[at]]
-    table = np.array(columns)
-    size = np.linalg.norm(table, axis=1) + 1e-300
-    table /= size[:, None]
-    w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
-    explained = w @ table
-    bare = quiet_plant(model.replace(effects=()))
-    blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
-    return explained, (explained + along) / model.axis.mass, blur
-
-
-def nuisance_columns(evidence: Evidence) -> tuple[list[str], list[FloatArray]]:
-    """Return paths (p) and columns (p, n) of each log of the nuisance parameters, and set their priors.
-
-    These are mass, friction, the known cogging and the parameters of accepted effects. The friction law is a positive
-    mixture of ramps that saturate at one speed each, which spans every concave law.
-    """
-    model, given, balances = evidence.model, evidence.given, evidence.balances
-    known = parameters_of(model, together=True)
-    columns = Nuisances(balances)
-    laws, widths = friction_laws(evidence)
-    # the residual is M a less the forces: more mass adds a
-    axis = {
-        "mass": [-a for a in evidence.accelerations],
-        "viscous": [-b.velocity for b in balances],
-        "coulomb": [-law[0] for law in laws],
-    }
-    for name, rows in axis.items():
-        u = given.uncertainty.get(name)
-        if u != 0.0:
-            stated, path = getattr(given.axis, name), f"axis.{name}"
-            loose = path in evidence.free or stated == 0.0
-            sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
-            columns.add(path, sigma, rows, stated - getattr(model.axis, name))
-    # friction may lag the speed by a fraction of a row, as an elastic contact does
-    own = model.axis.coulomb
-    rubs = own > SINGULAR * columns.largest  # the shape of negligible friction is not identifiable
-    late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
-    if rubs:
-        columns.add("friction.late", TIMING * own, late)
-    if any(np.any(blur) for blur in evidence.blurs):
-        columns.add("friction.blur", 1.0, evidence.blurs)
-    for k, w in enumerate(widths if rubs else [], 1):
-        columns.add(f"width.{w:g}", own, [law[0] - law[k] for law in laws])
-    add_cogging(columns, model, known)
-    evidence.limits = {}
-    prefixes = [prefix for prefix, _ in effect_paths(model.effects)]
-    for effect, prefix in list(zip(model.effects, prefixes, strict=True))[len(given.effects) :]:
-        for path in [p for p in known if p.startswith(prefix + ".")]:
-            add_parameter(columns, evidence, effect, path[len(prefix) + 1 :].split("[")[0], known[path])
-    evidence.prior_sigma, evidence.prior_offset = np.array(columns.sigma), np.array(columns.offset)
-    tables = zip(columns.tables, balances, strict=True)
-    return columns.paths, [np.array(t) if t else np.zeros((0, len(b.time))) for t, b in tables]
-
-
-class Nuisances:
-    """Columns of several logs with their parameter paths and normal priors."""
-
-    def __init__(self, balances: list[DifferencedBalance]) -> None:
-        self.balances = balances
-        self.largest = max(float(np.max(np.abs(b.command))) for b in balances)  # V
-        self.paths: list[str] = []
-        self.sigma: list[float] = []
-        self.offset: list[float] = []
-        self.tables: list[list[FloatArray]] = [[] for _ in balances]
-
-    def add(self, path: str, sigma: float, rows: Sequence[FloatArray], offset: float = 0.0) -> None:
-        """Append the column of a parameter whose change has the prior mean `offset` and deviation `sigma`."""
-        self.paths.append(path)
-        self.sigma.append(sigma)
-        self.offset.append(offset)
-        for table, row in zip(self.tables, rows, strict=True):
-            table.append(row)
-
-
-def friction_laws(evidence: Evidence) -> tuple[list[FloatArray], list[float]]:
-    """Return friction laws of level 1, (1 + widths, n) of each log, and the widths (m/s).
-
-    The first row is the model's own law, the others are ramps that saturate at the widths.
-    """
-    model, balances = evidence.model, evidence.balances
-    width, widths = model.axis.coulomb_width, []
-    if evidence.given.uncertainty.get("coulomb_width") != 0.0:
-        slowest = 2.0 * min(b.speed_noise for b in balances)
-        fastest = max(np.abs(b.velocity).max() for b in balances)
-        last = max(12.0 * width, 4.0 * slowest, KNEE * fastest)
-        widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, last, WIDTHS))]
-    laws = []
-    for b in balances:
-        if b.cache.get("friction", (None,))[0] != (width, widths):
-            v = b.fine.velocity
-            table = [np.arctan(v / width) * 2 / np.pi if width > 0 else np.sign(v)]
-            table += [np.clip(v / w, -1.0, 1.0) for w in widths]
-            b.cache["friction"] = (width, widths), b.averaged(np.array(table))
-        laws.append(b.cache["friction"][1])
-    return laws, widths
-
-
-def add_cogging(columns: Nuisances, model: Model, known: dict[str, Parameter]) -> None:
-    """Add columns for gain and phase of each known harmonic, or for sine and cosine if its amplitude is constant."""
-    if model.cogging is None:
-        return
-    steps: dict[str, float] = {}
-    for row in range(len(model.cogging.sine)):
-        size = np.hypot(np.max(np.abs(model.cogging.sine[row])), np.max(np.abs(model.cogging.cosine[row])))
-        if size > 0.0 and model.cogging.sine.shape[1] > 1:
-            steps |= {f"cogging.{kind}[{row}]": COGGING_STEP for kind in ("gain", "phase")}
-        else:
-            steps |= {f"cogging.{kind}[{row}][*]": 1e-2 * columns.largest for kind in ("sine", "cosine")}
-    changed = [with_values(model, {path: known[path].value + step}) for path, step in steps.items()]
-    plants = [quiet_plant(m.replace(effects=())) for m in (model, *changed)]
-    forces = [b.forces(plants) for b in columns.balances]
-    for k, (path, step) in enumerate(steps.items(), 1):
-        columns.add(path, np.inf, [(f[k] - f[0]) / step for f in forces])
-
-
-def add_parameter(columns: Nuisances, evidence: Evidence, effect: Effect, name: str, parameter: Parameter) -> None:
-    """Add the column of a field of an accepted effect by finite differences of the residual; skip settings.
-
-    The prior of a shape parameter confines it to where the law is nearly linear in it.
-    """
-    balances, path, value = evidence.balances, parameter.path, parameter.value
-    wave, window = kind_of(effect, Wave), kind_of(effect, Window)
-    role, quantity = effect.ROLES[name]["role"], effect.ROLES[name]["quantity"]
-    if role == "setting" or (role == "shape" and isinstance(getattr(effect, name), list)):
-        return
-    low, high = min(np.min(b.position) for b in balances), max(np.max(b.position) for b in balances)
-    if role == "amplitude":
-        sigma = max(abs(value), 1e-3 * columns.largest)
-    elif wave is not None and name == wave.shape and quantity == "distance":
-        sigma = 0.5 * value**2 / (high - low)
-    elif window is not None and name in (window.start, window.stop):
-        sigma = 0.02
-    else:
-        sizes = {"frequency": 0.3 / balances[0].time[-1], "position": 0.1 * (high - low)}
-        sigma = sizes.get(quantity, 0.3 * abs(value))
-    if sigma == 0.0:
-        return
-    # without a reference, the acceleration that is known without noise lacks the fast motion
-    instruments = [None if b.reference is None else a for b, a in zip(balances, evidence.accelerations, strict=True)]
-    try:
-        pair = [with_values(evidence.model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
-        rows = [
-            -(b.residual(pair[0], d, a) - b.residual(pair[1], d, a)) / (2e-2 * sigma)
-            for b, d, a in zip(balances, evidence.drives, instruments, strict=True)
-        ]
-    except ValueError:  # the effect rejects the value
-        return
-    columns.add(path, sigma, rows)
-    if role != "amplitude":  # a wave that is longer than the travel is none
-        longest = max(value, high - low) if wave is not None and name == wave.shape else np.inf
-        evidence.limits[path] = value - sigma, min(value + sigma, longest)
