@@ -1,0 +1,250 @@
+"""Nuisance parameters of a force balance: their columns and priors, and the instruments that the columns are made from.
+
+Nuisance parameters are those that may change without an effect: mass, friction, the known cogging and the parameters of
+accepted effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from cogging._core import Predictor
+from cogging.arrays import FloatArray
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
+from cogging.effects.effect import Effect, Wave, Window, kind_of
+from cogging.estimation.residuals import quiet_plant
+from cogging.model.model import Model
+from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
+
+TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
+WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
+KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
+UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
+ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
+COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
+# Instruments: regression of the command on the model's force along the reference at several lags
+LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
+LAG = 4e-4  # s
+MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
+SLOW = 10.0  # Hz: below it the measured acceleration has little noise
+
+
+class Instruments(NamedTuple):
+    """What columns are made from in place of the measured command and acceleration.
+
+    The loop feeds its own noise back into the command and into later rows, so that a column made of the command raises
+    false alarms.
+
+    Attributes:
+        drive: command regressed on the model's force along the reference at several lags, V, (n,).
+        acceleration: the one that the drive causes, m/s^2, (n,).
+        blur: force of the bare axis along the measured motion less that along the reference: mostly noise of the speed,
+            V, (n,).
+    """
+
+    drive: FloatArray
+    acceleration: FloatArray
+    blur: FloatArray
+
+
+def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
+    """Return the instruments of a log under a model."""
+    only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
+    plant = quiet_plant(only)
+    if b.reference is None:
+        forces = b.forces([plant])[0]
+        slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
+        caused = (slow + forces) / model.axis.mass
+        # below SLOW use the measured acceleration: the command also balances forces that the model lacks
+        read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
+        caused = caused + sosfiltfilt(read, b.acceleration - caused)
+        slow = model.axis.mass * caused - forces
+        return Instruments(slow, caused, np.zeros_like(slow))
+    x, v, a = b.reference
+    along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
+    rows = np.arange(len(x))
+    stride = max(1, round(LAG / b.step))
+    columns = [np.ones(len(x)), x - x.mean(), v]
+    for lag in LAGS:
+        at = np.clip(rows - stride * lag, 0, len(x) - 1)
+        columns += [a[at], along[at]]
+    table = np.array(columns)
+    size = np.linalg.norm(table, axis=1) + 1e-300
+    table /= size[:, None]
+    w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
+    explained = w @ table
+    bare = quiet_plant(model.replace(effects=()))
+    blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
+    return Instruments(explained, (explained + along) / model.axis.mass, blur)
+
+
+def nuisances_of(
+    model: Model,
+    given: Model,
+    balances: Sequence[DifferencedBalance],
+    instruments: Sequence[Instruments],
+    free: Sequence[str],
+) -> Nuisances:
+    """Return columns and priors of the nuisance parameters of a model.
+
+    The friction law is a positive mixture of ramps that saturate at one speed each, which spans every concave law.
+
+    Args:
+        model: model to re-tune.
+        given: stated model, which sets the priors.
+        balances, instruments: of each log.
+        free: paths of the axis without a prior.
+    """
+    known = parameters_of(model, together=True)
+    columns = Nuisances(balances)
+    laws, widths = friction_laws(model, given, balances)
+    # the residual is M a less the forces: more mass adds a
+    axis = {
+        "mass": [-one.acceleration for one in instruments],
+        "viscous": [-b.velocity for b in balances],
+        "coulomb": [-law[0] for law in laws],
+    }
+    for name, rows in axis.items():
+        u = given.uncertainty.get(name)
+        if u != 0.0:
+            stated, path = getattr(given.axis, name), f"axis.{name}"
+            loose = path in free or stated == 0.0
+            sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
+            columns.add(path, sigma, rows, stated - getattr(model.axis, name))
+    # friction may lag the speed by a fraction of a row, as an elastic contact does
+    own = model.axis.coulomb
+    rubs = own > ROUNDING * columns.largest  # the shape of negligible friction is not identifiable
+    late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
+    if rubs:
+        columns.add("friction.late", TIMING * own, late)
+    if any(np.any(one.blur) for one in instruments):
+        columns.add("friction.blur", 1.0, [one.blur for one in instruments])
+    for k, w in enumerate(widths if rubs else [], 1):
+        columns.add(f"width.{w:g}", own, [law[0] - law[k] for law in laws])
+    add_cogging(columns, model, known)
+    prefixes = [prefix for prefix, _ in effect_paths(model.effects)]
+    for effect, prefix in list(zip(model.effects, prefixes, strict=True))[len(given.effects) :]:
+        for path in [p for p in known if p.startswith(prefix + ".")]:
+            add_parameter(columns, model, instruments, effect, path[len(prefix) + 1 :].split("[")[0], known[path])
+    return columns
+
+
+class Nuisances:
+    """Columns of several logs with their parameter paths and normal priors.
+
+    Attributes:
+        paths: parameter of each column.
+        sigma, offset: standard deviation and mean of its prior.
+        tables: columns of each log, (n,) each.
+        limits: bounds of shape parameters, by path.
+    """
+
+    def __init__(self, balances: Sequence[DifferencedBalance]) -> None:
+        self.balances = balances
+        self.largest = max(float(np.max(np.abs(b.command))) for b in balances)  # V
+        self.paths: list[str] = []
+        self.sigma: list[float] = []
+        self.offset: list[float] = []
+        self.tables: list[list[FloatArray]] = [[] for _ in balances]
+        self.limits: dict[str, tuple[float, float]] = {}
+
+    def add(self, path: str, sigma: float, rows: Sequence[FloatArray], offset: float = 0.0) -> None:
+        """Append the column of a parameter whose change has the prior mean `offset` and deviation `sigma`."""
+        self.paths.append(path)
+        self.sigma.append(sigma)
+        self.offset.append(offset)
+        for table, row in zip(self.tables, rows, strict=True):
+            table.append(row)
+
+
+def friction_laws(
+    model: Model, given: Model, balances: Sequence[DifferencedBalance]
+) -> tuple[list[FloatArray], list[float]]:
+    """Return friction laws of level 1, (1 + widths, n) of each log, and the widths (m/s).
+
+    The first row is the model's own law, the others are ramps that saturate at the widths.
+    """
+    width, widths = model.axis.coulomb_width, []
+    if given.uncertainty.get("coulomb_width") != 0.0:
+        slowest = 2.0 * min(b.speed_noise for b in balances)
+        fastest = max(np.abs(b.velocity).max() for b in balances)
+        last = max(12.0 * width, 4.0 * slowest, KNEE * fastest)
+        widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, last, WIDTHS))]
+    laws = []
+    for b in balances:
+        if b.cache.get("friction", (None,))[0] != (width, widths):
+            v = b.fine.velocity
+            table = [np.arctan(v / width) * 2 / np.pi if width > 0 else np.sign(v)]
+            table += [np.clip(v / w, -1.0, 1.0) for w in widths]
+            b.cache["friction"] = (width, widths), b.averaged(np.array(table))
+        laws.append(b.cache["friction"][1])
+    return laws, widths
+
+
+def add_cogging(columns: Nuisances, model: Model, known: dict[str, Parameter]) -> None:
+    """Add columns for gain and phase of each known harmonic, or for sine and cosine if its amplitude is constant."""
+    if model.cogging is None:
+        return
+    steps: dict[str, float] = {}
+    for row in range(len(model.cogging.sine)):
+        size = np.hypot(np.max(np.abs(model.cogging.sine[row])), np.max(np.abs(model.cogging.cosine[row])))
+        if size > 0.0 and model.cogging.sine.shape[1] > 1:
+            steps |= {f"cogging.{kind}[{row}]": COGGING_STEP for kind in ("gain", "phase")}
+        else:
+            steps |= {f"cogging.{kind}[{row}][*]": 1e-2 * columns.largest for kind in ("sine", "cosine")}
+    changed = [with_values(model, {path: known[path].value + step}) for path, step in steps.items()]
+    plants = [quiet_plant(m.replace(effects=())) for m in (model, *changed)]
+    forces = [b.forces(plants) for b in columns.balances]
+    for k, (path, step) in enumerate(steps.items(), 1):
+        columns.add(path, np.inf, [(f[k] - f[0]) / step for f in forces])
+
+
+def add_parameter(
+    columns: Nuisances,
+    model: Model,
+    instruments: Sequence[Instruments],
+    effect: Effect,
+    name: str,
+    parameter: Parameter,
+) -> None:
+    """Add the column of a field of an accepted effect by finite differences of the residual; skip settings.
+
+    The prior of a shape parameter confines it to where the law is nearly linear in it.
+    """
+    balances, path, value = columns.balances, parameter.path, parameter.value
+    wave, window = kind_of(effect, Wave), kind_of(effect, Window)
+    role, quantity = effect.ROLES[name]["role"], effect.ROLES[name]["quantity"]
+    if role == "setting" or (role == "shape" and isinstance(getattr(effect, name), list)):
+        return
+    low, high = min(np.min(b.position) for b in balances), max(np.max(b.position) for b in balances)
+    if role == "amplitude":
+        sigma = max(abs(value), 1e-3 * columns.largest)
+    elif wave is not None and name == wave.shape and quantity == "distance":
+        sigma = 0.5 * value**2 / (high - low)
+    elif window is not None and name in (window.start, window.stop):
+        sigma = 0.02
+    else:
+        sizes = {"frequency": 0.3 / balances[0].time[-1], "position": 0.1 * (high - low)}
+        sigma = sizes.get(quantity, 0.3 * abs(value))
+    if sigma == 0.0:
+        return
+    # without a reference, the acceleration that is known without noise lacks the fast motion
+    accelerations = [
+        None if b.reference is None else one.acceleration for b, one in zip(balances, instruments, strict=True)
+    ]
+    try:
+        pair = [with_values(model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
+        rows = [
+            -(b.residual(pair[0], one.drive, a) - b.residual(pair[1], one.drive, a)) / (2e-2 * sigma)
+            for b, one, a in zip(balances, instruments, accelerations, strict=True)
+        ]
+    except ValueError:  # the effect rejects the value
+        return
+    columns.add(path, sigma, rows)
+    if role != "amplitude":  # a wave that is longer than the travel is none
+        longest = max(value, high - low) if wave is not None and name == wave.shape else np.inf
+        columns.limits[path] = value - sigma, min(value + sigma, longest)
