@@ -46,6 +46,7 @@ GAINS = (  # candidates that reduce the command
 )
 LARGEST_GAIN = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
 LARGEST_SCALE = 0.1  # largest scale error of an encoder
+SECANTS = 3  # sizes at which its column is evaluated, each the one that the column before gives
 OWN_SHAPES = 6  # grid values of each shape parameter of an own effect
 BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
 PLACES = 1001  # grid of the centre of a local force
@@ -525,11 +526,14 @@ def reading_error(
 
 def reading(s: Search) -> None:
     """Try a scale error of the reading; `waves` tries its periodic error."""
-    columns = accelerated(
-        lambda c, b, a: reading_error(c, b, a, lambda x: UNIT * x, lambda x: UNIT, lambda x: 0.0) / UNIT
-    )
-    shape = Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
-    s.put("encoder_scale_error", shape, accept=within((-LARGEST_SCALE, LARGEST_SCALE)))
+    limits, size = (-LARGEST_SCALE, LARGEST_SCALE), UNIT
+    for _ in range(SECANTS):  # the phase of known cogging is not linear in the scale
+        columns = accelerated(
+            lambda c, b, a, q=size: reading_error(c, b, a, lambda x: q * x, lambda x: q, lambda x: 0.0) / q
+        )
+        shape = Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
+        s.put("encoder_scale_error", shape, accept=within(limits))
+        size = float(np.clip(s.scored(shape)[1][0], *limits)) or UNIT
 
 
 def motor_and_load(s: Search) -> None:
