@@ -222,7 +222,10 @@ def add_parameter(
         return
     low, high = min(np.min(b.position) for b in balances), max(np.max(b.position) for b in balances)
     if role == "amplitude":
-        sigma = max(abs(value), 1e-3 * columns.largest)
+        alike = [
+            f for f in effect.ROLES if effect.ROLES[f]["role"] == role and effect.FIELDS[f][0] == effect.FIELDS[name][0]
+        ]
+        sigma = float(np.linalg.norm(np.hstack([getattr(effect, f) for f in alike])))
     elif wave is not None and name == wave.shape and quantity == "distance":
         sigma = 0.5 * value**2 / (high - low)
     elif window is not None and name in (window.start, window.stop):
