@@ -19,7 +19,7 @@ from cogging.diagnosis.entries import Gap, Limit, Step
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
-from cogging.diagnosis.patched_model import Term, merged, terms_of, with_intervals, without
+from cogging.diagnosis.patched_model import Term, merged, paths_without, terms_of, with_intervals, without
 from cogging.diagnosis.physical import seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
@@ -198,7 +198,9 @@ def _result(
     read = _as_read(yardstick, stated, before)
     if read is not None and read.rms < before.rms:  # discard re-tuning that makes the gap larger
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
-    final = with_intervals(models[1], found.evidence) if enters else nominal
+    names = paths_without(whole, {terms[k].path for k in out})
+    final = with_intervals(models[1], found.evidence, whole, names) if enters else nominal
+    terms = [replace(t, path=names.get(t.path, "" if t.path.startswith("effects.") else t.path)) for t in terms]
     after, after_there = (given[1], confirm[1]) if enters else (before, before_there)
     ends = [(one, two) for one, two in ((before, after), (before_there, after_there)) if one and two]
     if any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):
@@ -249,13 +251,13 @@ def _result(
     notes += of_stated
     untouched = yardstick.by_balance().on_given(found.nominal.model)
     location = location_of(found.nominal, untouched, predicted(untouched))
-    names = sorted({name for one in effects if one.alternatives for name in (one.name, *one.alternatives)})
+    alike = sorted({name for one in effects if one.alternatives for name in (one.name, *one.alternatives)})
     return Diagnosis(
         final_verdict(effects, without_name),
         tuple(effects),
         without_name,
         gap,
-        separating(names, vocabulary, logs.given) if names else None,
+        separating(alike, vocabulary, logs.given) if alike else None,
         final,
         nominal,
         location,

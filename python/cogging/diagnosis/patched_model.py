@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
@@ -43,11 +43,28 @@ class Term:
     certain: bool = True
 
 
-def with_intervals(model: Model, evidence: Evidence) -> Model:
-    """Return the model with 95 % intervals of the fitted parameters, its `[bounds]`."""
+def paths_without(whole: Model, gone: Collection[str]) -> dict[str, str]:
+    """Return the path of each remaining effect by its path in the whole model: effects of one name are numbered."""
+    kept = [(path, effect) for path, effect in effect_paths(whole.effects) if path not in gone]
+    now = effect_paths([effect for _, effect in kept])
+    return {path: new for (path, _), (new, _) in zip(kept, now, strict=True)}
+
+
+def with_intervals(model: Model, evidence: Evidence, whole: Model, names: Mapping[str, str]) -> Model:
+    """Return the model with 95 % intervals of the fitted parameters, its `[bounds]`.
+
+    Args:
+        model: patched model.
+        evidence: evidence with all accepted terms.
+        whole: model with all of them, some of which the patched model lacks.
+        names: see `paths_without`.
+    """
     known, fitted = parameters_of(model), parameters_of(evidence.model, together=True)
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
-    for k, (path, own) in enumerate(zip(evidence.paths_in(model), evidence.paths, strict=True)):
+    for k, (path, own) in enumerate(zip(evidence.paths_in(whole), evidence.paths, strict=True)):
+        if path.startswith("effects."):
+            owner = next((one for one in names if path.startswith(one + ".")), "")
+            path = names[owner] + path[len(owner) :] if owner else ""
         low, high = evidence.interval(k) if path in known else (-np.inf, np.inf)
         if np.isfinite(high - low):
             value = known[path].value
