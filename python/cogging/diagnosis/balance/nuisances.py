@@ -25,6 +25,7 @@ WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 a
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
 UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
 ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
+LEAST_SHARE = 0.1  # of an effect's size: least uncertainty of one of its amplitudes
 COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
 # Instruments: regression of the command on the model's force along the reference at several lags
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
@@ -222,10 +223,10 @@ def add_parameter(
         return
     low, high = min(np.min(b.position) for b in balances), max(np.max(b.position) for b in balances)
     if role == "amplitude":
-        alike = [
-            f for f in effect.ROLES if effect.ROLES[f]["role"] == role and effect.FIELDS[f][0] == effect.FIELDS[name][0]
-        ]
-        sigma = float(np.linalg.norm(np.hstack([getattr(effect, f) for f in alike])))
+        same = effect.FIELDS[name][0]  # unit
+        alike = [f for f, one in effect.ROLES.items() if one["role"] == role and effect.FIELDS[f][0] == same]
+        size = float(np.linalg.norm(np.hstack([getattr(effect, f) for f in alike])))
+        sigma = max(abs(value), LEAST_SHARE * size)
     elif wave is not None and name == wave.shape and quantity == "distance":
         sigma = 0.5 * value**2 / (high - low)
     elif window is not None and name in (window.start, window.stop):
