@@ -141,6 +141,7 @@ TOGETHER = [
     (OUTPUT, {"theta": [100, 10, 0]}, "theta"),
     (OUTPUT, {"adaptation": [-1, 0, 0]}, "adaptation"),
     (OUTPUT, {"filter_steps": "tustin"}, "filter_steps"),
+    (OUTPUT, {"observer_gain_2": 1e308, "sample_rate": 1e-3}, "sample_rate"),
     *(("BSpline", SPLINE | {"order": n}, "order") for n in (0, 17)),
     *(("BSpline", SPLINE | {"pitch": x}, "pitch") for x in POSITIVE[1]),
     *(("BSpline", SPLINE | {"origin": x}, "origin") for x in FINITE[1]),
