@@ -108,6 +108,12 @@ STRUCTS |= {kind.__name__: kind for kind in (cogging.BSpline, cogging.SplineHarm
 TOGETHER = [
     ("AxisParameters", {"travel": [0.5, 0.0]}, "travel"),
     ("EndEffect", {"travel": [0.5, NAN]}, "travel"),
+    ("AxisParameters", {"mass": 1e300}, "mass"),
+    *(("SplineHarmonics", {"pitch": x, "harmonics": [1]}, "pitch") for x in (1e300, 1e10)),
+    ("SplineHarmonics", {"pitch": 0.05, "harmonics": [1, 2 * 10**9]}, "harmonics"),
+    ("SplineHarmonics", {"periods": [0.05, 1e-12]}, "periods"),
+    ("CoggingHarmonic", {"period": 1e-10}, "period"),
+    ("ObserverBasedParameters", {"periods": [1e-10]}, "periods"),
     ("PointToPointParameters", {"repeats": 0}, "repeats"),
     ("DisturbanceStep", {"start": 1.0, "stop": 1.0}, "stop"),
     ("CoggingModulation", {"sine": [INF], "cosine": [0.0]}, "sine"),
