@@ -132,6 +132,7 @@ def attack(way: str, cases: int, seed: int, number: signal.Signals, runs: int) -
                 before = sweep.pieces()
                 status, said = end_life(sweep, chance, seconds, number if counts["ended"] < cases else 0)
                 kept, begun, done = sweep.kept(), sweep.begun(), sweep.out.exists()
+                status = 0 if done and status == -number else status  # Python gives up its handlers as it ends
                 made.update(begun)
                 counts.update({"lives": 1, "ended": bool(status)})
                 if done and sweep.out.read_bytes() != whole:

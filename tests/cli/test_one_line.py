@@ -12,7 +12,6 @@ from cogging.cli.main import main
 from tests.attack.commands import run_case
 from tests.fixtures import hostile_calls
 from tests.fixtures.files import MODEL, REFERENCE
-from tests.fixtures.hostile_answers import place
 
 SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
 COMMAND = [sys.executable, "-m", "cogging.cli.main"]
@@ -20,7 +19,8 @@ COMMAND = [sys.executable, "-m", "cogging.cli.main"]
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    place(hostile_calls.Call([], hostile_calls.files()), tmp_path)
+    for name, content in hostile_calls.files().items():
+        (tmp_path / name).write_bytes(content)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -142,5 +142,5 @@ def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeyp
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_mutated_log_is_read_or_refused_in_one_line(kind):
     """The first cases of `python -m tests.attack`, read as a user reads them."""
-    found = [run_case(seed, kind, whole=True) for seed in range(40 if kind == "csv" else 2)]
+    found = [run_case(seed, kind, whole=True) for seed in range(40 if kind == "csv" else 1)]
     assert not [one for one in found if one is not None and not one.startswith("~")]
