@@ -48,5 +48,5 @@ def test_the_guide_to_pictures(tmp_path, monkeypatch):
     space = runpy.run_path(str(tmp_path / "lines.py"))
     assert space["error"].get_ylabel() == "error (µm)"
     assert (tmp_path / "log.png").read_bytes().startswith(b"\x89PNG")
-    told = set(re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "plot.md").read_text(), flags=re.MULTILINE))
-    assert {name for names in told for name in re.findall(r"`(\w+)`", names)} == set(cogging.plot.__all__)
+    listed = set(re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "plot.md").read_text(), flags=re.MULTILINE))
+    assert {name for names in listed for name in re.findall(r"`(\w+)`", names)} == set(cogging.plot.__all__)

@@ -272,13 +272,13 @@ def test_a_command_that_is_no_number_never_rests(width, lag):
 
 @pytest.mark.parametrize("lag", [5e-324, 1e-12])
 @pytest.mark.parametrize("width", [0.0, 1e-3])
-def test_a_lag_shorter_than_time_can_tell_is_none(lag, width):
+def test_a_lag_shorter_than_time_resolves_is_none(lag, width):
     pid = cogging.Pid(cogging.PidParameters(kp=900.0, kd=10.0, sample_rate=1000.0))
     run = {"duration": 0.3, "steps_per_sample": 2}
     without = cogging.closed_loop(machine((), width), pid, MOTION, **run)
     log = cogging.closed_loop(machine([cogging.EFFECTS["actuator_lag"](time_constant=lag)], width), pid, MOTION, **run)
     np.testing.assert_allclose(log.true_position, without.true_position, rtol=0, atol=1e-9)
-    late = 1.7e9  # s: seconds since 1970, which doubles tell apart to 0.2 us
+    late = 1.7e9  # s: seconds since 1970, which doubles resolve to 0.2 us
     columns = late + log.time, log.position, log.command
     plant = machine([cogging.EFFECTS["actuator_lag"](time_constant=max(lag, 1e-9))], width)
     assert np.isfinite(_core.Predictor(*columns).predict(plant).innovation).all()

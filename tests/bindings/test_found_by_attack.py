@@ -146,8 +146,8 @@ def test_a_time_below_zero_counts_from_its_first_row():
     made = cogging.simulate(model, command_files.REFERENCE, seed=1)
     log = cogging.Log.of(made.columns())
     later = cogging.Log.of({**log.columns(), "time": log.time - 5.0})
-    told = "time begins at -5 s: times of effects count from the first row"
-    assert told in cogging.audit(later).text()
+    hint = "time begins at -5 s: times of effects count from the first row"
+    assert hint in cogging.audit(later).text()
     assert "time begins" not in cogging.audit(log).text()
     pushed = model.replace(effects=[cogging.effects.DisturbanceStep(force=0.2, start=0.1, stop=0.2)])
     for residual in (
