@@ -39,10 +39,6 @@ MISTAKES = {
         lambda: cogging.Plant(MODEL.axis, effects=[{}]),
         r"effects: must be a list, each an effect",
     ),
-    "two numbers": (
-        lambda: cogging.AdaptiveRobustParameters(mass_bounds=[1.0]),
-        r"mass_bounds: must be 2 numbers, got",
-    ),
     "a fraction": (
         lambda: cogging.SplineHarmonics(harmonics=[1.5]),
         r"harmonics: must be a list of whole numbers, got",
