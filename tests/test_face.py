@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import cogging
 from cogging.model.model import CONTROLLERS
-from tests.fixtures.examples import ABSTRACT, EXAMPLES, LOG, MODEL
+from tests.fixtures.examples import ABSTRACT, EXAMPLES
 from tests.fixtures.plants_by_hand import example
 
 OBJECTS = ChainMap(EXAMPLES, {f"effects.{name}": example(name) for name in cogging.EFFECTS})
@@ -95,13 +95,7 @@ def test_a_copied_controller_continues_as_the_original(name):
     assert warm.samples_refused == 1
 
 
-def test_a_copied_log_stays_read_only():
-    for one in (copy.deepcopy(LOG), pickle.loads(pickle.dumps(LOG))):
-        with pytest.raises(ValueError, match="read-only"):
-            one.position[0] = 1.0
-
-
-@settings(derandomize=True, deadline=None, max_examples=25)
+@settings(derandomize=True, deadline=None, max_examples=12)
 @given(
     seed=st.integers(0, 2**32 - 1),
     effects=st.sets(st.sampled_from(sorted(set(cogging.EFFECTS) - {"backlash", "flexible_mode"})), max_size=4),
@@ -130,9 +124,3 @@ def test_a_model_comes_back_from_its_document(seed, effects, controller, waves, 
     )
     assert cogging.Model.from_dict(model.to_dict()) == model == pickle.loads(pickle.dumps(model))
     assert model.replace(steps_per_sample=model.steps_per_sample + 1) != model
-
-
-def test_progress_is_reported_for_each_step():
-    steps = []
-    cogging.identify(LOG, MODEL, free=["axis.mass"], progress=steps.append)
-    assert steps == ["inverse dynamics", "output error", "logs one by one", "other answers"]

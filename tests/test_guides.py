@@ -44,13 +44,9 @@ def test_the_guide_to_pictures(tmp_path, monkeypatch):
     """Its lines run, and its table names every function."""
     monkeypatch.chdir(tmp_path)
     (lines,) = code("plot.md", "python")
-    space = runpy.run_path(str(_written(tmp_path / "lines.py", lines)))
+    (tmp_path / "lines.py").write_text(lines)
+    space = runpy.run_path(str(tmp_path / "lines.py"))
     assert space["error"].get_ylabel() == "error (µm)"
     assert (tmp_path / "log.png").read_bytes().startswith(b"\x89PNG")
-    told = set(re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "plot.md").read_text(), flags=re.MULTILINE))
-    assert {name for names in told for name in re.findall(r"`(\w+)`", names)} == set(cogging.plot.__all__)
-
-
-def _written(path, text):
-    path.write_text(text)
-    return path
+    listed = set(re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "plot.md").read_text(), flags=re.MULTILINE))
+    assert {name for names in listed for name in re.findall(r"`(\w+)`", names)} == set(cogging.plot.__all__)

@@ -12,12 +12,17 @@ import pytest
 
 from tests.fixtures.notebooks import MEASURED, NOTEBOOKS, differences, executed, pictures, texts
 
+#: They compute what tests/papers checks number by number: `.ci/run` and the weekly studies compare their outputs.
+OF_PAPERS = ("01_lu2008", "02_xu2001", "03_malaize2009")
+
+
+def marks_of(path):
+    return [pytest.mark.data] * (path in MEASURED) + [pytest.mark.study] * (path.stem in OF_PAPERS)
+
 
 @pytest.mark.notebook
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-@pytest.mark.parametrize(
-    "path", [pytest.param(path, id=path.stem, marks=[pytest.mark.data] * (path in MEASURED)) for path in NOTEBOOKS]
-)
+@pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=marks_of(path)) for path in NOTEBOOKS])
 def test_a_fresh_run_prints_what_is_committed(path):
     import nbformat
 

@@ -1,8 +1,8 @@
 """Results as pandas frames with their units, and as the tables of a notebook."""
 
-import html.parser
 import re
 import sys
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -84,54 +84,33 @@ def test_an_unknown_table_is_an_error(name, word):
         EXAMPLES[name].to_frame(word)
 
 
-class Page(html.parser.HTMLParser):
-    """The tags of a page and the cells of each row."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.tags, self.rows, self.open = set(), [], []
-        self.feed(text)
-        assert not self.open
-
-    def handle_starttag(self, tag, attributes):
-        self.tags.add(tag)
-        self.open.append(tag)
-        assert {name for name, _ in attributes} <= {"style", "class"}
-        if tag == "tr":
-            self.rows.append([])
-        if tag in ("td", "th"):
-            self.rows[-1].append("")
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        if self.open and self.open[-1] in ("td", "th"):
-            self.rows[-1][-1] += data
+def cells(text):
+    """The texts of each row of a table."""
+    return [["".join(cell.itertext()) for cell in row] for row in ElementTree.fromstring(text).iter("tr")]
 
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_notebook_shows_a_small_table(name):
     text = EXAMPLES[name]._repr_html_()
-    page = Page(text)
-    assert page.tags <= {"div", "b", "table", "thead", "tbody", "tr", "th", "td"}
-    assert len({len(row) for row in page.rows}) == 1
+    elements = list(ElementTree.fromstring(text).iter())
+    assert {one.tag for one in elements} <= {"div", "b", "table", "thead", "tbody", "tr", "th", "td"}
+    assert {name for one in elements for name in one.attrib} <= {"style", "class"}
+    assert len({len(row) for row in cells(text)}) == 1
     assert len(text) < 20_000
     assert not re.search(r"https?:|url\(|#[0-9a-fA-F]{3}|\bcolor:|background", text)  # the page's colours, no resource
     assert name in text
 
 
 def test_the_numbers_of_a_table_are_those_of_the_model():
-    rows = {row[0]: row[1:] for row in Page(MODEL.replace(units=cogging.Units(command="N"))._repr_html_()).rows}
+    rows = {row[0]: row[1:] for row in cells(MODEL.replace(units=cogging.Units(command="N"))._repr_html_())}
     assert rows["axis.mass"] == ["0.12", "N/(m/s^2)", ""]
     assert rows["effects.cable_spring.stiffness"] == ["0.4", "N/m", "0.3 to 0.5"]
-    log = {row[0]: row[1:] for row in Page(LOG._repr_html_()).rows}
+    log = {row[0]: row[1:] for row in cells(LOG._repr_html_())}
     assert float(log["command"][2]) == pytest.approx(LOG.command.max(), rel=1e-5)
 
 
 def test_hostile_names_are_escaped():
     text = html_table(HOSTILE, [HOSTILE], [[HOSTILE], [float("nan")], [None], [True], [np.arange(9.0)]], [HOSTILE])
-    page = Page(text)
-    assert "script" not in page.tags
+    assert "<script" not in text
     assert text.isprintable()
-    assert [row[0] for row in page.rows[2:]] == ["", "", "yes", "0, 1, 2, 3, 4, 5, ..."]
+    assert [row[0] for row in cells(text)[2:]] == ["", "", "yes", "0, 1, 2, 3, 4, 5, ..."]

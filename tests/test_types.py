@@ -37,7 +37,7 @@ ignore_errors = True
 
 
 def of_numba():
-    """What is told to mypy for the decorators of numba, which have types from 0.66 on."""
+    """Options of mypy for the decorators of numba, which have types from 0.66 on."""
     typed = tuple(map(int, importlib.metadata.version("numba").split(".")[:2])) >= (0, 66)
     return [] if typed else ["--allow-untyped-decorators"]
 

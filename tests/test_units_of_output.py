@@ -140,19 +140,16 @@ def test_errors_are_in_the_units_of_the_model(log):
         cogging.check_against_model(in_degrees, travel)
 
 
-def test_commands_print_and_write_them(tmp_path, capsys):
-    """A line of `simulate`, and the part of a model that `map` writes."""
-    model, out, reference, scan, part = (
-        tmp_path / name for name in ("model.toml", "log.csv", "reference.toml", "scan.csv", "part.toml")
-    )
-    ROTARY.write(model)
-    reference.write_text(REFERENCE)
-    assert main(["simulate", str(model), "--reference", str(reference), "--out", str(out)]) == 0
-    assert re.search(r"max \|error\| [\d.e-]+ rad\n", capsys.readouterr().out)
-    assert cogging.read_log(out).units == UNITS
-    rows = "\n".join(f"{a},{0.1 * np.sin(2 * np.pi * a / 0.05)}" for a in PLACES)
-    scan.write_text(f"position,force\n{rows}\n")
-    words = ["map", str(scan), "--pitch", "0.05", "--units", "command=N,position=rad", "--out", str(part)]
-    assert main(words) == 0
-    assert left_in(capsys.readouterr().out.replace(str(tmp_path), "")) == []
-    assert 'command = "N"' in part.read_text()
+def test_commands_print_and_write_them(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    ROTARY.write("model.toml")
+    (tmp_path / "ref.toml").write_text(REFERENCE)
+    rows = "".join(f"{x},{np.sin(126.0 * x)}\n" for x in PLACES)
+    (tmp_path / "scan.csv").write_text(f"position,force\n{rows}")
+    assert main(["simulate", "model.toml", "--reference", "ref.toml", "--out", "log.csv"]) == 0
+    assert main(["map", "scan.csv", "--pitch", "0.05", "--units", "command=N,position=rad", "--out", "part.toml"]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"max \|error\| [\d.e-]+ rad\n", printed)
+    assert left_in(printed) == []
+    assert cogging.read_log("log.csv").units == UNITS
+    assert 'command = "N"' in (tmp_path / "part.toml").read_text()

@@ -34,7 +34,7 @@ def callables() -> list[Target]:
 def run_case(seed: int) -> str | None:
     """Make one call; what is wrong with how it ended, or None."""
     random = np.random.default_rng([2026, seed])
-    pool = Pool()  # anew, so that a seed alone tells the case
+    pool = Pool()  # anew, so that a seed alone determines the case
     target = callables()[random.integers(len(callables()))]
     subject = subject_of(target, random, pool)
     positional, named = arguments_of(target, random, pool)

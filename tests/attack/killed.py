@@ -1,7 +1,7 @@
 """Sweeps that are killed at drawn moments and started again: `python -m tests.attack.killed`.
 
-A sweep on one thread, on threads or in processes is ended by SIGKILL, SIGTERM or SIGINT, at a drawn time or before a
-drawn file operation, and started again until it is done. Its table is absent or has the bytes of an undisturbed sweep,
+A sweep on one thread, on threads or in processes is ended by SIGKILL, SIGTERM or SIGINT at a drawn time and started
+again until it is done. Its table is absent or has the bytes of an undisturbed sweep,
 finished pieces are kept, no run is repeated but those in flight, and a signal is answered in one line.
 Options: --cases N kills of each way (a third as many of each signal), --seed S, --runs N of the sweep.
 """
@@ -32,9 +32,6 @@ from tests.fixtures.sweeps import DOCUMENT, MANY, MOVE
 WAYS = {"one thread": (("--threads", "1"), 0), "threads": (("--threads", "3"), 0), "processes": ((), 2)}
 STATUS = {signal.SIGKILL: -9, signal.SIGTERM: 143, signal.SIGINT: 130}
 HANG = 120.0  # s
-MOST = 60  # operations of files, before one of which a life is ended
-#: Audit events that change a folder; `open` where it writes.
-OPERATIONS = ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.link")
 
 
 class Sweep:
@@ -50,10 +47,10 @@ class Sweep:
         (folder / "sweep.toml").write_text(to_toml({**job, "vary": MANY}))
         self.words = ["sweep", f"{folder / 'sweep.toml'}", "--out", f"{self.out}", *words]
 
-    def start(self, operation: int = 0, number: int = 0) -> subprocess.Popen[str]:
-        """Start a life, which gets signal `number` before a file operation (0: never)."""
+    def start(self) -> subprocess.Popen[str]:
+        """Start the sweep, or continue it."""
         self.log.write_text("")
-        life = [f"{self.log}", f"{operation}", f"{int(number)}", f"{self.processes}", *self.words]
+        life = [f"{self.log}", f"{self.processes}", *self.words]
         command = [sys.executable, "-m", "tests.attack.killed", "--life", *life]
         pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
         return subprocess.Popen(command, text=True, start_new_session=True, **pipes)
@@ -77,8 +74,8 @@ class Sweep:
         return [run for first, count in lines for run in range(int(first), int(first) + int(count))]
 
 
-def live(log: str, operation: str, number: str, processes: str, *words: str) -> int:
-    """Run the sweep, write which runs it begins to `log`, and send itself a signal before a file operation."""
+def live(log: str, processes: str, *words: str) -> int:
+    """Run the sweep and write which runs it begins to `log`."""
     from cogging.cli.main import main as command
     from cogging.simulation import parameter_sweep as sweep
 
@@ -90,23 +87,8 @@ def live(log: str, operation: str, number: str, processes: str, *words: str) -> 
             file.write(f"{piece.first} {len(piece.points)}\n".encode())
         return plain(piece)
 
-    process, left = os.getpid(), int(operation)
-
-    def end_at_operation(event, arguments):
-        nonlocal left
-        if event not in OPERATIONS or os.getpid() != process:
-            return
-        path = f"{arguments[0]}"
-        writes = event != "open" or (arguments[2] or 0) & (os.O_WRONLY | os.O_RDWR)
-        inside = event in ("os.remove", "os.rmdir") and arguments[1] not in (-1, None)  # a folder that is removed
-        if writes and (inside or ".cogging-" in path or os.path.basename(out) in path):
-            left -= 1
-            if left == 0:
-                os.kill(process, int(number))
-
     def run() -> int:
         sweep.run_piece = run_piece
-        sys.addaudithook(end_at_operation)
         if processes == "0":
             return command(list(words))
         with ProcessPoolExecutor(int(processes)) as pool:
@@ -118,19 +100,14 @@ def live(log: str, operation: str, number: str, processes: str, *words: str) -> 
 
 def end_life(sweep: Sweep, chance: random.Random, seconds: float, number: int) -> tuple[int, str]:
     """Status and standard error of a life that is ended at a drawn moment (number 0: not)."""
-    if number and chance.random() < 0.5:
-        process = sweep.start(chance.randint(1, MOST), number)
-    else:
-        process = sweep.start()
-        if number:
-            end = time.monotonic() + chance.uniform(0.0, seconds)
-            # Before its first run the command may have no handlers yet: Python itself answers a signal then.
-            while process.poll() is None and (
-                time.monotonic() < end or (number != signal.SIGKILL and not sweep.begun())
-            ):
-                time.sleep(0.001)
-            if process.poll() is None:
-                process.send_signal(number)
+    process = sweep.start()
+    if number:
+        end = time.monotonic() + chance.uniform(0.0, seconds)
+        # Before its first run the command may have no handlers yet: Python itself answers a signal then.
+        while process.poll() is None and (time.monotonic() < end or (number != signal.SIGKILL and not sweep.begun())):
+            time.sleep(0.001)
+        if process.poll() is None:
+            process.send_signal(number)
     process.wait(HANG)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)  # workers that have lost their parent
@@ -155,6 +132,7 @@ def attack(way: str, cases: int, seed: int, number: signal.Signals, runs: int) -
                 before = sweep.pieces()
                 status, said = end_life(sweep, chance, seconds, number if counts["ended"] < cases else 0)
                 kept, begun, done = sweep.kept(), sweep.begun(), sweep.out.exists()
+                status = 0 if done and status == -number else status  # Python gives up its handlers as it ends
                 made.update(begun)
                 counts.update({"lives": 1, "ended": bool(status)})
                 if done and sweep.out.read_bytes() != whole:

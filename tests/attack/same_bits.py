@@ -121,12 +121,7 @@ def conditions() -> list[Condition]:
     made = [Condition("a new process"), Condition("another folder", folder="another, dé folder")]
     made += [Condition(f"hash seed {seed}", {"PYTHONHASHSEED": seed}) for seed in ("1", "4711")]
     made += [Condition("time zone of Auckland", {"TZ": "Pacific/Auckland"})]
-    try:
-        known = subprocess.run(["locale", "-a"], capture_output=True, text=True).stdout.split()
-    except OSError:
-        known = []
-    names = ("C", "C.utf8", "de_DE.utf8", "tr_TR.utf8", "ja_JP.utf8")
-    made += [Condition(f"locale {name}", {"LC_ALL": name}) for name in names if name in known]
+    made += [Condition(f"locale {name}", {"LC_ALL": f"{name}.utf8"}) for name in ("C", "de_DE", "tr_TR", "ja_JP")]
     made += [Condition(f"{many} BLAS threads", dict.fromkeys(THREADS, many)) for many in ("1", "2", "4")]
     made += [Condition(f"{many} threads", words=("--threads", many)) for many in ("1", "2", "7", "100")]
     sets = ("none", *_core.instruction_sets())

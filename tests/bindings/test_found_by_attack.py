@@ -37,23 +37,6 @@ def test_pickles_of_every_protocol():
             assert copy.deepcopy(value) == value
 
 
-@pytest.mark.parametrize(
-    ("kind", "fields", "line"),
-    [
-        (cogging.AxisParameters, {"mass": 1e300}, r"mass: must be at most 1e\+30 in size, got 1e\+300"),
-        (cogging.SplineHarmonics, {"pitch": 1e300, "harmonics": [1]}, r"pitch: must be at most 1e\+30 in size"),
-        (cogging.SplineHarmonics, {"pitch": 1e10, "harmonics": [1]}, r"pitch: must be from 1e-9 to 1e9, got 1e\+10"),
-        (cogging.SplineHarmonics, {"pitch": 0.05, "harmonics": [1, 2 * 10**9]}, "harmonics: each must leave a period"),
-        (cogging.SplineHarmonics, {"periods": [0.05, 1e-12]}, "periods: must be from 1e-9 to 1e9, got 1e-12"),
-        (cogging.effects.CoggingHarmonic, {"period": 1e-10}, "period: must be from 1e-9 to 1e9, got 1e-10"),
-        (cogging.ObserverBasedParameters, {"periods": [1e-10]}, "periods: must be from 1e-9 to 1e9, got 1e-10"),
-    ],
-)
-def test_sizes_that_no_axis_has_are_refused(kind, fields, line):
-    with pytest.raises(ValueError, match=line):
-        kind(**fields)
-
-
 NO_NUMBERS = {
     "True in a list": [True, 2.0],
     "False in an inner list": [[1.0], [False]],
@@ -163,8 +146,8 @@ def test_a_time_below_zero_counts_from_its_first_row():
     made = cogging.simulate(model, command_files.REFERENCE, seed=1)
     log = cogging.Log.of(made.columns())
     later = cogging.Log.of({**log.columns(), "time": log.time - 5.0})
-    told = "time begins at -5 s: times of effects count from the first row"
-    assert told in cogging.audit(later).text()
+    hint = "time begins at -5 s: times of effects count from the first row"
+    assert hint in cogging.audit(later).text()
     assert "time begins" not in cogging.audit(log).text()
     pushed = model.replace(effects=[cogging.effects.DisturbanceStep(force=0.2, start=0.1, stop=0.2)])
     for residual in (
@@ -194,19 +177,14 @@ def test_the_attack_itself_sees_what_it_is_to_see(tmp_path):
         "    if seed == 7: raise RuntimeError('inside')\n"
         "    return 'nonsense accepted' if seed == 9 else None\n"
     )
-    code = (
-        "import sys; sys.path.insert(0, sys.argv[1])\n"
+    script = tmp_path / "run.py"
+    script.write_text(
         "from tests.attack import watched\n"
-        "watched.HANG = 2.0\n"
+        "watched.HANG = 0.5\n"
         "if __name__ == '__main__':\n"
-        "    tally = watched.attack('cases', range(12))\n"
+        "    tally = watched.attack('cases', range(10))\n"
         "    print(tally.cases, sorted(tally.crashes), sorted(tally.hangs), sorted(tally.faults))\n"
     )
-    script = tmp_path / "run.py"
-    script.write_text(code)
-    path = os.pathsep.join([str(tmp_path), os.getcwd(), *sys.path])
-    environment = {**os.environ, "PYTHONPATH": path}
-    done = subprocess.run(
-        [sys.executable, str(script), str(tmp_path)], capture_output=True, text=True, env=environment, check=False
-    )
-    assert done.stdout.split("\n")[0] == "12 [3] [5] [7, 9]", done.stderr[-2000:]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.getcwd(), *sys.path])}
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
+    assert done.stdout.split("\n")[0] == "10 [3] [5] [7, 9]", done.stderr[-2000:]

@@ -3,11 +3,9 @@
 import subprocess
 import sys
 
-import pytest
-
 from tests.fixtures.files import MODEL
 
-SETUP = """
+PROGRAM = """
 import os, sys, threading, time
 import cogging
 
@@ -26,39 +24,40 @@ class Own:
     def command(self, reference, reading):
         return 100.0 * (reference.position - reading)
 
-def work():
+calls = {
+    "simulate": lambda: cogging.simulate(model, motion, duration=1),
+    "sweep": lambda: cogging.sweep(model, motion, {"controller.kp": [9e3, 9.5e3, 1e4, 1.1e4]}, duration=1),
+    "replay_controller": lambda: cogging.replay_controller(controller, **columns),
+    "reader": lambda: cogging._core.NumberReader(separator=",", fields=3, wanted=[0], labels=["a"]).feed(block),
+    "own law": lambda: cogging.simulate(own_law, motion, duration=1),
+    "own controller": lambda: cogging.simulate(model, motion, controller=Own(), duration=1),
+    "refused": lambda: cogging.PidParameters(kp="a"),
+}
+
+def work(call, begun):
+    begun.set()
     while True:
         try:
-            CALL
+            call()
         except TypeError:
             pass
-        begun.set()
 
-begun = threading.Event()
-for _ in range(3):
-    threading.Thread(target=work, daemon=True).start()
-begun.wait()
+for call in [*calls.values()] * 2:
+    begun = threading.Event()
+    threading.Thread(target=work, args=(call, begun), daemon=True).start()
+    begun.wait()
+time.sleep(0.2)
 """
-CALLS = {
-    "simulate": "cogging.simulate(model, motion, duration=1)",
-    "sweep": "cogging.sweep(model, motion, {'controller.kp': [9e3, 9.5e3, 1e4, 1.1e4]}, duration=1)",
-    "replay_controller": "cogging.replay_controller(controller, **columns)",
-    "the reader of logs": "cogging._core.NumberReader(separator=',', fields=3, wanted=[0], labels=['a']).feed(block)",
-    "own law": "cogging.simulate(own_law, motion, duration=1)",
-    "own controller": "cogging.simulate(model, motion, controller=Own(), duration=1)",
-    "refused": "cogging.PidParameters(kp='a')",
-}
 
 
 def run(script, folder):
     return subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, timeout=100)
 
 
-@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
-def test_python_ends_while_daemon_threads_are_in_the_core(call, tmp_path):
+def test_python_ends_while_daemon_threads_are_in_the_core(tmp_path):
     """Python ends such a thread by pthread_exit where it asks for the lock: on the way out destructors aborted."""
     (tmp_path / "model.toml").write_text(MODEL)
-    done = run(SETUP.replace("CALL", call), tmp_path)
+    done = run(PROGRAM, tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -1,6 +1,5 @@
-"""Help of the command, and the nearest right word to a mistyped one."""
+"""Help of the command, and numbers out of range."""
 
-import contextlib
 import re
 
 import pytest
@@ -17,25 +16,6 @@ def test_the_commands_are_listed_by_help_and_without_a_command(capsys):
     printed = capsys.readouterr()
     assert (ended.value.code, printed.out) == (2, whole)
     assert printed.err == "cogging: a command must be given, got none; see cogging --help\n"
-
-
-@pytest.mark.parametrize(
-    ("words", "meant"),
-    [
-        ("dignose log.csv", "diagnose"),
-        ("reproduec", "reproduce"),
-        ("audit log.csv --cloumns x", "--columns"),
-        ("simulate model.toml --reference ref.toml --out x --sed 1", "--seed"),
-        ("identify log.csv --modle model.toml", "--model"),
-        ("help dignose", "diagnose"),
-    ],
-)
-def test_the_nearest_word_to_a_mistyped_one_is_offered(words, meant, capsys):
-    with contextlib.suppress(SystemExit):
-        assert main(words.split()) == 2
-    printed = capsys.readouterr()
-    assert (printed.out, printed.err.count("\n")) == ("", 1)
-    assert f"(did you mean '{meant}'?)" in printed.err
 
 
 @pytest.mark.parametrize(

@@ -120,11 +120,3 @@ def test_a_model_that_cannot_be_run_is_named(folder, capsys):
     assert error_of(capsys, "sweep.toml").startswith("model.toml: ")
     (folder / "model.toml").write_text(to_toml({"axis": DOCUMENT["axis"]}))
     assert error_of(capsys, "sweep.toml") == "model.toml: controller: must be given to run the model, got none"
-
-
-def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(folder, capsys):
-    (folder / "sweep.toml").write_text(FILES + MASS)
-    before = {path: path.read_bytes() for path in folder.iterdir()}
-    answer = error_of(capsys, "sweep.toml", "--out", "no/runs.csv")
-    assert answer.startswith("no/runs.csv: cannot be written")
-    assert {path: path.read_bytes() for path in folder.iterdir()} == before

@@ -291,15 +291,6 @@ def test_no_file_is_replaced(tmp_path, monkeypatch, capsys):
     assert read_toml("y.toml")["file"] == "y.csv"
 
 
-def test_a_log_in_memory_is_drafted_as_its_file(tmp_path):
-    log = user_log(105).log
-    log.write(tmp_path / "a.mat")
-    draft, in_memory = cogging.draft_model(tmp_path / "a.mat"), cogging.draft_model(log)
-    np.testing.assert_array_equal(draft.log.position, log.position)
-    assert draft.options() == []
-    assert in_memory.sizes.sizes == draft.sizes.sizes
-
-
 # Measured logs, beside what is published of their machines ------------------------------------------------------------
 
 

@@ -152,12 +152,3 @@ def test_a_controller_is_recovered_from_a_log_with_faults(kind, fault):
     for name in ("kp", "kd", "kv"):
         if hasattr(model.controller, name):
             assert getattr(found.parameters, name) == pytest.approx(getattr(model.controller, name), rel=0.05)
-
-
-def test_the_verdict_stays():
-    """Dropped rows are no fault of the controller, and no flexible mode."""
-    hidden = cogging.effects.ViscousAsymmetry(difference=1.5)
-    log = moving_axis.record(moving_axis.machine([hidden]), 3)
-    result = cogging.diagnose(spoil("drop 5", log, np.random.default_rng(3)), moving_axis.machine())
-    assert (result.verdict, [effect.name for effect in result.effects]) == ("named", [hidden.NAME]), str(result)
-    assert any("interpolation" in note for note in result.notes)

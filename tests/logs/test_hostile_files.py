@@ -1,5 +1,6 @@
 """Hostile files: code beside a log and in it, logs that name other files, readers that outlive their parent."""
 
+import importlib
 import os
 import re
 import signal
@@ -15,7 +16,6 @@ import cogging
 from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.readers import isolate
-from tests.fixtures.covering import covering
 from tests.fixtures.log_files import COLUMNS, TIME, hdf5_bytes, mat_bytes, mdf_bytes, parquet_bytes
 
 FORMATS = {"a.mat": mat_bytes, "hdf5.mat": hdf5_bytes, "a.mf4": mdf_bytes, "a.parquet": parquet_bytes}
@@ -71,28 +71,21 @@ def test_the_command_runs_nothing_from_the_current_folder(planted, tmp_path):
 # --- code in a log ----------------------------------------------------------------------------------------------------
 
 
-def conversion4(kind, **fields):
+def conversion(kind, version="4", **fields):
     pytest.importorskip("asammdf")
-    from asammdf.blocks import v4_blocks, v4_constants
-
-    return v4_blocks.ChannelConversion(conversion_type=getattr(v4_constants, f"CONVERSION_TYPE_{kind}"), **fields)
-
-
-def conversion3(kind, **fields):
-    pytest.importorskip("asammdf")
-    from asammdf.blocks import v2_v3_blocks, v2_v3_constants
-
-    return v2_v3_blocks.ChannelConversion(conversion_type=getattr(v2_v3_constants, f"CONVERSION_TYPE_{kind}"), **fields)
+    name = {"4": "v4", "3": "v2_v3"}[version]
+    blocks, constants = (importlib.import_module(f"asammdf.blocks.{name}_{part}") for part in ("blocks", "constants"))
+    return blocks.ChannelConversion(conversion_type=getattr(constants, f"CONVERSION_TYPE_{kind}"), **fields)
 
 
 def doubled():
-    return conversion4("LIN", a=2.0, b=0.0)
+    return conversion("LIN", a=2.0, b=0.0)
 
 
 def range_to_text(default):
     """A table from a range of values to a text, and another conversion for all other values."""
     texts = {"text_0": b"invalid", "default_addr": default}
-    return conversion4("RTABX", ref_param_nr=2, lower_0=300.0, upper_0=400.0, **texts)
+    return conversion("RTABX", ref_param_nr=2, lower_0=300.0, upper_0=400.0, **texts)
 
 
 def write_mdf(path, conversion, version="4.10", time_conversion=None):
@@ -114,9 +107,9 @@ def payload(mark, name):
 
 #: What is written into a log, of the file that marks an execution.
 FORMULAS = {
-    "3.30": lambda mark: (conversion3("FORMULA", formula=payload(mark, "X1").encode()), "3.30"),
-    "of a table": lambda mark: (range_to_text(conversion4("ALG", formula=payload(mark, "X"))),),
-    "of the time": lambda mark: (None, "4.10", conversion4("ALG", formula=payload(mark, "X"))),
+    "3.30": lambda mark: (conversion("FORMULA", "3", formula=payload(mark, "X1").encode()), "3.30"),
+    "of a table": lambda mark: (range_to_text(conversion("ALG", formula=payload(mark, "X"))),),
+    "of the time": lambda mark: (None, "4.10", conversion("ALG", formula=payload(mark, "X"))),
 }
 
 
@@ -139,10 +132,10 @@ def quotient(x):
 
 #: Version, conversion and law of each channel.
 PHYSICAL = {
-    "linear": ("4.10", lambda: conversion4("LIN", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
-    "rational": ("4.10", lambda: conversion4("RAT", **RATIONAL), quotient),
+    "linear": ("4.10", lambda: conversion("LIN", a=1e-3, b=-2.0), lambda x: 1e-3 * x - 2.0),
+    "rational": ("4.10", lambda: conversion("RAT", **RATIONAL), quotient),
     "texts": ("4.10", lambda: range_to_text(doubled()), lambda x: 2.0 * x),
-    "rational, version 3": ("3.30", lambda: conversion3("RAT", **RATIONAL), quotient),
+    "rational, version 3": ("3.30", lambda: conversion("RAT", "3", **RATIONAL), quotient),
 }
 
 
@@ -170,11 +163,11 @@ RANGES |= {"lower_1": 10000.0, "upper_1": 20000.0, "phys_1": -2.5}
 #: Conversion and error.
 RAW_COUNTS = {
     "ranges of whole numbers": (  # which asammdf 8.8 takes for their neighbours
-        lambda: conversion4("RTAB", **RANGES),
+        lambda: conversion("RTAB", **RANGES),
         r"command: must have a conversion of numbers to numbers that is read rightly, got number 6 of MDF 4",
     ),
     "some values to texts": (
-        lambda: conversion4("TABX", ref_param_nr=2, val_0=7.0, text_0=b"x", default_addr=doubled()),
+        lambda: conversion("TABX", ref_param_nr=2, val_0=7.0, text_0=b"x", default_addr=doubled()),
         r"row 7: command: must be a finite number, got nan",
     ),
 }
@@ -226,11 +219,10 @@ ELSEWHERE = [
 ]
 
 
-@pytest.mark.parametrize(("case", "kind"), covering(range(len(ELSEWHERE)), ["file", "pipe"]))
-def test_numbers_of_another_file_are_refused_by_name(case, kind, tmp_path):
+@pytest.mark.parametrize(("name_other_file", "what"), ELSEWHERE)
+def test_numbers_of_another_file_are_refused_by_name(name_other_file, what, tmp_path):
     import h5py
 
-    name_other_file, what = ELSEWHERE[case]
     secret, path = tmp_path / "secret.h5", tmp_path / "a.mat"
     with h5py.File(secret, "w") as other:
         other["command"] = COLUMNS["command"]
@@ -238,7 +230,7 @@ def test_numbers_of_another_file_are_refused_by_name(case, kind, tmp_path):
         for name in ("time", "position"):
             file[name] = COLUMNS[name]
         name_other_file(file, secret)
-    if kind == "pipe":  # whose opening would wait for ever
+    if name_other_file in (external_link, virtual):  # a pipe, whose opening would wait for ever
         secret.unlink()
         os.mkfifo(secret)
     got = f"{what} '{re.escape(str(secret))}'"

@@ -119,5 +119,7 @@ def test_columns_are_not_copied_and_cannot_be_written_through_the_log():
             getattr(log, name)[3] = np.nan
     for other in (copy.deepcopy(log), pickle.loads(pickle.dumps(log)), dataclasses.replace(log)):
         np.testing.assert_array_equal(other.position, log.position)
+        with pytest.raises(ValueError, match="read-only"):
+            other.position[0] = 1.0
     with pytest.raises(ValueError, match="position: must be as long as time"):
         dataclasses.replace(log, position=log.position[1:])

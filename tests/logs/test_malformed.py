@@ -90,23 +90,37 @@ MDF = {
 PARQUET = {
     "text": (with_command(parquet_bytes, ["a"] * 200), "command: must be real numbers, got string"),
 }
+MODEL = """
+[axis]
+mass = 0.12
+travel = [0.0, 0.51]
+"""
+
+
+def beside_a_model(name, factor):
+    """A log with a column times a factor, beside a model."""
+    return lambda folder: (folder / "m.toml").write_text(MODEL) and csv_bytes(changed(name, factor * COLUMNS[name]))
+
+
+UNITS = {
+    "position in mm": (
+        beside_a_model("position", 25e3),
+        "spans .* m but the model's travel is 0.51 m: give --scale position=0.001 if it is in mm",
+    ),
+    "reference in mm": (
+        beside_a_model("reference", 1e3),
+        "reference: spans .* but the position .*: give --scale reference=0.001",
+    ),
+}
 #: File name, content (bytes, or made from the folder), what the answer must say, and further arguments.
 CASES = {
     **{case: ("a.csv", *log) for case, log in CSV.items()},
     **{options: ("a.csv", csv_bytes(changed("command", 100.0 + TIME)), m, options) for options, m in OPTIONS.items()},
+    **{case: ("a.csv", *log, "--model m.toml") for case, log in UNITS.items()},
     **{f"MATLAB: {case}": ("a.mat", *log) for case, log in MATLAB.items()},
     **{f"MDF: {case}": ("a.mf4", *log) for case, log in MDF.items()},
     **{f"Parquet: {case}": ("a.parquet", *log) for case, log in PARQUET.items()},
 }
-
-
-def refused(arguments, capsys):
-    """Run the command and return its one line of error."""
-    assert main(arguments) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("cogging: ")
-    assert error.count("\n") == 1
-    return error
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -119,43 +133,14 @@ def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeyp
     if content is not None:
         (tmp_path / name).write_bytes(content)
     before = sorted(tmp_path.rglob("*"))
-    error = refused(["audit", name, "--json", "out.json", *" ".join(options).split()], capsys)
-    assert re.search(message, error), error
+    assert main(["audit", name, "--json", "out.json", *" ".join(options).split()]) == 2
+    error = capsys.readouterr().err
+    assert re.fullmatch(f"cogging: .*{message}.*\n", error), error
     assert sorted(tmp_path.rglob("*")) == before
-
-
-MODEL = """
-[axis]
-mass = 0.12
-travel = [0.0, 0.51]
-[controller]
-type = "pid"
-sample_rate = 1000
-kp = 1000.0
-"""
-UNITS = {
-    "position in mm": (
-        changed("position", 25e3 * COLUMNS["position"]),
-        "spans .* m but the model's travel is 0.51 m: give --scale position=0.001 if it is in mm",
-    ),
-    "reference in mm": (
-        changed("reference", 1e3 * COLUMNS["reference"]),
-        "reference: spans .* but the position .*: give --scale reference=0.001",
-    ),
-    "elsewhere": (changed("position", 5.0 + COLUMNS["position"]), "far outside the model's travel"),
-}
-
-
-@pytest.mark.parametrize(("columns", "message"), UNITS.values(), ids=UNITS)
-def test_units_that_cannot_be_the_models(columns, message, tmp_path, capsys):
-    (tmp_path / "a.csv").write_bytes(csv_bytes(columns))
-    (tmp_path / "model.toml").write_text(MODEL)
-    error = refused(["audit", str(tmp_path / "a.csv"), "--model", str(tmp_path / "model.toml")], capsys)
-    assert re.search(message, error), error
 
 
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_mutated_log_is_read_or_refused_in_one_line(kind):
     """The first cases of `python -m tests.attack`, read as a user reads them."""
-    found = [run_case(seed, kind, whole=True) for seed in range(40 if kind == "csv" else 2)]
+    found = [run_case(seed, kind, whole=True) for seed in range(40 if kind == "csv" else 1)]
     assert not [one for one in found if one is not None and not one.startswith("~")]

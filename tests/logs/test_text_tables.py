@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.logs.readers import text_table
 
@@ -89,13 +88,6 @@ def test_drawn_tables_are_read_to_the_last_bit(has_commas, tmp_path):
         assert log.metadata == ({"read_with": ["decimal commas"]} if has_commas else {})
 
 
-def test_decimal_commas_are_reported(tmp_path, capsys):
-    rows = [f"{k / 1000};{k * k / 7e5};{k % 3}\n".replace(".", ",") for k in range(300)]
-    (tmp_path / "a.csv").write_text("time;position;command\n" + "".join(rows))
-    assert main(["audit", str(tmp_path / "a.csv")]) == 0
-    assert "read with decimal commas" in capsys.readouterr().out
-
-
 def test_numbers_are_read_to_the_last_bit_wherever_a_block_ends(tmp_path, monkeypatch):
     values = np.random.default_rng(0).integers(0, 1 << 63, 3000).view(np.float64)
     values = values[np.isfinite(values)]
@@ -129,19 +121,6 @@ def test_a_column_beside_one_of_nearly_its_name_is_asked_about(name, label, plac
         assert words in str(refused.value)
     plain, other = (cogging.read_log(path, columns={name: one}, scale={name: 1.0}) for one in (name, label))
     assert not np.array_equal(getattr(other, name), getattr(plain, name))
-
-
-FAULTS = {
-    'time,"position"x,command\n0,1,2\n1,2,3\n': "line 1: must have a separator behind closed",
-    'time,position,command,note\n0,1,2,"x\ny"\n1,2,3,x\n': "line 2: must close its quotes",
-}
-
-
-@pytest.mark.parametrize("text", FAULTS)
-def test_quotes_that_do_not_close_are_refused_with_the_line(text, tmp_path):
-    (tmp_path / "log.csv").write_text(text)
-    with pytest.raises(InputError, match=rf"log\.csv: {FAULTS[text]}"):
-        cogging.read_log(tmp_path / "log.csv")
 
 
 def test_a_lost_quote_is_refused_with_its_line(tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from effect_pages import figure, lacking, page
+from effect_pages import lacking, page
 
 from cogging.effects.effect import VOCABULARY, laws_of
 from tests.fixtures.plants_by_hand import example
@@ -29,8 +29,3 @@ def test_a_page_has_law_fields_and_figure(name):
     assert np.abs(rows["lacking"]).max() > 1e-3
     assert effect.LAW in text
     assert all(f"| `{field}` |" in text for field in effect.FIELDS)
-
-
-def test_a_figure_is_along_the_coordinate_of_the_effect():
-    for name, along in (("cable_spring", "position"), ("quadratic_drag", "velocity"), ("disturbance_step", "time")):
-        assert figure(example(name)).finding.endswith(f"against {along}.")

@@ -26,8 +26,8 @@ class Page(HTMLParser):
             self.links.append(known["href"])
         if tag in ("img", "script", "source") and known.get("src"):
             self.loaded.append(known["src"])
-        told = (known.get("alt") or "").strip()
-        if tag == "img" and (len(told) < 10 or told.endswith((".png", ".svg"))):
+        text = (known.get("alt") or "").strip()
+        if tag == "img" and (len(text) < 10 or text.endswith((".png", ".svg"))):
             self.unnamed.append(known.get("src"))
         if tag == "link" and known.get("rel") in ("stylesheet", "icon", "preload"):
             self.loaded.append(known["href"])
