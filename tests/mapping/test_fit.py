@@ -147,14 +147,6 @@ def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
     assert orders.count(order) >= 7
 
 
-def test_the_simplest_order_within_one_standard_error_of_the_best_is_chosen():
-    made = fit_known(two_way_scan(1, truth(1, order=3, spread=0.1)), THERE_AND_BACK)
-    best = min(made.cross_validation, key=lambda score: score.rms)
-    alike = [score.order for score in made.cross_validation if score.rms <= best.rms + best.standard_error]
-    assert best.order == 2
-    assert made.order == min(alike) == 1
-
-
 # --- noise ------------------------------------------------------------------------------------------------------------
 
 

@@ -103,29 +103,6 @@ def test_a_narrow_pulse_must_be_stated_and_is_then_felt():
     assert energy_error(Custom("notch", force=force), work, 0.3) > 1e-4
 
 
-@pytest.mark.parametrize("name", sorted(COPIES))
-def test_a_copy_has_the_description_of_the_effect(name):
-    make, fields = COPIES[name]
-    own, kind = make(), cogging.EFFECTS[name]
-    assert own.HOOKS == kind.HOOKS
-    assert set(own.FIELDS) == set(kind.FIELDS) == set(own.ROLES)
-    assert {key: unit for key, (unit, _) in own.FIELDS.items()} == {key: unit for key, (unit, _) in kind.FIELDS.items()}
-    assert own.KINDS == kind.KINDS
-    for key, role in own.ROLES.items():
-        its = kind.ROLES[key]
-        assert {part: role[part] for part in ("role", "quantity")} == {part: its[part] for part in ("role", "quantity")}
-        assert role["high"] == pytest.approx(its["high"])
-    one, its = own.replace(**fields), kind(**fields)
-    assert one.to_dict() == its.to_dict() == fields
-    places = np.random.default_rng(1).uniform(0.0, 0.4, 30)
-    for method in ("force_at", "friction_level_at", "gain_at"):
-        assert hasattr(one, method) == hasattr(its, method)
-        if hasattr(its, method):
-            expected = getattr(its, method)(position=places)
-            np.testing.assert_allclose(getattr(one, method)(position=places), expected, atol=1e-14)
-            assert getattr(one, method)(position=float(places[3])) == pytest.approx(expected[3], abs=1e-14)
-
-
 def test_a_custom_effect_is_a_value():
     one = own_spring().replace(stiffness=3.0)
     assert copy.deepcopy(one) == one == pickle.loads(pickle.dumps(one)) == own_spring().replace(stiffness=3.0)
