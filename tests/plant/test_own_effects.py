@@ -103,6 +103,16 @@ def test_a_narrow_pulse_must_be_stated_and_is_then_felt():
     assert energy_error(Custom("notch", force=force), work, 0.3) > 1e-4
 
 
+@pytest.mark.parametrize("name", sorted(COPIES))
+def test_a_copy_is_described_as_the_effect(name):
+    own, kind = COPIES[name][0](), cogging.EFFECTS[name]
+    assert (own.HOOKS, own.KINDS) == (kind.HOOKS, kind.KINDS)
+    for key, role in own.ROLES.items():
+        same = kind.ROLES[key]
+        assert (role["role"], role["quantity"]) == (same["role"], same["quantity"])
+        assert role["high"] == pytest.approx(same["high"])
+
+
 def test_a_custom_effect_is_a_value():
     one = own_spring().replace(stiffness=3.0)
     assert copy.deepcopy(one) == one == pickle.loads(pickle.dumps(one)) == own_spring().replace(stiffness=3.0)
