@@ -25,8 +25,7 @@ ROOT = Path(__file__).parents[2]
 #: Tests of the core in three processes; `bindings` would ask for the system's limits, and sweeps are Python.
 RUNS = ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
 ROOMS = (("control", "estimation"), ("basis", "plant", "reference"), [f"simulation/test_{name}.py" for name in RUNS])
-#: Packs of runs have their tests among the rooms; `lanes` would take two minutes for them.
-PROGRAMS = ("constructors", "numbers", "soak")
+PROGRAMS = ("numbers", "soak")
 PARTS = ("calls", "rooms", "programs", "threads")
 #: GCC's undefined behaviour leaves out numbers that no integer holds. Not optimised: the build is then half as long.
 CHECKED = "-O0 -g1 -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer"

@@ -1,4 +1,4 @@
-"""A step of every controller: no allocation, no lock, no denormal number, a stack with a bound; never a time."""
+"""A step of every controller: no allocation, no lock, no denormal number, a stack with a bound."""
 
 import os
 import sys
@@ -10,7 +10,7 @@ import cogging
 from cogging import _core
 from cogging.model.model import CONTROLLERS
 from tests.benchmarks import real_time
-from tests.benchmarks.real_time import UnboundedStack, compile_unit, reports_stack, stack_of_each, undefined_symbols
+from tests.benchmarks.real_time import compile_unit, reports_stack, stack_of_each, undefined_symbols
 
 CALLS = 20_000
 STACK = 1024  # bytes, of every controller: what docs/real_time.md states
@@ -30,6 +30,7 @@ def rows(folder):
     return real_time.measure(real_time.build(folder, "-O1", *(["-Werror"] if reports_stack() else [])), CALLS)
 
 
+@pytest.mark.study  # the states at rest: tests/control/test_rest.py
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_a_step_in_closed_loop_neither_allocates_nor_meets_denormal_numbers(rows, kind):
     """Under way, in long rests, behind lost readings, with drawn gains; and its errors are those of the simulation."""
@@ -68,45 +69,3 @@ def test_a_step_calls_nothing_that_locks_allocates_or_throws_and_its_stack_is_bo
     assert len(found) == len(CONTROLLERS)
     assert set().union(*(outside for _, outside in found)) == undefined_symbols(made)
     assert all(0 < size <= (STACK if flag == "-O3" else 2 * STACK) for size, _ in found)
-
-
-OWN_STEPS = """
-#include <alloca.h>
-#include <cstddef>
-#include <mutex>
-#include <stdexcept>
-std::mutex lock;
-double (*volatile other)(double);
-#define DEEP __attribute__((noinline)) double
-DEEP allocates(double x) { static double* const kept = new double(x); return *kept; }
-DEEP throws(double x) { if (x > 3.0) throw std::runtime_error("large"); lock.lock(); lock.unlock(); return x; }
-DEEP deep(double x) { volatile char large[3000]; large[0] = large[2999] = 1; return x + large[0]; }
-namespace real_time {
-template <std::size_t number> double step(double x) {
-  if constexpr (number == 0) return 2.0 * (allocates(x) + throws(x));
-  if constexpr (number == 1) { auto* all = (volatile char*)alloca(std::size_t(x)); all[0] = 1; return x + all[0]; }
-  if constexpr (number == 2) return x > 0.0 ? x * step<2>(x - 1.0) + x : 0.0;
-  if constexpr (number == 3) return other(x) + 1.0;
-  if constexpr (number == 4) { volatile char own[500]; own[0] = 1; return deep(x) + own[0]; }
-}
-template double step<0>(double);
-template double step<1>(double);
-template double step<2>(double);
-template double step<3>(double);
-template double step<4>(double);
-}
-"""
-
-
-def test_what_a_step_may_not_do_is_found(folder, tmp_path):
-    """Also in a function that the step calls."""
-    if not reports_stack():
-        pytest.skip("the compiler writes no call graph")
-    (tmp_path / "own.cpp").write_text(OWN_STEPS)
-    stacks = stack_of_each(compile_unit(tmp_path, source=tmp_path / "own.cpp"))
-    outside = {name.removeprefix("__") for name in stacks[0]()[1]}
-    assert {"cxa_guard_acquire", "_Znwm", "cxa_throw", "pthread_mutex_lock"} <= outside
-    for number, reason in ((1, "frame is dyn"), (2, "calls itself"), (3, "only the run knows")):
-        with pytest.raises(UnboundedStack, match=reason):
-            stacks[number]()
-    assert 3500 <= stacks[4]()[0] < 3700

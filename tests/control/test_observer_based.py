@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import cogging
@@ -206,23 +205,3 @@ def test_without_cvxpy_the_error_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "cvxpy", None)
     with pytest.raises(ImportError, match=r"pip install 'cogging\[design\]'"):
         cogging.design_observer(problem())
-
-
-def test_the_simulated_plant_is_equation_1():
-    # (1), (2) by an independent integrator: u held at zero, start at speed.
-    motor = MOTORS["ironless"]
-    machine = malaize2009_setup.plant(motor, 0.02)
-    still = cogging.PointToPoint(cogging.PointToPointParameters(distance=1e-9, velocity=1.0, acceleration=1.0))
-    silent = cogging.Pid(cogging.PidParameters(sample_rate=10_000.0))
-    log = cogging.closed_loop(machine, silent, still, duration=0.5, initial_velocity=0.2)
-    phases = np.arange(2)
-
-    def rate(_, state):
-        x, v = state
-        push = sum(
-            0.02 * s * np.sin(2 * np.pi * x / p + f) for s, p, f in zip(motor.shape, motor.periods, phases, strict=True)
-        )
-        return [v, push - v - 0.005]
-
-    exact = solve_ivp(rate, (0, 0.5), [0.0, 0.2], t_eval=log.time, rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(log.true_position, exact.y[0], atol=1e-9)

@@ -6,7 +6,7 @@ Its Lyapunov functions along runs of drawn machines: tests/papers/test_xu2001_cl
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm, solve_continuous_lyapunov
+from scipy.linalg import expm
 
 import cogging
 from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
@@ -176,7 +176,7 @@ def test_the_estimation_bound():
     assert max(errors) > 0.3 * bound, "the bound is of the right size"
 
 
-@pytest.mark.parametrize(("beta_1", "beta_2"), [(100.0, 2500.0), (30.0, 2500.0), (300.0, 2500.0)])
+@pytest.mark.parametrize(("beta_1", "beta_2"), [(100.0, 2500.0), (30.0, 2500.0)])  # both poles at -50, and a pair
 def test_the_filtered_sine_solves_its_equation(beta_1, beta_2):
     fields = {"center": 0.1, "amplitude": 0.03, "frequency": 1.3, "beta_1": beta_1, "beta_2": beta_2}
     motion = cogging.FilteredSine(cogging.FilteredSineParameters(**fields))
@@ -192,24 +192,3 @@ def test_the_filtered_sine_solves_its_equation(beta_1, beta_2):
     np.testing.assert_allclose(position, exact.y[0], atol=1e-9)
     np.testing.assert_allclose(velocity, exact.y[1], atol=1e-7)
     np.testing.assert_allclose(acceleration, [rate(a, x)[1] for a, x in zip(t, exact.y.T, strict=True)], atol=1e-5)
-
-
-def test_a_0_is_stable_and_has_a_lyapunov_matrix():
-    a0 = np.array([[-400.0, 1.0], [-4e4, 0.0]])
-    np.testing.assert_allclose(np.linalg.eigvals(a0), [-200, -200], atol=1e-3)
-    assert np.linalg.eigvalsh(solve_continuous_lyapunov(a0.T, -np.eye(2))).min() > 0  # (11)
-
-
-def test_projection_p1_and_p2():
-    # (21): the estimate stays inside, and theta_tilde^T (Gamma^-1 Proj(Gamma tau) - tau) <= 0 for every tau.
-    random = np.random.default_rng(3)
-    low, high = np.array([8.3, 2.4, -50.0]), np.array([50.0, 17.5, 50.0])
-    for _ in range(500):
-        theta = random.uniform(low, high)
-        estimate = np.choose(random.integers(0, 3, 3), [low, random.uniform(low, high), high])
-        gamma, tau = random.uniform(0.1, 1e6, 3), random.normal(size=3)
-        rate = np.array([cogging.project(*args) for args in zip(gamma * tau, estimate, low, high, strict=True)])
-        assert (estimate - theta) @ (rate / gamma - tau) <= 1e-12
-        moved = estimate + 1e-9 * rate / np.abs(gamma * tau).max()
-        assert np.all((moved >= low - 1e-15) | (rate >= 0))
-        assert np.all((moved <= high + 1e-15) | (rate <= 0))

@@ -330,44 +330,29 @@ void jobs_that_throw() {
   }
 }
 
-// Predictions along one log: plants and small forces.
-class Predictions {
- public:
-  explicit Predictions(const std::vector<Run>& runs)
-      : log_(logged(runs[0])), predictor_(log_.time, log_.position, log_.command) {
-    for (std::size_t i = 0; i <= width; ++i) plants_.push_back(runs[i].plant);  // the next is pushed
-    along_ = predictor_.predict(plants_[0]);
-  }
-
-  Bits on(unsigned threads) const {
+// Along one log: innovations of several plants, and what small forces add.
+void predictions_on_all_threads(const std::vector<Run>& runs) {
+  RunOptions options;
+  options.duration = 10.0 * duration;
+  const Log<> log = std::visit([&](const auto& c) { return closed_loop<double>(runs[0].plant, c, motion, options); },
+                               runs[0].controller);
+  const Predictor predictor(log.time, log.position, log.command);
+  std::vector<Plant<>> plants;
+  for (std::size_t i = 0; i <= width; ++i) plants.push_back(runs[i].plant);  // the next is pushed
+  const Prediction along = predictor.predict(plants[0]);
+  std::vector<double> forces;
+  for (int i = 0; i < 21; ++i) forces.insert(forces.end(), log.command.begin(), log.command.end());
+  const auto bits_on = [&](unsigned threads) {
     Bits bits;
-    add_bits(bits, predictor_.innovations(plants_, threads));
-    std::vector<double> forces;
-    for (int i = 0; i < 21; ++i) forces.insert(forces.end(), log_.command.begin(), log_.command.end());
-    add_bits(bits, predictor_.propagate(along_, plants_[0].axis.mass, 21, forces, {}, threads));
+    add_bits(bits, predictor.innovations(plants, threads));
+    add_bits(bits, predictor.propagate(along, plants[0].axis.mass, 21, forces, {}, threads));
     return bits;
-  }
-
-  void judge() const {
-    const Bits expected = on(1);
-    check::holds(expected.size() > 1000, "predictions of no rows");
-    for (const unsigned threads : counts)
-      check::holds(on(threads) == expected, std::to_string(threads) + " threads: other predictions");
-  }
-
- private:
-  static Log<> logged(const Run& run) {
-    RunOptions options;
-    options.duration = 10.0 * duration;
-    return std::visit([&](const auto& c) { return closed_loop<double>(run.plant, c, motion, options); },
-                      run.controller);
-  }
-
-  Log<> log_;
-  Predictor predictor_;
-  std::vector<Plant<>> plants_;
-  Prediction along_;
-};
+  };
+  const Bits expected = bits_on(1);
+  check::holds(expected.size() > 1000, "predictions of no rows");
+  for (const unsigned threads : counts)
+    check::holds(bits_on(threads) == expected, std::to_string(threads) + " threads: other predictions");
+}
 
 }  // namespace
 
@@ -377,6 +362,6 @@ int main() {
   several_batches_at_once(runs, expected);
   batches_that_are_stopped(runs, expected);
   jobs_that_throw();
-  Predictions(runs).judge();
+  predictions_on_all_threads(runs);
   return check::status();
 }

@@ -1,4 +1,5 @@
-// What is no number, or beyond what an integer holds, on its way to a count or to a place in a table.
+// Numbers that an integer does not hold, or that are none, on their way to a count or to a place in a table; and the
+// core's elementary functions beside those of the library.
 
 #include <algorithm>
 #include <array>
@@ -6,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -47,18 +50,75 @@ void places_in_a_spline() {
       for (std::size_t i = 0; i < positions.size(); ++i) {
         BSpline::Active<double> one;
         spline.evaluate(positions[i], one);
-        const std::string told = std::to_string(positions[i]) + " in a spline of order " + std::to_string(order);
-        check::holds(one.first >= 0 && one.first + order <= 13, told);
+        const std::string place = std::to_string(positions[i]) + " in a spline of order " + std::to_string(order);
+        check::holds(one.first >= 0 && one.first + order <= 13, place);
         double sum = 0.0;
         for (int j = 0; j < order; ++j) sum += one.weight[j];
-        check::holds(order == 1 || (std::isnan(positions[i]) ? std::isnan(sum) : std::abs(sum - 1.0) < 1e-12), told);
+        check::holds(order == 1 || (std::isnan(positions[i]) ? std::isnan(sum) : std::abs(sum - 1.0) < 1e-12), place);
         Four beside(0.31);
         beside.set(i % 4, positions[i]);
         BSpline::Active<Four> four;
         spline.evaluate(beside, four);
-        check::holds(four.first[i % 4] == one.first, told + ", in a lane");
+        check::holds(four.first[i % 4] == one.first, place + ", in a lane");
       }
     }
+}
+
+// In units of the last place of the exact value, from the library's long double.
+double error_in_ulps(double value, long double exact) {
+  const double near = std::abs(static_cast<double>(exact));
+  const double ulp = std::nextafter(near, INFINITY) - near;
+  return static_cast<double>(std::abs(static_cast<long double>(value) - exact) / ulp);
+}
+
+void elementary_functions() {
+  std::mt19937_64 engine(2);
+  const auto uniform = [&] { return 2.0 * static_cast<double>(engine() >> 11) * 0x1.0p-53 - 1.0; };
+  double sine_worst = 0.0, atan_worst = 0.0;
+  for (double size : {1e-9, 1e-3, 0.5, 1.0, 3.0, 10.0, 300.0, 1e4, 1e6, 1e7, 1e11})
+    for (int i = 0; i < 20000; ++i) {
+      const double angle = size * uniform();
+      double s, c;
+      sin_cos(angle, s, c);
+      sine_worst = std::max(sine_worst, error_in_ulps(s, std::sin(static_cast<long double>(angle))));
+      sine_worst = std::max(sine_worst, error_in_ulps(c, std::cos(static_cast<long double>(angle))));
+      atan_worst =
+          std::max(atan_worst, error_in_ulps(cogging::atan(angle), std::atan(static_cast<long double>(angle))));
+    }
+  double exp_worst = 0.0, expm1_worst = 0.0, log_worst = 0.0, tanh_worst = 0.0, pow_worst = 0.0, root_worst = 0.0;
+  for (double size : {1e-9, 1e-3, 0.5, 1.0, 10.0, 300.0, 745.0})
+    for (int i = 0; i < 20000; ++i) {
+      const double x = size * uniform(), exponent = 1.5 + 1.5 * uniform();
+      const long double exact = x, base = std::abs(exact);
+      exp_worst = std::max(exp_worst, error_in_ulps(cogging::exp(x), std::exp(exact)));
+      expm1_worst = std::max(expm1_worst, error_in_ulps(cogging::expm1(x), std::expm1(exact)));
+      log_worst = std::max(log_worst, error_in_ulps(cogging::log(std::abs(x)), std::log(base)));
+      tanh_worst = std::max(tanh_worst, error_in_ulps(cogging::tanh(x), std::tanh(exact)));
+      root_worst = std::max(root_worst, error_in_ulps(cogging::cube_root(std::abs(x)), std::cbrt(base)));
+      const double power = error_in_ulps(cogging::pow(std::abs(x), exponent), std::pow(base, (long double)exponent));
+      pow_worst = std::max(pow_worst, power / (1.0 + 2.6 * std::abs(exponent * std::log(std::abs(x)))));
+    }
+  const double worst[][2] = {{sine_worst, 2.5}, {atan_worst, 1.0}, {exp_worst, 1.0}, {expm1_worst, 2.0},
+                             {log_worst, 1.0},  {tanh_worst, 2.5}, {pow_worst, 1.0}, {root_worst, 1.0}};
+  if (std::numeric_limits<long double>::digits > std::numeric_limits<double>::digits)
+    for (const auto& [ulps, most] : worst)
+      check::holds(ulps < most, "an elementary function errs by " + std::to_string(ulps) + " units of the last place");
+  const double ends[] = {cogging::exp(-infinity),         1.0 / cogging::exp(infinity),
+                         1.0 / cogging::log(0.0),         1.0 / cogging::log(infinity),
+                         cogging::pow(0.0, 0.7),          1.0 / cogging::pow(infinity, 0.7),
+                         cogging::expm1(-infinity) + 1.0, cogging::tanh(infinity) - 1.0,
+                         cogging::exp(0.0) - 1.0,         cogging::log(1.0),
+                         cogging::pow(3.0, 2.0) - 9.0,    cogging::pow(0.0, 0.0) - 1.0};
+  for (const double end : ends) check::holds(end == 0.0, "an elementary function at an end of its range");
+  const double undefined[] = {cogging::exp(none), cogging::expm1(none),    cogging::log(none),
+                              cogging::log(-1.0), cogging::pow(none, 0.7), cogging::tanh(none)};
+  for (const double one : undefined) check::holds(std::isnan(one), "an elementary function of no number");
+  double s, c;
+  sin_cos(0.0, s, c);
+  check::holds(s + c + cogging::atan(0.0) == 1.0, "sine, cosine, arctangent of 0");
+  check::holds(cogging::atan(infinity) - cogging::atan(-infinity) == std::numbers::pi, "arctangent of infinity");
+  sin_cos(none, s, c);
+  check::holds(std::isnan(s) && std::isnan(c) && std::isnan(cogging::atan(none)), "sine of no number");
 }
 
 }  // namespace
@@ -69,5 +129,6 @@ int main() {
   whole_parts<std::uint64_t>("uint64_t");
   whole_parts<std::size_t>("size_t");
   places_in_a_spline();
+  elementary_functions();
   return check::status();
 }

@@ -1,7 +1,7 @@
 // Every controller as a drive would run it, built without exceptions and run-time types, for millions of samples with
-// readings that are stuck, jump, are no numbers or are lost, and commands that are cut off, at random:
-// `soak [STEPS [SEED]]`. A sample allocates nothing, commands stay numbers, samples that are no measurement are counted
-// and the command held within the limit, and the axis comes back to its error before the fault; how soon, is printed.
+// readings that are stuck, jump, are no numbers or are lost, and commands that are cut off: `soak [STEPS [SEED]]`. A
+// sample allocates nothing, commands stay numbers, samples that are no measurement are counted and the command held
+// within the limit, and the axis comes back to its error before the fault; the longest time that it needs is printed.
 // `soak refuse` makes a controller with a parameter that breaks its rule.
 
 #include <algorithm>
@@ -10,10 +10,9 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
 #include <new>
+#include <random>
 #include <string>
-#include <vector>
 
 #include "check.hpp"
 #include "cogging/control/adaptive_robust.hpp"
@@ -58,25 +57,9 @@ namespace {
 
 using namespace cogging;
 
-// SplitMix64: numbers that are the same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double operator()() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  }
-  int below(int count) { return static_cast<int>((*this)() * count); }
-
- private:
-  std::uint64_t state_;
-};
-
 constexpr double mass = 0.12, viscous = 0.166, coulomb = 0.15, width = 1e-3, limit = 10.0, travel = 0.5;
-enum Fault { none, stuck, jump, shifted, no_number, infinite, dropped, saturated, faults };
 constexpr double patience = 8.0;  // s behind a fault in which the error is again what it was
+enum Fault { none, stuck, jump, shifted, no_number, infinite, dropped, saturated, faults };
 constexpr const char* names[faults] = {"none",      "stuck",    "jump",    "shifted",
                                        "no number", "infinite", "dropped", "cut off"};
 
@@ -96,129 +79,77 @@ struct Axis {
   }
 };
 
-template <class C>
-double ask(C& controller, const ReferencePoint& now, const ReferencePoint& ahead, double reading) noexcept {
-  if constexpr (LooksAhead<C>)
-    return controller.command(now, ahead, reading);
-  else
-    return controller.command(now, reading);
-}
-
-struct Episode {
-  Fault fault = none;
-  long from = 0, until = 0;
-  double size = 0.0;
-};
-
-// Judges one controller: what its commands are, and how soon the error is again what it was before a fault.
-class Judge {
- public:
-  void command(double given, double before, bool refused) {
-    if (!std::isfinite(given)) ++not_finite_;
-    if (refused && given != std::clamp(before, -limit, limit)) ++moved_;
-  }
-  // Calm stretches say what the error is; behind a fault the time is taken until it is that again for 0.1 s.
-  void error(double value, long step, const Episode& episode, double rate) {
-    const double size = std::abs(value);
-    if (step < 5.0 * rate) usual_ = step < 3.0 * rate ? 0.0 : std::max(usual_, size);
-    if (episode.fault == none || step < episode.until || done_) return;
-    within_ = size <= 2.0 * usual_ + 1e-6 ? within_ + 1 : 0;
-    if (within_ < 0.1 * rate) return;
-    done_ = true;
-    times_[episode.fault].push_back(static_cast<double>(step - within_ + 1 - episode.until) / rate);
-  }
-  bool is_recovered() const { return done_; }
-  void next(const Episode& last) {
-    if (last.fault != none && !done_) ++unrecovered_[last.fault];
-    done_ = false, within_ = 0;
-  }
-  void tell(const std::string& name, double refused, double expected) {
-    check::holds(not_finite_ == 0, name + ": commands that are no numbers");
-    check::holds(moved_ == 0, name + ": a command that is not held where a sample is no measurement");
-    check::holds(refused == expected, name + ": samples counted as refused");
-    for (int fault = stuck; fault < faults; ++fault) {
-      std::vector<double>& times = times_[fault];
-      std::sort(times.begin(), times.end());
-      const auto at = [&](double share) {
-        return times.empty() ? NAN : times[std::size_t(share * (times.size() - 1))];
-      };
-      std::printf("%s, %s: %zu times, back after %.4f s (half of them), %.4f s (the longest); %ld not within %.0f s\n",
-                  name.c_str(), names[fault], times.size() + unrecovered_[fault], at(0.5), at(1.0), unrecovered_[fault],
-                  patience);
-      check::holds(unrecovered_[fault] == 0, name + " does not come back from a reading that is " + names[fault]);
-      check::holds(!times.empty(), name + ": no " + names[fault]);
-    }
-  }
-
- private:
-  long not_finite_ = 0, moved_ = 0, within_ = 0;
-  long unrecovered_[faults] = {};
-  double usual_ = 0.0;
-  bool done_ = false;
-  std::vector<double> times_[faults];
-};
-
-Episode drawn(Random& random, long step, double rate) {
-  const Fault fault = static_cast<Fault>(1 + random.below(faults - 1));
-  const double longest = fault == stuck || fault == shifted ? 0.005 : 0.04;  // s
-  const long length = fault == jump ? 1 : 1 + random.below(static_cast<int>(longest * rate));
-  const double size = std::pow(10.0, -6.0 + 5.0 * random()) * (random() < 0.5 ? -1.0 : 1.0);
-  const long from = step + static_cast<long>(rate * (0.5 + random()));
-  return {fault, from, from + length, size};
+/// The motion that all follow.
+ReferencePoint reference(double t) {
+  const double w = 4.0, s = 0.1;
+  return {s * std::sin(w * t), s * w * std::cos(w * t), -s * w * w * std::sin(w * t)};
 }
 
 template <class C>
-void soak(const std::string& name, const typename C::Parameters& parameters, long steps, std::uint64_t seed) {
+void soak(const typename C::Parameters& parameters, long steps, std::uint64_t seed) {
   static_assert(Controller<C, double>);
+  const std::string name(C::name);
   C controller(parameters);
-  long allocated = 0;
+  std::mt19937_64 engine(seed);
+  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1.0p-53; };
   const double rate = parameters.sample_rate, period = 1.0 / rate;
-  Random random(seed);
   Axis axis;
-  Judge judge;
-  Episode episode{none, 0, static_cast<long>(5.0 * rate), 0.0};
-  double applied = 0.0, last_reading = 0.0, last_command = 0.0, expected = 0.0;
-  const auto reference = [](double t) {
-    const double w = 4.0, s = 0.1;
-    return ReferencePoint{s * std::sin(w * t), s * w * std::cos(w * t), -s * w * w * std::sin(w * t)};
-  };
-  double ahead = 0.0;
-  if constexpr (LooksAhead<C>) ahead = controller.preview();
   axis.velocity = reference(0.0).velocity;
-  for (long step = 0; step < steps; ++step) {
-    const bool is_over =
-        episode.fault == none || judge.is_recovered() || step >= episode.until + static_cast<long>(patience * rate);
-    if (step >= episode.until && is_over) {
-      judge.next(episode);
-      episode = drawn(random, step, rate);
-    }
-    const Fault fault = step >= episode.from && step < episode.until ? episode.fault : none;
-    const double t = std::fmod(static_cast<double>(step) * period, 1000.0 * 1.5707963267948966);
+  long step = 0, allocated = 0, refused = 0, wrong = 0;
+  double applied = 0.0, last_reading = 0.0, last_command = 0.0;
+
+  // One sample with a fault or none; the size of its error: of the velocity where the controller knows no position.
+  const auto error_of_sample = [&](Fault fault, double size) {
+    const double t = std::fmod(static_cast<double>(step++) * period, 1000.0 * 1.5707963267948966);
     const double measured = std::round(axis.position / 1e-6) * 1e-6;
     double reading = fault == stuck ? last_reading : measured;
-    if (fault == jump || fault == shifted) reading += episode.size;
+    if (fault == jump || fault == shifted) reading += size;
     if (fault == no_number) reading = NAN;
-    if (fault == infinite) reading = random() < 0.5 ? HUGE_VAL : -1e300;
+    if (fault == infinite) reading = uniform() < 0.5 ? HUGE_VAL : -1e300;
     if (fault != stuck) last_reading = measured;
     if (fault != dropped) {
-      const bool refused = fault == no_number || fault == infinite;
+      const bool is_refused = fault == no_number || fault == infinite;
       const long before = allocations;
-      const double command = ask(controller, reference(t), reference(t + ahead), reading);
-      applied = fault == saturated ? std::clamp(command, -0.1, 0.1) : std::clamp(command, -limit, limit);
+      double command;
+      if constexpr (LooksAhead<C>)
+        command = controller.command(reference(t), reference(t + controller.preview()), reading);
+      else
+        command = controller.command(reference(t), reading);
+      const double most = fault == saturated ? 0.1 : limit;
+      applied = std::clamp(command, -most, most);
       controller.update(applied);
       allocated += allocations - before;
-      judge.command(command, last_command, refused);
-      expected += refused ? 1.0 : 0.0;
+      wrong += !std::isfinite(command) || (is_refused && command != std::clamp(last_command, -limit, limit));
+      refused += is_refused;
       last_command = command;
     }
     axis.step(applied, period);
-    // A velocity loop alone answers for the velocity.
     const ReferencePoint next = reference(t + period);
-    const bool of_velocity = std::same_as<C, Speed<>>;
-    judge.error(of_velocity ? axis.velocity - next.velocity : axis.position - next.position, step, episode, rate);
+    return std::abs(std::same_as<C, Speed<>> ? axis.velocity - next.velocity : axis.position - next.position);
+  };
+
+  double usual = 0.0, longest[faults] = {};
+  while (step < 5.0 * rate) {
+    const double error = error_of_sample(none, 0.0);
+    if (step > 3.0 * rate) usual = std::max(usual, error);
   }
+  while (step < steps)
+    for (int fault = stuck; fault < faults; ++fault) {
+      for (long calm = static_cast<long>(rate * (0.5 + uniform())); calm > 0; --calm) error_of_sample(none, 0.0);
+      const double time = fault == jump ? 0.0 : uniform() * (fault == stuck || fault == shifted ? 0.005 : 0.04);
+      const double size = std::pow(10.0, -6.0 + 5.0 * uniform()) * (uniform() < 0.5 ? -1.0 : 1.0);
+      for (long left = 1 + static_cast<long>(time * rate); left > 0; --left) error_of_sample(Fault(fault), size);
+      long within = 0, waited = 0;  // until the error is what it was for 0.1 s
+      for (; within < 0.1 * rate && waited < patience * rate; ++waited)
+        within = error_of_sample(none, 0.0) <= 2.0 * usual + 1e-6 ? within + 1 : 0;
+      check::holds(within >= 0.1 * rate, name + " does not come back from a reading that is " + names[fault]);
+      longest[fault] = std::max(longest[fault], static_cast<double>(waited - within) * period);
+    }
+  for (int fault = stuck; fault < faults; ++fault)
+    std::printf("%s, %s: back after %.4f s at most\n", name.c_str(), names[fault], longest[fault]);
   check::holds(allocated == 0, name + " allocates in a sample");
-  judge.tell(name, controller.samples_refused(), expected);
+  check::holds(wrong == 0, name + ": commands that are no numbers, or not held where a sample is no measurement");
+  check::holds(controller.samples_refused() == static_cast<double>(refused), name + ": samples counted as refused");
 }
 
 void soak_all(long steps, std::uint64_t seed) {
@@ -254,13 +185,13 @@ void soak_all(long steps, std::uint64_t seed) {
                             39986800.0, 41501700.0, -5471680.0, 51261100.0};
   observer.position_gain = 9e4, observer.velocity_gain = 600.0 - viscous / mass, observer.mass = mass;
   observer.viscous = viscous / mass, observer.velocity_min = 5e-3;
-  soak<Pid<>>("pid", pid, steps, seed);
-  soak<Cascade<>>("cascade", cascade, steps, seed);
-  soak<Speed<>>("speed", speed, steps, seed);
-  soak<Arc<>>("arc", adaptive, steps, seed);
-  soak<Dcarc<>>("dcarc", adaptive, steps, seed);
-  soak<OutputFeedbackArc<>>("output_feedback_arc", output, steps, seed);
-  soak<ObserverBased<>>("observer_based", observer, steps, seed);
+  soak<Pid<>>(pid, steps, seed);
+  soak<Cascade<>>(cascade, steps, seed);
+  soak<Speed<>>(speed, steps, seed);
+  soak<Arc<>>(adaptive, steps, seed);
+  soak<Dcarc<>>(adaptive, steps, seed);
+  soak<OutputFeedbackArc<>>(output, steps, seed);
+  soak<ObserverBased<>>(observer, steps, seed);
 }
 
 }  // namespace

@@ -61,16 +61,6 @@ def test_intervals_hold_the_errors_of_machines_drawn_elsewhere():
     assert abs(np.mean(below) - 0.5) < 3 * math.hypot(math.sqrt(0.25 / 200), math.sqrt(0.25 / 40 / 20))
 
 
-def test_an_exact_model_without_noise_has_one_error():
-    exact = machine(0.0, noise=cogging.NoiseParameters())
-    found, log = own(exact, samples=3), cogging.simulate(exact, REFERENCE)
-    last = log.error[log.time >= 0.5 - 1e-9]
-    assert found.rms.interval == (found.rms.median, found.rms.median)
-    assert found.rms.median == pytest.approx(np.sqrt(np.mean(last**2)), rel=1e-12)
-    assert found.max.median == np.abs(last).max()
-    assert found.max_whole.median == np.abs(log.error).max()
-
-
 def test_seeds_threads_samples_and_rows_at_a_time(monkeypatch):
     def values(**arguments):
         return own(machine(), **{"samples": 8, **arguments}).rms.values

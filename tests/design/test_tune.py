@@ -285,20 +285,10 @@ def test_a_missing_library_is_named_with_its_extra(monkeypatch):
         cogging.tune(SMALL, MOVE, KP)
 
 
-@pytest.mark.parametrize(
-    ("changes", "text"),
-    [
-        ({"trails": 3}, r"trails: is unknown; did you mean trials"),
-        ({"limits": {"comand_max": 1}}, r"tune.toml: line \d+: limits.comand_max: is unknown"),
-        ({"reference": "none.toml"}, r"none.toml: cannot be read"),
-    ],
-)
-def test_a_wrong_file_is_refused_in_one_line(changes, text, tmp_path, capsys):
-    path = write_files(tmp_path, **changes)
+def test_a_wrong_file_is_refused_in_one_line(tmp_path, capsys):
+    path = write_files(tmp_path, limits={"comand_max": 1})
     assert main(["tune", str(path), "--out", str(tmp_path / "tuned.toml")]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert re.search(text, error), error
+    assert re.fullmatch(r".*tune\.toml: line \d+: limits\.comand_max: is unknown.*\n", capsys.readouterr().err)
     assert not (tmp_path / "tuned.toml").exists()
 
 

@@ -5,18 +5,10 @@ import pytest
 
 import cogging
 from cogging import _core
-from tests.fixtures.plants_by_hand import EXAMPLES, effect
+from tests.fixtures.plants_by_hand import EXAMPLES, example, varied
 
 SETS = ["none", *_core.instruction_sets()]
 ROWS, MASS = 700, 0.3
-
-
-def differing(rng, law):
-    """An effect with each number a little different, and lists as they are."""
-    values = law.to_dict()
-    return law.replace(
-        **{name: rng.uniform(0.9, 1.1) * values[name] for name in values if isinstance(values[name], float)}
-    )
 
 
 def drawn(seed):
@@ -38,8 +30,8 @@ def drawn(seed):
             coulomb_width=0.0 if is_sticking and i % 3 == 0 else rng.uniform(1e-3, 1e-2),
             travel=[-0.2, 0.6],
         )
-        effects = [effect(name, **EXAMPLES[name][0]) for name in sorted(names)]
-        effects = [differing(rng, one) for one in effects] if is_varied else effects
+        effects = [example(name) for name in sorted(names)]
+        effects = [varied(one, rng) for one in effects] if is_varied else effects
         cogging_model = cogging.CoggingModel(basis, *(0.05 * rng.normal(size=(2, 2, 9))))
         plants.append(cogging.Plant(axis, cogging=cogging_model, effects=effects))
     return predictor, position, np.gradient(position, time), plants

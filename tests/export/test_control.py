@@ -137,7 +137,7 @@ def test_the_loop_is_lost_just_beyond_its_margins(kind):
             assert (np.abs(poles).max() < 1 + 1e-9) == holds
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["speed", "dcarc"])
 def test_sensitivities_and_margins_are_those_of_the_frequency_response(kind):
     model, loop = stable(np.random.default_rng([7, len(kind)]), kind, rigid=True)
     margins, period = loop.margins(), loop.plant.dt

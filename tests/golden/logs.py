@@ -14,7 +14,6 @@ import cogging
 from tests.fixtures.plants_by_hand import EXAMPLES
 
 WIDTHS = {"sticking": 0.0, "smooth": 1.11e-3}  # m/s, of S(v)
-COLUMNS = ("time", "position", "command")
 
 # The X axis of Lu et al. 2008, near enough: M 0.12, B 0.166, Fc 0.15, a pitch of 50 mm.
 FRICTION = {"mass": 0.12, "viscous": 0.166, "coulomb": 0.15, "coulomb_width": 1.11e-3}
@@ -107,8 +106,7 @@ def effect_log(names: list[str], friction: str) -> Any:
     return cogging.simulate(cogging.Model.from_dict(document), STROKE, seed=12, steps_per_sample=2)
 
 
-def summary(log: Any) -> dict[str, Any]:
-    """Rows, and the rms and last value of each column of a log."""
-    columns = {name: np.asarray(getattr(log, name)) for name in COLUMNS}
-    values = {name: {"rms": float(np.sqrt(np.mean(c**2))), "last": float(c[-1])} for name, c in columns.items()}
-    return {"rows": len(log.time), **values}
+def summary(log: Any) -> list[float]:
+    """Number of rows, and the rms and last value of the position and the command."""
+    columns = np.array([log.position, log.command])
+    return [len(log.time), *np.sqrt(np.mean(columns**2, axis=1)).tolist(), *columns[:, -1].tolist()]

@@ -23,24 +23,21 @@ HIDDEN: dict[str, tuple[dict[str, float], list[str]]] = {
 }
 
 
-def logs() -> dict[str, Any]:
-    """Rms and last value of a log of every controller and every effect, sticking and smooth in turn."""
+def logs() -> dict[str, list[float]]:
+    """Summaries of a log of every controller and every effect, sticking and smooth in turn."""
     found = {}
-    for turn, (kind, name) in enumerate(
-        [("controller", name) for name in golden_logs.CONTROLLERS] + [("effect", name) for name in golden_logs.EFFECTS]
-    ):
+    for turn, name in enumerate([*golden_logs.CONTROLLERS, *golden_logs.EFFECTS]):
         friction = tuple(golden_logs.WIDTHS)[turn % 2]
-        if kind == "controller":
-            log = golden_logs.controller_log(name, friction)
+        if name in golden_logs.CONTROLLERS:
+            found[f"controller {name}, {friction}"] = golden_logs.summary(golden_logs.controller_log(name, friction))
         else:
-            log = golden_logs.effect_log([name], friction)
-        found[f"{kind} {name}, {friction}"] = golden_logs.summary(log)
+            found[f"effect {name}, {friction}"] = golden_logs.summary(golden_logs.effect_log([name], friction))
     return found
 
 
-def paper(name: str) -> Any:
-    """The first table of a paper."""
-    return reproduced(name).to_dict()["tables"][0]
+def paper(name: str) -> list[float]:
+    """The simulated numbers of the first table of a paper."""
+    return [row["simulated"] for row in reproduced(name).to_dict()["tables"][0]["rows"]]
 
 
 def axis(fields: dict[str, float], effects: list[str]) -> cogging.Model:
@@ -53,23 +50,24 @@ def axis(fields: dict[str, float], effects: list[str]) -> cogging.Model:
     return cogging.Model.from_dict(document)
 
 
-def verdict(hidden: str) -> dict[str, Any]:
-    """What `diagnose` says of a log in which something is hidden: verdict, names and alternatives."""
+def verdict(hidden: str) -> list[Any]:
+    """What `diagnose` says of a log in which something is hidden: verdict, names, and alternatives where there are."""
     result = cogging.diagnose(cogging.simulate(axis(*HIDDEN[hidden]), MOTION, seed=3), axis({}, [])).to_dict()
-    names = [{"name": effect["name"], "alternatives": effect["alternatives"]} for effect in result["effects"]]
-    return {"verdict": result["verdict"], "effects": names}
+    effects = result["effects"]
+    names = [effect["name"] for effect in effects]
+    return [result["verdict"], *names, *(effect["alternatives"] for effect in effects if effect["alternatives"])]
 
 
-def write() -> None:
-    """Write the values of today."""
-    found = {
-        "logs": logs(),
-        "papers": {name: paper(name) for name in PAPERS},
-        "verdicts": {hidden: verdict(hidden) for hidden in HIDDEN},
-    }
-    FILE.write_text(json.dumps(found, indent=1) + "\n")
-    print(f"{FILE} written")
+def text(document: dict[str, dict[str, list[Any]]]) -> str:
+    """JSON with one line an entry."""
+    parts = [
+        f' "{part}": {{\n' + ",\n".join(f'  "{name}": {json.dumps(values)}' for name, values in found.items()) + "\n }"
+        for part, found in document.items()
+    ]
+    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 if __name__ == "__main__":
-    write()
+    papers, verdicts = {name: paper(name) for name in PAPERS}, {hidden: verdict(hidden) for hidden in HIDDEN}
+    FILE.write_text(text({"logs": logs(), "papers": papers, "verdicts": verdicts}))
+    print(f"{FILE} written")

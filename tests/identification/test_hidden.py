@@ -28,6 +28,8 @@ def test_a_mass_stays_good_and_its_interval_holds_the_truth_whatever_is_hidden(f
     worse = (np.abs([mass.value - t for mass, t in zip(masses, truth, strict=True)]) - np.abs(prior - truth)) / truth
     assert np.mean(worse > 0.02) <= 0.1
     assert worse.max() < 0.15
+    named = [any("something is missing" in line and "run diagnose" in line for line in f.warnings) for *_, f in fits]
+    assert sum(named) >= 8  # of 10: not a tone of its own and a backlash
     for *_, found in fits:
         assert found.model.intervals["axis.mass"] == found["axis.mass"].ci95
 

@@ -150,18 +150,6 @@ def test_one_way_motion_does_not_part_friction_from_a_constant_force():
     check_intervals(found, truth)
 
 
-def test_a_mass_is_not_determined_where_accelerations_drown_in_the_noise():
-    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0, noise=0.4)
-    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
-    slow = sampled(lambda time: 0.3 * np.sin(2 * np.pi * 0.04 * time), duration=25.0)
-    found = identify(run(truth, slow, duration=25.0), prior)
-    check_undetermined(found, "axis.mass")
-    assert found.model.axis.mass == prior.axis.mass
-    assert found["axis.coulomb"].determined
-    assert found["effects.constant_force.force"].determined
-    check_intervals(found, truth)
-
-
 def test_control_points_that_were_not_visited_keep_their_prior():
     basis = SplineHarmonics(pitch=0.05, harmonics=[1], order=3, control_points=12)
     sine = 0.3 + 0.1 * np.sin(np.arange(12.0))[None, :]
@@ -245,9 +233,9 @@ def test_instruments_keep_noise_in_the_command_from_biasing_a_delay():
 
 def test_several_logs_are_fitted_together_and_one_by_one(fitted):
     truth, prior, log, single = fitted
-    found = identify([log, run(truth, seed=7), run(truth, seed=8)], prior)
+    found = identify([log, run(truth, seed=7)], prior)
     check_intervals(found, truth)
-    assert len(found.logs) == len(found.audits) == 3
+    assert len(found.logs) == len(found.audits) == 2
     for p in found.parameters:
         assert p.ci95[1] - p.ci95[0] < 0.9 * (single[p.path].ci95[1] - single[p.path].ci95[0])
         assert 0.0 < p.spread < 6.0 * p.single_sigma

@@ -39,7 +39,7 @@ def test_a_log_read_right_is_not_doubted(missing):
 
 def test_nor_is_one_that_cogging_drives_back_and_forth():
     """Under a soft loop the command follows the axis; but it does work, as no command of the other sign does."""
-    for log in slow_rotary.logs(0, np.repeat([0.3, 1.0], 4), np.tile([3.45, 5.0, 9.0, 20.0], 2)):
+    for log in slow_rotary.logs(0, [0.3, 0.3, 1.0, 1.0], [3.45, 9.0, 5.0, 20.0]):
         assert misreading([log], slow_rotary.model()) is None
 
 

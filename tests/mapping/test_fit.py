@@ -147,25 +147,6 @@ def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
     assert orders.count(order) >= 7
 
 
-def test_the_simplest_order_within_one_standard_error_of_the_best_is_chosen():
-    made = fit_known(two_way_scan(1, truth(1, order=3, spread=0.1)), THERE_AND_BACK)
-    best = min(made.cross_validation, key=lambda score: score.rms)
-    alike = [score.order for score in made.cross_validation if score.rms <= best.rms + best.standard_error]
-    assert best.order == 2
-    assert made.order == min(alike) == 1
-
-
-def test_modulation_with_no_line_at_the_harmonic_is_found():
-    """An amplitude that changes sign half-way: all of it stands in the sidebands."""
-    x = GRID[:501]
-    force = 0.1 * np.cos(np.pi * x / 0.5) * np.sin(2.0 * np.pi * 4.0 * x / PITCH)
-    made = fit(force + noise(np.random.default_rng(3), x.size), x)
-    assert found(made) == [4]
-    assert made.order >= 1
-    assert made.amplitudes[0].amplitude == pytest.approx(0.1 / np.sqrt(2.0), rel=0.1)
-    assert made.cross_validation[0].rms > 1.5 * min(score.rms for score in made.cross_validation)
-
-
 # --- noise ------------------------------------------------------------------------------------------------------------
 
 

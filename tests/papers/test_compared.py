@@ -16,28 +16,28 @@ def traces(seed, count):
     return [Trace(f"C{i}", time, error, p) for i, (error, p) in enumerate(zip(errors, printed, strict=True))]
 
 
-@pytest.mark.parametrize(("seed", "zoom", "share"), [(0, None, 0.3), (1, (0.1, 0.3), None)])
-def test_all_panels_have_one_scale_that_holds_trace_and_printed_value(seed, zoom, share):
-    drawn = traces(seed, count=seed + 1)
-    limit = share and share * max(trace.error.max() for trace in drawn)
-    figure = compared("title", drawn, zoom=zoom, limit=limit)
-    columns = 2 if zoom else 1
-    assert len(figure.axes) == columns * len(drawn)
+def unit_of(axes):
+    return {"m": 1.0, "mm": 1e3, "µm": 1e6, "nm": 1e9}[axes.get_ylabel().split("(")[1].rstrip(")")]
+
+
+def test_all_panels_have_one_scale_that_holds_trace_and_printed_value():
+    drawn, zoom = traces(1, count=2), (0.1, 0.3)
+    figure = compared("title", drawn, zoom=zoom)
+    assert len(figure.axes) == 2 * len(drawn)
     ((low, high),) = {axes.get_ylim() for axes in figure.axes}
     assert low == -high
     # Every line: the trace in the unit of its label, then the printed value on both sides.
-    unit = {"m": 1.0, "mm": 1e3, "µm": 1e6, "nm": 1e9}[figure.axes[0].get_ylabel().split("(")[1].rstrip(")")]
-    if share:
-        assert high == pytest.approx(unit * limit)
-    for axes, trace in zip(figure.axes[::columns], drawn, strict=True):
+    unit = unit_of(figure.axes[0])
+    for axes, trace in zip(figure.axes[::2], drawn, strict=True):
         line, *marks = axes.lines
         assert np.nanmax(line.get_ydata()) == pytest.approx(unit * trace.error.max())
         expected = [] if trace.printed is None else [-unit * trace.printed, unit * trace.printed]
         assert [mark.get_ydata()[0] for mark in marks] == pytest.approx(expected)
-        assert share or all(abs(mark.get_ydata()[0]) < high for mark in marks)
-    if zoom:
-        shown = figure.axes[1].lines[0].get_xdata()
-        assert zoom[0] <= shown.min() < shown.max() <= zoom[1]
+        assert all(abs(mark.get_ydata()[0]) < high for mark in marks)
+    shown = figure.axes[1].lines[0].get_xdata()
+    assert zoom[0] <= shown.min() < shown.max() <= zoom[1]
+    (cut,) = compared("title", drawn[:1], limit=1e-6).axes
+    assert cut.get_ylim()[1] == pytest.approx(1e-6 * unit_of(cut))
 
 
 def counted(errors, statuses):

@@ -104,26 +104,13 @@ def test_a_narrow_pulse_must_be_stated_and_is_then_felt():
 
 
 @pytest.mark.parametrize("name", sorted(COPIES))
-def test_a_copy_has_the_description_of_the_effect(name):
-    make, fields = COPIES[name]
-    own, kind = make(), cogging.EFFECTS[name]
-    assert own.HOOKS == kind.HOOKS
-    assert set(own.FIELDS) == set(kind.FIELDS) == set(own.ROLES)
-    assert {key: unit for key, (unit, _) in own.FIELDS.items()} == {key: unit for key, (unit, _) in kind.FIELDS.items()}
-    assert own.KINDS == kind.KINDS
+def test_a_copy_is_described_as_the_effect(name):
+    own, kind = COPIES[name][0](), cogging.EFFECTS[name]
+    assert (own.HOOKS, own.KINDS) == (kind.HOOKS, kind.KINDS)
     for key, role in own.ROLES.items():
-        its = kind.ROLES[key]
-        assert {part: role[part] for part in ("role", "quantity")} == {part: its[part] for part in ("role", "quantity")}
-        assert role["high"] == pytest.approx(its["high"])
-    one, its = own.replace(**fields), kind(**fields)
-    assert one.to_dict() == its.to_dict() == fields
-    places = np.random.default_rng(1).uniform(0.0, 0.4, 30)
-    for method in ("force_at", "friction_level_at", "gain_at"):
-        assert hasattr(one, method) == hasattr(its, method)
-        if hasattr(its, method):
-            expected = getattr(its, method)(position=places)
-            np.testing.assert_allclose(getattr(one, method)(position=places), expected, atol=1e-14)
-            assert getattr(one, method)(position=float(places[3])) == pytest.approx(expected[3], abs=1e-14)
+        same = kind.ROLES[key]
+        assert (role["role"], role["quantity"]) == (same["role"], same["quantity"])
+        assert role["high"] == pytest.approx(same["high"])
 
 
 def test_a_custom_effect_is_a_value():

@@ -7,7 +7,7 @@ import cogging
 from cogging import _core
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.log_columns import columns_of
-from tests.fixtures.plants_by_hand import EXAMPLES, example
+from tests.fixtures.plants_by_hand import EXAMPLES, example, varied
 from tests.golden.logs import CONTROLLERS as FIELDS
 
 SETS = ["none", *_core.instruction_sets()]
@@ -18,10 +18,6 @@ PACKED_GAINS = {"pid": "kp", "cascade": "kv", "speed": "kp", "arc": "feedback_ga
 HAS_STATE = {"presliding_friction", "backlash", "flexible_mode"}
 KEPT = {"columns": ["time", "command", "true_velocity"], "every": 7}
 KEPT["reductions"] = ["command_max", "true_error_rms", "error_quantile(0.9)", "error_tone(6.0)", "command_wave(0.02)"]
-
-
-def numbers(effect):
-    return [(name, value) for name, value in effect.to_dict().items() if isinstance(value, float)]
 
 
 def drawn_effects(rng):
@@ -47,9 +43,7 @@ def drawn_family(kind, seed):
         model = cogging.CoggingModel(basis, *(0.05 * rng.normal(size=(2, 2, 9))))
         effects = [example(name) for name in names]
         if differ:
-            effects = [
-                one.replace(**{name: rng.uniform(0.9, 1.1) * value for name, value in numbers(one)}) for one in effects
-            ]
+            effects = [varied(one, rng) for one in effects]
         encoder = cogging.EncoderParameters(resolution=1e-6 * rng.uniform(0.5, 2), noise=1e-7 * rng.integers(2))
         plants.append(cogging.Plant(axis, cogging=model, effects=effects, encoder=encoder, noise=noise))
         settings = struct(**TUNED[kind])
