@@ -48,11 +48,7 @@ class DrawnMachine(NamedTuple):
 def drawn_machines(
     intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
 ) -> tuple[list[DrawnMachine], list[str]]:
-    """Draw machines from the intervals of a model, and return them with the parameters that are held, in words.
-
-    Each parameter is normal around the model's value, those of `covariance`, paths (p) and matrix (p, p), jointly; an
-    invalid machine is drawn again. ValueError: an invalid covariance or interval, or hardly a valid machine.
-    """
+    """Return machines drawn from intervals, jointly where `covariance` says so, and the parameters that are held."""
     model = intervals.model
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
     spread, held = {}, []

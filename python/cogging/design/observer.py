@@ -230,11 +230,7 @@ def _solve(problem: ObserverProblem) -> ObserverDesign | None:
 
 
 def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_square: Any, block: Any) -> list[Any]:
-    """The matrices of (15) and of the pole disk at both velocities, which must be negative.
-
-    `p`, `gains` (P K at both velocities) and `gamma_square` (in the time unit 1/r) are variables of cvxpy or arrays;
-    `block` makes a matrix of blocks of them (cvxpy.bmat or numpy.block).
-    """
+    """Return the matrices of (15) and of the pole disk at both velocities, which must be negative."""
     alpha, found = problem.decay_rate / problem.pole_radius, []
     for velocity, gain in zip((problem.velocity_min, problem.velocity_max), gains, strict=True):
         a, c, c_o, b_o = problem.matrices(velocity)

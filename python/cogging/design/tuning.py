@@ -80,10 +80,7 @@ class Gain(NamedTuple):
 
 
 def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of the model's controller, or of one that a user's function makes from them by keyword.
-
-    `ranges`: tables by path; None for the usual gains of the model's controller.
-    """
+    """Return the gains of the model's controller, or a user's function, from tables by path; None: the usual gains."""
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
@@ -330,11 +327,7 @@ def optuna() -> Any:
 
 
 def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
-    """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
-
-    The same arguments give the same trials. Trials read from `kept` are not run again; the sampler receives them like
-    any other, and continues as it would have.
-    """
+    """Let Optuna's TPE sampler with constraints propose gains, the present ones first, and judge them one by one."""
     library, against = optuna(), judge.against
     other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
     study = library.create_study(sampler=library.samplers.TPESampler(seed=seed), directions=["minimize", *other])

@@ -105,11 +105,7 @@ class ControlLoop(ByValue):
         return f"{1.0 / self.plant.dt:g} Hz, {self.plant.nstates} states of the plant, {kind}"
 
     def margins(self) -> LoopMargins:
-        """Return gain, phase, delay and modulus margins.
-
-        Raises:
-            ValueError: there is no controller.
-        """
+        """Return gain, phase, delay and modulus margins; ValueError: there is no controller."""
         if self.loop is None:
             raise ValueError("controller: must be given for margins, got a model without [controller]")
         stable = bool(np.abs(self.sensitivity.poles()).max(initial=0.0) < UNIT_CIRCLE)
@@ -117,11 +113,7 @@ class ControlLoop(ByValue):
         return _margins_of(self.response, 1.0 / self.plant.dt, poles) if stable else LoopMargins(False)
 
     def response(self, frequency: FloatArray) -> ComplexArray:
-        """Return L(e^(i 2 pi f Ts)), or P for a model without a controller.
-
-        Args:
-            frequency: Hz, (n,).
-        """
+        """Return L(e^(i 2 pi f Ts)) at frequencies (Hz, (n,)), or P for a model without a controller."""
         z = np.exp(2j * np.pi * np.asarray(frequency) * self.plant.dt)
         one = np.eye(self.sampled.transition.shape[0])
         into = self.sampled.now[None] + self.sampled.before[None] / z[:, None, None]

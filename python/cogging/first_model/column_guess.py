@@ -177,10 +177,7 @@ def guess_columns(
     rows: slice | None,
     units: Units | None,
 ) -> ColumnGuesses:
-    """Identify the columns of a log in a file of any format, and their units, beside those that are given.
-
-    InputError: it cannot be read, or time, position or command cannot be identified.
-    """
+    """Identify the columns and units of a log in any file; InputError: time, position or command cannot be found."""
     surveyed = survey_columns(path)
     headers = {label: header_of(label, apart) for label, apart in surveyed}
     labels = [label for label, _ in surveyed]

@@ -296,10 +296,7 @@ def _is_whole(position: FloatArray) -> bool:
 
 
 def misread_by_controller(log: Log, model: Model) -> list[Reading]:
-    """The reading whose command the stated controller reproduces, where it does not reproduce the log as read.
-
-    Two for a unit: the controller cannot tell whether the command is in another one, or all positions are.
-    """
+    """The readings with which the stated controller reproduces the command; two for a unit it cannot tell apart."""
     if log.reference is None or model.controller is None:
         return []
     check = check_controller(log, model)

@@ -315,11 +315,7 @@ class ParameterFit:
         )
 
     def _doubted_interval(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
-        """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
-
-        The interval covers both estimators and the answers beside and with unmodelled forces; the answer beside them
-        replaces a prior that these exclude with its stated uncertainty.
-        """
+        """Value and 95 % interval that cover both estimators and the answers beside and with unmodelled forces."""
         path = prior.path
         others = [other[path] for other in list(self.others.values())[:2] if path in other]
         if not others:

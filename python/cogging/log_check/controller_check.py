@@ -148,10 +148,7 @@ def root_mean_square(values: FloatArray) -> float:
 def linear_regressors(
     kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
 ) -> dict[str, FloatArray]:
-    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
-
-    A `cascade` has kv and `kp kv`, in which it is linear.
-    """
+    """The command at a gain of 1, (n,), for each gain of a `pid` or `cascade` (kv and `kp kv`), by its name."""
     make = CONTROLLERS[kind][1]
     gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
     bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
@@ -176,10 +173,7 @@ def fit_columns(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[
 def fit_samples(
     samples: Samples, columns: Mapping[str, FloatArray], rows: Mask, integral: bool
 ) -> tuple[dict[str, float], float, Mask]:
-    """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
-
-    With an `integral` the rows after each gap have their own constant. Spikes that the fit does not have are left out.
-    """
+    """Coefficients of columns (m,) that fit the commands, the rms of what is left, and the rows that counted."""
     target = samples.command
     if integral and samples.segment[-1]:
         target = samples.without_means(target, rows)
@@ -396,10 +390,7 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
-    """The log with rows for missing samples between two rows, and a remark, if the model's controller made the log.
-
-    Readings are interpolated by cubics and commands computed: a command held over the gap would look like an effect.
-    """
+    """The log with its missing samples filled, and a remark, if the model's controller made the log."""
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:
         return log, ""

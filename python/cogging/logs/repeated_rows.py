@@ -23,11 +23,7 @@ NEWTON_STEPS = 8  # to the shift in time
 
 
 def repeated(log: Log, other: Log) -> Mask:
-    """Return which rows of a log, (n,), are in another one: equal position and command over STRETCH rows.
-
-    Time and references are ignored for equal rows. Up to about half of the rows may have been left out, or the rows
-    interpolated at other times; units and the zero of the position may differ.
-    """
+    """Return which rows, (n,), are in another log, whatever their time, units and zero, half left out, or resampled."""
     none = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
         return none
@@ -49,11 +45,7 @@ def repeated(log: Log, other: Log) -> Mask:
 def counted_once(
     logs: Sequence[Log], names: Sequence[str], fewest: int
 ) -> tuple[list[Log], list[Mask], tuple[str, ...]]:
-    """Return logs without the rows that a longer or earlier log contains.
-
-    `fewest`: rows that must remain; a log with fewer is left out. Also returned: which rows (n,) of each given log
-    count, and messages that use the `names`.
-    """
+    """Return logs without rows of a longer or earlier one, which rows count, and messages; `fewest`: rows to remain."""
     order = sorted(range(len(logs)), key=lambda i: -len(logs[i]))
     kept = [np.ones(len(log), dtype=bool) for log in logs]
     said: dict[int, str] = {}
@@ -132,10 +124,7 @@ def _equal_rows(log: Log, other: Log, keys: Sequence[IntArray], spread: Spread) 
 
 
 def _rows_between(log: Log, other: Log, spread: Spread) -> Mask:
-    """Return which rows of a log, (n,), are at or between rows of another one, at one shift in time.
-
-    The position is on the line between two rows; the command is too, or is held from the row before.
-    """
+    """Return which rows, (n,), lie between rows of another log at one shift in time; the command may be held."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     found = np.zeros(len(log), dtype=bool)

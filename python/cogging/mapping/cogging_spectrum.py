@@ -72,10 +72,7 @@ def fit_splines(
 def cross_validate(
     fit: SplineFit, position: FloatArray, force: FloatArray, nuisance: FloatArray, block: float
 ) -> tuple[float, float]:
-    """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
-
-    Of each eight neighbouring blocks (m) of the travel one, at random, is in each of eight folds.
-    """
+    """Rms of the errors (V) with which parts of the scan are predicted from the rest, and its standard error."""
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
     groups = int(blocks.max()) // FOLDS + 1
     tiles = np.tile(np.arange(FOLDS), (groups, 1))
@@ -124,10 +121,7 @@ def rows_of(basis: SplineHarmonics, coefficients: FloatArray) -> tuple[FloatArra
 def normal_equations(
     basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)].
-
-    Span by span, since few control points act in each.
-    """
+    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)], span by span."""
     p = 0 if basis is None else basis.coefficients
     normal = np.zeros((p + nuisance.shape[1],) * 2)
     right = np.zeros(len(normal))
@@ -249,10 +243,7 @@ class HarmonicSpectrum:
         return level, 2.0 * np.log(2.0) ** 2 * window
 
     def false_alarm(self, ratio: float, degrees: float) -> float:
-        """The probability that noise alone lifts any line of the spectrum to `ratio` times its level.
-
-        lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution.
-        """
+        """Probability that noise alone lifts any line to `ratio` times its level, by F(2, degrees), at most 1."""
         tail = float(np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees)))
         return min(1.0, float(self.present.sum()) * tail)
 

@@ -416,10 +416,7 @@ def fit_map(
 def _choose(
     scan: Scan, pitch: float, terms: list[int], order: int | None, first_knot: float, nuisance: FloatArray
 ) -> tuple[int, SplineFit, list[CrossValidation], list[str]]:
-    """Choose the order asked for, or that of fewest coefficients within one standard error of the best prediction.
-
-    Returns the order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
-    """
+    """Return the order of fewest coefficients within one standard error of the best, its fit, scores and notes."""
     notes: list[str] = []
     fits: dict[int, SplineFit] = {}
     scores: list[CrossValidation] = []

@@ -119,11 +119,7 @@ class Table(ByValue):
         return f"{self.id}, {len(self.rows)} rows"
 
     def to_frame(self) -> Any:
-        """Return the rows as a pandas DataFrame, each with its unit.
-
-        Raises:
-            ImportError: pandas is not installed; names the extra that brings it.
-        """
+        """Return the rows as a pandas DataFrame, each with its unit; ImportError names the extra that is missing."""
         return frame_of([row.to_dict() for row in self.rows], {}, title=self.title)
 
     def text(self) -> str:
@@ -184,20 +180,12 @@ class Reproduction(ByValue):
         return {"paper": self.paper, "tables": [table.to_dict() for table in self.tables]}
 
     def to_frame(self) -> Any:
-        """Return the rows of all tables as a pandas DataFrame, each with its unit.
-
-        Raises:
-            ImportError: pandas is not installed; names the extra that brings it.
-        """
+        """Return the rows of all tables as a pandas DataFrame; ImportError names the extra that is missing."""
         rows = [{"table": table.id, **row.to_dict()} for table in self.tables for row in table.rows]
         return frame_of(rows, {}, paper=self.paper)
 
     def text(self, every: bool = True) -> str:
-        """Return tables and notes for the screen.
-
-        Args:
-            every: False lists the tables without a number of the paper by their titles alone.
-        """
+        """Return tables and notes for the screen; every: False lists tables that are in no paper by their titles."""
         shown = [table for table in self.tables if every or any(row.status != "exploratory" for row in table.rows)]
         named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
         further = ["\n".join(["Further tables, in no paper (--all shows them):", *named])] if shown and named else []

@@ -384,10 +384,7 @@ PIECE = re.compile(r"[0-9a-f]{64}-[0-9]{9}-[0-9a-f]{64}\.npz")  # digest of the 
 
 
 class Pieces:
-    """Finished pieces of a sweep in a folder, from which an interrupted sweep continues.
-
-    A piece with another checksum than its name says was damaged and is computed again. No other file is ever removed.
-    """
+    """Finished pieces of a sweep in a folder, from which it continues; damaged ones are computed again."""
 
     def __init__(self, out: AnyPath, digest: str) -> None:
         """Create the folder beside an output; raise InputError if it holds pieces of another sweep."""

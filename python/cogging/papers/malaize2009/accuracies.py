@@ -79,10 +79,7 @@ def accuracies_as_believed() -> dict[str, dict[str, FloatArray]]:
 
 
 def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
-    """Return Table I under a cause of one size: accuracy after the first stroke, mean over the draws, and lambda*.
-
-    found: accuracies_of_table_1, fitted; believed: accuracies_as_believed, where the observer row was predicted.
-    """
+    """Return Table I under a cause of one size: accuracy after the first stroke, mean over the draws, and lambda*."""
     labels = {
         (motor, name): {f"of {cause.draws} draws": f"{1e6 * each.min():.3g} to {1e6 * each.max():.3g} um"}
         for motor, pair in found.items()

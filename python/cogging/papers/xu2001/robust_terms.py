@@ -99,10 +99,7 @@ def time_to_divergence(sample_rate: float, duration: float) -> Lasting:
 
 
 def one_count_table() -> Table:
-    """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate.
-
-    unstable_from: where K_2 along a run without them exceeds its limit.
-    """
+    """Tabulate the command due to one count, how long all terms last by rate, and where K_2 exceeds its limit."""
     name = "ARC, all terms"
     counts = {
         "one sample after the start": one_count(RESOLUTION, held=1),
