@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cogging._core import Reference
-from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments, did_you_mean
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, machines_of, push_of, variations_of
@@ -122,7 +121,7 @@ def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
         f"from: must be below to = {high:g}, got {low:g}": low < high,
         f"scale: must be linear or log, got {quoted(scale)}": scale in ("log", "linear"),
         f"from: must be above 0 on a logarithmic scale, got {low:g}": scale != "log" or low > 0.0,
-        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low, high) == (int(low), int(high)),
+        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low % 1.0 == high % 1.0 == 0.0),
     }
     for rule, holds in rules.items():
         if not holds:
@@ -175,12 +174,6 @@ def limit_text(name: str, limit: float, units: Units, reached: float | None = No
     label = "" if unit == "1" else f" {units.of(unit)}"
     rule = f"{name}: {'at most' if is_upper else 'at least'} {limit:.4g}{label}"
     return rule if reached is None else f"{rule}, reached {reached:.4g}{label}"
-
-
-def upper_quantile(values: FloatArray, share: float) -> float:
-    """Return the value of rank ceil(share (n + 1)): one more exceeds it with probability at most 1 - share."""
-    ordered = np.sort(values)
-    return float(ordered[min(len(ordered), math.ceil(share * (len(ordered) + 1) - 1e-9)) - 1])
 
 
 # Trials ---------------------------------------------------------------------------------------------------------------
@@ -241,11 +234,12 @@ class Judge:
         )
         if len(kept.failures) == len(machines) and all(math.isnan(one.time) for one in kept.failures):
             raise ValueError(kept.failures[0].reason)
-        values = dict(
-            zip(names_of(("command_max",)), np.where(np.isnan(kept.values), np.inf, kept.values).T, strict=True)
-        )
+        columns = np.where(np.isnan(kept.values), np.inf, kept.values).T
+        values = dict(zip(names_of(("command_max",)), columns, strict=True))
         largest = {name: float(values[name].max()) for name in TUNE_INDEXES if name in values}
-        error = upper_quantile(values["error_rms"], self.quantile) if not kept.failures else math.inf
+        # Of rank ceil(q (n + 1)): one more machine exceeds it with probability at most 1 - q.
+        rank = min(len(machines), math.ceil(self.quantile * (len(machines) + 1) - 1e-9))
+        error = float(np.sort(values["error_rms"])[rank - 1]) if not kept.failures else math.inf
         return Reached(error, failed=len(kept.failures), **largest)
 
     def loops(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Loops:
@@ -260,13 +254,15 @@ class Judge:
         names: Sequence[str] = MARGINS,
     ) -> Reached:
         """Return the same with margins; those that this controller does not have stay None."""
+        found: dict[str, Any] = dict.fromkeys(names, 0.0)
         if "modulus_margin" in names:
             margin = self._modulus_margin(gains, machines or self.machines)
-            reached = replace(reached, modulus_margin=0.0 if margin is not None and reached.failed else margin)
-        names = [name for name in names if name != "modulus_margin"]
-        loops = self.loops(gains, machines) if names and not reached.failed else None
-        measured: dict[str, Any] = {n: getattr(loops, n)() if loops is not None else 0.0 for n in names}
-        return replace(reached, **measured)
+            found["modulus_margin"] = margin if margin is None or not reached.failed else 0.0
+        pushed = [name for name in names if name != "modulus_margin"]
+        if pushed and not reached.failed:
+            loops = self.loops(gains, machines)
+            found |= {name: getattr(loops, name)() for name in pushed}
+        return replace(reached, **found)
 
     def _modulus_margin(self, gains: Mapping[str, float], machines: Sequence[Machine]) -> float | None:
         """Return the smallest over the machines; None without a linear part."""
@@ -282,19 +278,17 @@ class Judge:
         loops = None
         for name, limit in self.limits.items():
             value = getattr(reached, name)
-            if value is None and reached.failed:
+            if value is None and name == "modulus_margin" and not reached.failed:
+                value = self._modulus_margin(gains, self.machines)
+            if value is not None and math.isfinite(value):
+                found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name][1] else 1.0 - value / limit, BEYOND)
+            elif value is None and reached.failed:
                 found[name] = 1.0
-                continue
-            if name in ("delay_margin", "gain_margin") and value is None:
+            elif value is None and name in ("delay_margin", "gain_margin"):
                 loops = loops or self.loops(gains)
                 found[name] = loops.share_lost(**{name.removesuffix("_margin"): limit})
-                continue
-            if name == "modulus_margin" and value is None:
-                value = self._modulus_margin(gains, self.machines)
-            if value is None or not math.isfinite(value):
-                found[name] = BEYOND
             else:
-                found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name][1] else 1.0 - value / limit, BEYOND)
+                found[name] = BEYOND
         return found
 
     def trial(self, gains: Mapping[str, float]) -> Trial:
@@ -344,11 +338,7 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     for place in range(count):
         proposed = study.ask(space)
         values = {gain.path: float(proposed.params[gain.path]) for gain in gains}
-        trial = kept.read(place, values) if kept is not None else None
-        if trial is None:
-            trial = judge.trial(values)
-            if kept is not None:
-                kept.keep(trial)
+        trial = judge.trial(values) if kept is None else kept.trial(place, values, judge)
         objectives = [trial.reached.error_rms, *([] if against is None else [getattr(trial.reached, against)])]
         for name, value in trial.excess.items():
             proposed.set_constraint(name, value)
@@ -367,26 +357,21 @@ class KeptTrials:
             return
         try:
             document = json.loads(self.path.read_text(encoding="utf-8"))
-            is_own = document["digest"] == digest
+            known = document["digest"]
             self.trials = [Trial(gains, Reached(**reached), excess) for gains, reached, excess in document["trials"]]
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise InputError(f"{self.name}: cannot be used: {error}") from None
-        if not is_own:
+        if known != digest:
             rule = "holds trials of another tuning, or of another version: remove it, or write to another file"
             raise InputError(f"{self.name}: {rule}")
 
-    def read(self, number: int, values: Mapping[str, float]) -> Trial | None:
-        """Return the stored trial of this number, or None; trials after a different one are dropped."""
-        if number < len(self.trials) and self.trials[number].gains == values:
-            return self.trials[number]
-        del self.trials[number:]
-        return None
-
-    def keep(self, trial: Trial) -> None:
-        """Store one more trial; written every half second. InputError: for example on a full disk."""
-        self.trials.append(trial)
-        if time.monotonic() - self.written > WRITTEN_EVERY:
-            self.write()
+    def trial(self, number: int, values: Mapping[str, float], judge: Judge) -> Trial:
+        """Return the trial of this number: the stored one, or a new one, stored every half second."""
+        if number >= len(self.trials) or self.trials[number].gains != values:
+            self.trials[number:] = [judge.trial(values)]
+            if time.monotonic() - self.written > WRITTEN_EVERY:
+                self.write()
+        return self.trials[number]
 
     def write(self) -> None:
         """Write the trials; InputError: they cannot be written."""
@@ -407,17 +392,13 @@ def best_of(trials: Sequence[Trial]) -> Trial | None:
 def front_of(trials: Sequence[Trial], against: str) -> list[int]:
     """Return the places of the kept trials that none beats in both rms error and an index, by falling error."""
     sign = 1.0 if TUNE_INDEXES[against][1] else -1.0
-    costs = {
-        place: (trial.reached.error_rms, sign * getattr(trial.reached, against))
-        for place, trial in enumerate(trials)
-        if trial.kept
-    }
+    kept = [(t.reached.error_rms, sign * getattr(t.reached, against), n) for n, t in enumerate(trials) if t.kept]
     front: list[int] = []
     least = math.inf
-    for place in sorted(costs, key=lambda place: costs[place]):
-        if costs[place][1] < least:
+    for _, cost, place in sorted(kept):
+        if cost < least:
             front.append(place)
-            least = costs[place][1]
+            least = cost
     return front[::-1]
 
 
@@ -609,9 +590,8 @@ def _failure_notes(judge: Judge, found: Sequence[Trial], units: Units) -> list[s
     name = max(counts, key=lambda one: counts[one])
     least = min((trial.excess[name] for trial in found if name in trial.excess), default=0.0)
     by = f"at best by {100 * least:.3g} %" if least > 0.0 else "but not in all of them at once"
-    most = (
-        f"no trial keeps all limits; the one that failed most is {name}: in {counts[name]} of {len(found)} trials, {by}"
-    )
+    often = f"in {counts[name]} of {len(found)} trials, {by}"
+    most = f"no trial keeps all limits; the one that failed most is {name}: {often}"
     nearest = min([judge.present, *found], key=lambda trial: sum(max(value, 0.0) for value in trial.excess.values()))
     gains = ", ".join(f"{path} = {value:.4g}" for path, value in nearest.gains.items())
     if RULE in nearest.excess:

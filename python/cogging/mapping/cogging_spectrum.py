@@ -193,16 +193,9 @@ class HarmonicSpectrum:
         self.modulated = bool(self.near.sum(axis=1).max() > 1)
         # exp(i a) exp(i b) = exp(i (a + b)): two matrix products give all lines, without a loop over them.
         centred = 2j * np.pi * (position - position.mean())
-        self._rows, self._columns = (
-            np.exp(np.outer(centred, self.harmonic / pitch)),
-            np.exp(np.outer(centred, offset / travel)),
-        )
-        twice = (self._rows**2).T @ self._columns**2
-        self._cc, self._ss, self._cs = (
-            (len(position) + twice.real) / 2,
-            (len(position) - twice.real) / 2,
-            twice.imag / 2,
-        )
+        self._rows, self._columns = (np.exp(np.outer(centred, one)) for one in (self.harmonic / pitch, offset / travel))
+        twice, n = (self._rows**2).T @ self._columns**2, len(position)
+        self._cc, self._ss, self._cs = (n + twice.real) / 2, (n - twice.real) / 2, twice.imag / 2
 
     def power(self, force: FloatArray, harmonics: slice = slice(None)) -> FloatArray:
         """The power of every line, V^2, in the shape of `frequency` or of some of its rows; 0 where f <= 0."""

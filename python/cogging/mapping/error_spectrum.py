@@ -44,11 +44,7 @@ class TrackingSpectrum(ByValue):
     period_amplitudes: tuple[float, ...]
     units: Units = field(default_factory=Units)
 
-    plot = plot_method(
-        plot.spectrum,
-        "Draw amplitude over spatial frequency, and the proposed periods (cogging.plot.spectrum).",
-        "axes",
-    )
+    plot = plot_method(plot.spectrum, "Draw amplitude over spatial frequency, and the proposed periods.", "axes")
 
     def to_frame(self) -> Any:
         """Frequencies and amplitudes as a pandas DataFrame (extra `frames`), with units in `attrs["units"]`."""

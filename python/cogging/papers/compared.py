@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging.arrays import FloatArray
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look
 from cogging.plot.traces import draw_trace
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 WIDTH, HEAD, PANEL = 8.0, 1.3, 1.7  # inches
 HEADROOM = 1.12  # the scale ends at so many times the largest value

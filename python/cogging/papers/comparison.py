@@ -10,9 +10,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging import _core, effects
 from cogging._core import Arc, Dcarc, DivergedError, ObserverBased, OutputFeedbackArc, Pid, Plant
@@ -27,9 +28,6 @@ from cogging.papers.result import Reproduction, Table, explored
 from cogging.papers.xu2001 import epoxy_motor
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 AXIS = AXES["X"]
 POLE = -300.0  # 1/s: of the PID for the smallest mass (Xu and Yao 2001, section 4.3), and of the observer's position

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import io
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -133,6 +134,13 @@ def grid_to_write(rows: int, columns: int, size: tuple[float, float]) -> Panels:
     """Return axes of a figure for a file: in the style of this package, without a window."""
     with styled():
         return grid_of(None, rows * columns, columns, size=size, window=False)
+
+
+def png(figure: Figure) -> bytes:
+    """Return a figure as the content of a PNG file."""
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=120)
+    return content.getvalue()
 
 
 def legend(ax: Axes, columns: int = 4) -> None:

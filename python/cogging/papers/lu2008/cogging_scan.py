@@ -8,9 +8,9 @@ alone would raise a line of the spectrum as high in one scan of a hundred.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging._core import BSpline, CoggingModel
 from cogging.arrays import FloatArray
@@ -23,9 +23,6 @@ from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.characteristics import spectrum
 from cogging.plot.scales import scale_of
 from cogging.plot.series import FITTED, LIMIT, MEASURED
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SIZE = (8.0, 3.4)  # inches
 SCAN_STEP = 0.001  # m (section "System Identification")

@@ -145,10 +145,8 @@ def control_points(
 
 def cogging_map(axis: GantryAxis, amplitudes: Amplitudes, shape: MapShape | None = None) -> CoggingModel:
     """Return the assumed map of an axis; shape: None for the shipped one."""
-    shape = shape or shipped_shape()
-    return CoggingModel(
-        cogging_basis(), *control_points(shape, amplitudes, HARMONICS, axis.compensated, CONTROL_POINTS)
-    )
+    points = control_points(shape or shipped_shape(), amplitudes, HARMONICS, axis.compensated, CONTROL_POINTS)
+    return CoggingModel(cogging_basis(), *points)
 
 
 def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
@@ -210,10 +208,8 @@ def run(
 ) -> dict[str, Log]:
     """Return the logs of C1, C2 and C3 on the same machine; changes: of the controllers."""
     controllers = [Dcarc(controller_parameters(axis, name, **changes)) for name in CONTROLLERS]
-    machines, motion = [machine] * len(controllers), motion or reference(axis)
-    batch = closed_loop_batch(
-        machines, controllers, motion, seeds=[0] * len(machines), steps_per_sample=steps_per_sample, logs=True
-    )
+    machines, options = [machine] * len(controllers), {"steps_per_sample": steps_per_sample, "logs": True}
+    batch = closed_loop_batch(machines, controllers, motion or reference(axis), **options)
     return dict(zip(CONTROLLERS, batch, strict=True))
 
 

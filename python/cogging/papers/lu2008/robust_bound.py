@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from cogging import _core
 from cogging._core import AdaptiveRobustParameters, Arc, AxisParameters, CoggingModel, Dcarc, Plant, friction_slope_max
@@ -26,10 +28,6 @@ from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
 from cogging.simulation.run import closed_loop
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SHOWN = 24  # number of the random machine in the figure: one that breaks both bounds without u_s2
 SHOWN_FOR = 0.12  # s of it
@@ -128,13 +126,12 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     """Draw a machine within or at the printed bounds, with d~ within delta_d; width: of S_f, m/s; gains: k_1, k_s1."""
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
-    estimates: dict[str, Any] = {
-        name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)
-    }
+    estimates: dict[str, Any] = {}
+    for name, bound in zip(ESTIMATED, axis.bounds, strict=True):
+        estimates[name] = float(rng.uniform(*bound))
     basis, largest = gantry.cogging_basis(axis.compensated), axis.cogging_bound
-    cogging = CoggingModel(
-        basis, *rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))
-    )
+    shape = (2, len(axis.compensated), basis.spline.control_points)
+    cogging = CoggingModel(basis, *rng.uniform(-largest, largest, shape))
     share, phase, side = rng.uniform(), rng.uniform(0.0, 2.0 * np.pi), rng.choice([-1.0, 1.0])
     size, frequency = DISTURBANCE * share, float(10 ** rng.uniform(0.0, 2.0))
     effects: list[Any] = [
@@ -223,9 +220,8 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
     error(Dcarc, "printed", trials, [trial.run() for trial in trials])
     row(Dcarc, "printed", "at rest", "v_growth", "1", growth_at_rest(axis))
     row(Dcarc, "sufficient", "at rest", "v_growth", "1", growth_at_rest(axis, **sufficient_gains(axis)))
-    with_u_s2 = [
-        Dcarc(controller_parameters(axis, "C3", epsilon=epsilon, disturbance_bound=DISTURBANCE)) for epsilon in EPSILONS
-    ]
+    bounded = [{"epsilon": epsilon, "disturbance_bound": DISTURBANCE} for epsilon in EPSILONS]
+    with_u_s2 = [Dcarc(controller_parameters(axis, "C3", **changes)) for changes in bounded]
     errors = gantry.last_move(with_u_s2, [machine] * len(with_u_s2), gantry.reference(axis)).indexes["error_rms"]
     for epsilon, found in zip(EPSILONS, errors, strict=True):
         case = {"case": f"5 kHz, epsilon {epsilon:g}"}

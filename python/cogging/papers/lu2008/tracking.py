@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging._core import Arc, Dcarc, Plant
 from cogging.arrays import FloatArray
@@ -14,9 +14,6 @@ from cogging.papers.compared import Trace, compared
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, CONTROLLERS, HARMONICS, GantryAxis, known
 from cogging.papers.result import Row, Table, explored
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 INDEXES = ("e_inf", "e_2")
 

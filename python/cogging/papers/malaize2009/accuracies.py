@@ -4,33 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 from cogging.papers.compared import Trace, compared, set_ticks
-from cogging.papers.malaize2009 import causes
+from cogging.papers.malaize2009 import causes, linear_motors
 from cogging.papers.malaize2009.causes import LINES, Cause, Conditions, Explanation, drawn_accuracies, other
-from cogging.papers.malaize2009.linear_motors import (
-    CONTROLLERS,
-    MOTORS,
-    Calibrated,
-    Motor,
-    controllers,
-    reference,
-    run,
-    shipped,
-    true_error,
-)
+from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor, reference, shipped, true_error
 from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, LIMIT, look, marker
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 AMPLITUDES_AND_RADII = tuple(f"{what} of {motor}" for motor in MOTORS for what in ("amplitude", "pole radius"))
 
@@ -43,20 +30,18 @@ THINNED = 20  # lines are fitted to one sample of so many
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 
 
-def logs_under(motor: Motor, gains: Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
+def logs_under(
+    motor: Motor, gains: linear_motors.Calibrated, conditions: Conditions, *, strokes: int = 0
+) -> dict[str, Log]:
     """Run PID and observer with a cogging of gains.amplitude for the first strokes; 0: all."""
     plant = causes.machine(motor, gains.amplitude, conditions)
-    laws = controllers(motor, gains, 1.0 + conditions.thrust)
-    return {name: run(plant, law, motor, strokes=strokes) for name, law in laws.items()}
+    laws = linear_motors.controllers(motor, gains, 1.0 + conditions.thrust)
+    return {name: linear_motors.run(plant, law, motor, strokes=strokes) for name, law in laws.items()}
 
 
 def logs_of_table_1() -> dict[str, dict[str, Log]]:
     """Run Table I with the first draw of the lines and phases; logs by motor and controller."""
-    found = {}
-    for motor in MOTORS.values():
-        conditions, gains = causes.shipped_table_1(motor)
-        found[motor.name] = logs_under(motor, gains, conditions)
-    return found
+    return {name: logs_under(motor, *causes.shipped_table_1(motor)[::-1]) for name, motor in MOTORS.items()}
 
 
 def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArray]]:
@@ -64,9 +49,8 @@ def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArra
     found = {}
     for motor in MOTORS.values():
         conditions, gains = causes.shipped_table_1(motor, cause)
-        found[motor.name] = {
-            name: drawn_accuracies(motor, gains, conditions, name, cause.draws) for name in CONTROLLERS
-        }
+        pair = {name: drawn_accuracies(motor, gains, conditions, name, cause.draws) for name in CONTROLLERS}
+        found[motor.name] = pair
     return found
 
 

@@ -165,12 +165,9 @@ def explained() -> list[Explanation]:
     found = []
     for cause in CAUSES:
         for motor in MOTORS.values():
-            part = conditions_file()[cause.field][motor.name]
-            accuracies = [
-                drawn_accuracies(
-                    each, replace(shipped(each), amplitude=amplitude), cause.of(part["size"]), "observer", cause.draws
-                )
-                for each, amplitude in ((motor, part["amplitude"]), (other(motor), part["amplitude_elsewhere"]))
-            ]
+            part, accuracies = conditions_file()[cause.field][motor.name], []
+            for each, amplitude in ((motor, part["amplitude"]), (other(motor), part["amplitude_elsewhere"])):
+                gains, conditions = replace(shipped(each), amplitude=amplitude), cause.of(part["size"])
+                accuracies.append(drawn_accuracies(each, gains, conditions, "observer", cause.draws))
             found.append(Explanation(cause, motor, part["size"], part["amplitude"], *accuracies))
     return found

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging import effects
 from cogging._core import Plant
@@ -17,9 +17,6 @@ from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor,
 from cogging.papers.result import Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, look, marker
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
 FRICTION_WIDTHS = (1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging.logs.log import Log
 from cogging.papers.compared import PRINTED
@@ -18,9 +19,6 @@ from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import look
 from cogging.plot.traces import draw_trace
 from cogging.simulation.batch import closed_loop_batch
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 BAND = 5e-6  # m: scale of the rests in Fig. 6
 WITHIN = 1e-6  # m: the paper's claim on the ARC in the rests

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
 from cogging.logs.log import Log
@@ -23,17 +24,8 @@ from cogging.plot.scales import scale_of
 from cogging.plot.series import look, marker
 from cogging.simulation.batch import closed_loop_batch
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-ROBUST_TERMS = (
-    "use_alpha_1s2",
-    "use_alpha_1s3",
-    "use_c_phi_1",
-    "use_c_theta_2",
-    "use_c_phi_2",
-    "use_u_s2",
-    "use_u_s3",
+ROBUST_TERMS = tuple(
+    f"use_{term}" for term in ["alpha_1s2", "alpha_1s3", "c_phi_1", "c_theta_2", "c_phi_2", "u_s2", "u_s3"]
 )
 ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
