@@ -232,16 +232,7 @@ class ErrorPrediction(ByValue):
         return entry_named(name, {controller.name: controller for controller in self.controllers}, "controller")
 
     def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the error that each controller would reach (cogging.plot.prediction).
-
-        Args:
-            index: `rms`, `max` or `max_whole`.
-            units: labels of command and position (cogging.Units).
-            ax: axes; None: a new figure.
-
-        Returns:
-            The figure.
-        """
+        """Draw the error that each controller would reach; return the figure (arguments: cogging.plot.prediction)."""
         return plot.prediction(self, index, units=units, ax=ax).figure.figure
 
     def table(self) -> dict[str, Any]:

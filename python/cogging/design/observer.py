@@ -99,15 +99,11 @@ class ObserverProblem(ByValue):
 
     def __post_init__(self) -> None:
         rest = "must be above 0: at rest zeta is not observable, and no gain is feasible"
+        above = f"must be above velocity_min = {self.velocity_min:g}"
         rules: list[tuple[str, float, bool, str]] = [
             *(("periods", period, period > 0, "each must be above 0") for period in self.periods),
             ("velocity_min", self.velocity_min, self.velocity_min > 0, rest),
-            (
-                "velocity_max",
-                self.velocity_max,
-                self.velocity_max > self.velocity_min,
-                f"must be above velocity_min = {self.velocity_min:g}",
-            ),
+            ("velocity_max", self.velocity_max, self.velocity_max > self.velocity_min, above),
             ("viscous", self.viscous, self.viscous >= 0, "must be at least 0"),
             *((name, getattr(self, name), getattr(self, name) > 0, "must be above 0") for name in POSITIVE),
         ]

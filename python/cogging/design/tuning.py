@@ -153,21 +153,6 @@ def checked_limits(given: Mapping[str, Any]) -> dict[str, float | Mapping[str, f
     return dict(given)
 
 
-def limits_as_numbers(given: Mapping[str, Any], present: Reached) -> dict[str, float]:
-    """Return the limits as numbers; FieldError where one refers to a present value that does not exist."""
-    limits = {}
-    for name, value in given.items():
-        now = getattr(present, name)
-        if name == "modulus_margin" and now is None:
-            raise FieldError("limits", name, "needs a controller with a linear part, which this one does not have")
-        if isinstance(value, Mapping):
-            if now is None or not math.isfinite(now) or now <= 0:
-                raise FieldError("limits", name, f"must be a number: the present gains reach none, got {now}")
-            value = value["present"] * now
-        limits[name] = float(value)
-    return limits
-
-
 def limit_text(name: str, limit: float, units: Units, reached: float | None = None) -> str:
     """Return a limit in words, optionally with the value reached."""
     unit, is_upper = TUNE_INDEXES[name][:2]
@@ -214,7 +199,16 @@ class Judge:
         command = command or setup.model.axis.mass
         self.push = push_of(setup.reference, self.make(present).sample_rate, self.duration, command)
         reached = self.with_margins(present, reached)
-        self.limits = limits_as_numbers(self.given_limits, reached)
+        self.limits: dict[str, float] = {}
+        for name, value in self.given_limits.items():
+            now = getattr(reached, name)
+            if name == "modulus_margin" and now is None:
+                raise FieldError("limits", name, "needs a controller with a linear part, which this one does not have")
+            if isinstance(value, Mapping):
+                if now is None or not math.isfinite(now) or now <= 0:
+                    raise FieldError("limits", name, f"must be a number: the present gains reach none, got {now}")
+                value = value["present"] * now
+            self.limits[name] = float(value)
         self.present = Trial(present, reached, self._excesses(present, reached))
 
     def run(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Reached:

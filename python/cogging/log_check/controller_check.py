@@ -191,12 +191,11 @@ def fit_samples(
     return fitted, rms, rows
 
 
-def fit_gains(
-    found: Compared, model: Model, regressors: Mapping[str, FloatArray]
-) -> tuple[dict[str, float], dict[str, float], float]:
+def fit_gains(found: Compared, model: Model, kind: str) -> tuple[dict[str, float], dict[str, float], float | None]:
     """Stated gains, those that fit the log, and the rms that these leave; only gains that are stated above zero."""
     controller: Any = model.controller
     samples, rows = found.samples, found.judged
+    regressors = linear_regressors(kind, controller, samples.motion, samples.position)
     gains = {name: float(getattr(controller, name)) for name in ("kp", *regressors) if name != "kp kv"}
     if "kp kv" in regressors:
         gains["kp kv"] = controller.kp * controller.kv
@@ -218,6 +217,7 @@ RATE_TOLERANCE = 0.02  # of the stated sample rate
 FEWEST_ROWS = 20
 ENOUGH = 0.25  # of the rows, before the first gap, needed to check an adaptive controller
 AT_REST = 1e-3  # of the top speed: slower is rest
+VERDICTS = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -261,12 +261,10 @@ class ControllerCheck(ByValue):
     units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
-        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[self.reproduces]
-        unit = self.units.command
         if self.relative is None:
-            return f"{self.type} {verdict} the command"
-        left = f"{100 * self.relative:.3g} % of {self.command_rms:.4g} {unit} rms is left"
-        return f"{self.type} {verdict} the command: {left}"
+            return f"{self.type} {VERDICTS[self.reproduces]} the command"
+        left = f"{100 * self.relative:.3g} % of {self.command_rms:.4g} {self.units.command} rms is left"
+        return f"{self.type} {VERDICTS[self.reproduces]} the command: {left}"
 
 
 @check_arguments(log=LOG, model=MODEL_ALONE)
@@ -317,21 +315,15 @@ def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> Con
     if ratio and abs(ratio - 1.0) > MISMATCH:
         left = root_mean_square(logged - ratio * computed)
         if left <= MISMATCH * root_mean_square(logged):
-            notes.append(
-                f"the command is {ratio:.4g} times the controller's: is the command in another unit (--scale command)?"
-            )
+            doubt = "is the command in another unit (--scale command)?"
+            notes.append(f"the command is {ratio:.4g} times the controller's: {doubt}")
     if relative > MISMATCH and best:
         notes.append(f"the command fits better when moved by {best} rows: is it logged at another time?")
     reproduces: bool | None = relative <= MISMATCH
     if not reproduces and model.make_controller().estimates.size:
         reproduces, note = _with_estimates(found, command_rms)
         notes.append(note)
-    stated: dict[str, float] = {}
-    fitted: dict[str, float] = {}
-    fitted_rms = None
-    if kind in ("pid", "cascade"):
-        regressors = linear_regressors(kind, model.controller, found.samples.motion, found.samples.position)
-        stated, fitted, fitted_rms = fit_gains(found, model, regressors)
+    stated, fitted, fitted_rms = fit_gains(found, model, kind) if kind in ("pid", "cascade") else ({}, {}, None)
     return ControllerCheck(
         type=kind,
         reproduces=reproduces,
@@ -383,9 +375,8 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
     step = float(own.mean()) if own.size and np.ptp(steps) > RATE_TOLERANCE * step else step
     rate, stated = 1.0 / step, model.controller.sample_rate
     if abs(rate / stated - 1.0) > RATE_TOLERANCE:
-        return (
-            f"the log has {rate:g} rows a second, the controller {stated:g} samples: the command cannot be recomputed"
-        )
+        rates = f"{rate:g} rows a second, the controller {stated:g} samples"
+        return f"the log has {rates}: the command cannot be recomputed"
     return ""
 
 
@@ -399,23 +390,15 @@ def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
     added = np.concatenate([[False], np.diff(samples.row) == 0])
     if not added.any():
         return log, ""
-    position = log.position[samples.row]
-    position[added] = cubic_between(log.time, log.position, samples.time[added])
+    position, at = log.position[samples.row], samples.time[added]
+    position[added] = np.interp(at, log.time, log.position)
+    if len(log) > 3:  # on the cubic through the two rows on either side; on a line beside a long gap
+        rows = np.clip(np.searchsorted(log.time, at) - 1, 1, len(log) - 3) + np.arange(-1, 3)[:, None]
+        offsets = log.time[rows] - at
+        cubic = np.sum(cubic_weights(offsets) * log.position[rows], axis=0)
+        near = offsets[3] - offsets[0] < (2 * FILLED + 3) * float(np.median(np.diff(log.time)))
+        position[added] = np.where(near, cubic, position[added])
     command = np.where(added, found.computed, log.command[samples.row])
     whole = {**samples.motion, "time": samples.time, "position": position, "command": command}
-    return Log.of(whole, log.metadata), (
-        f"{int(added.sum())} samples lack a row: readings filled by interpolation, commands as the "
-        f"{check.type} gives them"
-    )
-
-
-def cubic_between(time: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
-    """Values at times between rows, on the cubic through the two rows on either side; on a line beside a long gap."""
-    line = np.interp(at, time, values)
-    if len(time) < 4:
-        return np.asarray(line)
-    rows = np.clip(np.searchsorted(time, at) - 1, 1, len(time) - 3) + np.arange(-1, 3)[:, None]
-    offsets = time[rows] - at
-    cubic = np.sum(cubic_weights(offsets) * values[rows], axis=0)
-    near = offsets[3] - offsets[0] < (2 * FILLED + 3) * float(np.median(np.diff(time)))
-    return np.where(near, cubic, line)
+    how = f"readings filled by interpolation, commands as the {check.type} gives them"
+    return Log.of(whole, log.metadata), f"{int(added.sum())} samples lack a row: {how}"

@@ -115,10 +115,8 @@ def on_its_clock(log: Log) -> tuple[Log, str]:
     whole = segment[4:] == segment[:-4]
     if _roughness(clock, log.position, whole) >= _roughness(log.time, log.position, whole):
         return log, ""
-    return replace(log, time=clock), (
-        f"time stamps are off by {np.sqrt(np.mean(off**2)):.2g} s rms, and the readings are smoother on an even clock "
-        f"of {np.min(np.diff(clock)):.4g} s, which is used"
-    )
+    even = f"the readings are smoother on an even clock of {np.min(np.diff(clock)):.4g} s, which is used"
+    return replace(log, time=clock), f"time stamps are off by {np.sqrt(np.mean(off**2)):.2g} s rms, and {even}"
 
 
 def _even(time: FloatArray, row: IntArray, segment: IntArray) -> FloatArray:

@@ -30,9 +30,7 @@ THINNED = 20  # lines are fitted to one sample of so many
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 
 
-def logs_under(
-    motor: Motor, gains: linear_motors.Calibrated, conditions: Conditions, *, strokes: int = 0
-) -> dict[str, Log]:
+def logs_under(motor: Motor, gains: causes.Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
     """Run PID and observer with a cogging of gains.amplitude for the first strokes; 0: all."""
     plant = causes.machine(motor, gains.amplitude, conditions)
     laws = linear_motors.controllers(motor, gains, 1.0 + conditions.thrust)

@@ -24,9 +24,8 @@ from cogging.plot.scales import scale_of
 from cogging.plot.series import look, marker
 from cogging.simulation.batch import closed_loop_batch
 
-ROBUST_TERMS = tuple(
-    f"use_{term}" for term in ["alpha_1s2", "alpha_1s3", "c_phi_1", "c_theta_2", "c_phi_2", "u_s2", "u_s3"]
-)
+TERMS = ("alpha_1s2", "alpha_1s3", "c_phi_1", "c_theta_2", "c_phi_2", "u_s2", "u_s3")
+ROBUST_TERMS = tuple(f"use_{term}" for term in TERMS)
 ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
 HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
