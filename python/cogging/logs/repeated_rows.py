@@ -28,10 +28,8 @@ def repeated(log: Log, other: Log) -> Mask:
     if min(len(log), len(other)) < STRETCH:
         return none
     for mine in filter(None, (log, _in_units_of(log, other))):
-        spread = [
-            (max(map(np.ptp, both)), max(float(np.abs(one).max()) for one in both))
-            for both in ((mine.position, other.position), (mine.command, other.command))
-        ]
+        pairs = ((mine.position, other.position), (mine.command, other.command))
+        spread = [(max(map(np.ptp, both)), max(float(np.abs(one).max()) for one in both)) for both in pairs]
         keys = _rounded_rows(mine, other, spread)
         if (found := _equal_rows(mine, other, keys, spread)).any():
             return found
@@ -156,10 +154,8 @@ def _shift(log: Log, other: Log) -> float | None:
     rows = [int((one.time[-1] - one.time[0]) / step) for one in (log, other)]
     if min(rows) < WINDOW or max(rows) > 20 * (len(log) + len(other)):
         return None
-    speeds = [
-        np.diff(np.interp(one.time[0] + step * np.arange(n), one.time, one.position))
-        for one, n in zip((log, other), rows, strict=True)
-    ]
+    pairs = zip((log, other), rows, strict=True)
+    speeds = [np.diff(np.interp(one.time[0] + step * np.arange(n), one.time, one.position)) for one, n in pairs]
     likeness = cross_correlation(speeds[1], speeds[0])
     size = cross_correlation(speeds[1] ** 2, np.ones(len(speeds[0])))
     size = np.maximum(size, 0.1 * float(size.max()))

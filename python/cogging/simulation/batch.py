@@ -225,14 +225,8 @@ def closed_loop_batch(
             parts.append(kept)
             failures += [failure._replace(run=failure.run + first) for failure in kept.failures]
             step(f"{min(first + size, count)} of {count} runs")
-    return Batch(
-        dict(zip(names_of(reductions), np.concatenate([part.values for part in parts]).T, strict=True)),
-        tuple(failures),
-        {name: tuple(run for part in parts for run in part.columns[name]) for name in columns},
-        tuple(plants),
-        tuple(controllers),
-        tuple(seeds) or (0,) * len(plants),
-        tuple(flag for part in parts for flag in part.in_lanes),
-        logs,
-        units or Units(),
-    )
+    indexes = dict(zip(names_of(reductions), np.concatenate([part.values for part in parts]).T, strict=True))
+    recorded = {name: tuple(run for part in parts for run in part.columns[name]) for name in columns}
+    seeds, in_lanes = tuple(seeds) or (0,) * count, tuple(flag for part in parts for flag in part.in_lanes)
+    machines, laws = tuple(plants), tuple(controllers)
+    return Batch(indexes, tuple(failures), recorded, machines, laws, seeds, in_lanes, logs, units or Units())

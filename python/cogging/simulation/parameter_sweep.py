@@ -33,24 +33,13 @@ from cogging.model.model import Model, is_number
 from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
 from cogging.progress import Progress, steps
 from cogging.shown import quoted
+from cogging.simulation import varied
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.digests import digest_of
 from cogging.simulation.reductions import INDEXES, kept_of_runs, names_of, reduction, unit_of
 from cogging.simulation.reference import files_of_reference, motion_of, reference_to_dict
 from cogging.simulation.runs_table import RunsTable, is_parquet
-from cogging.simulation.varied import (
-    BOUNDS,
-    SEED,
-    VARIATION_KEYS,
-    Setup,
-    make_controller,
-    points_of,
-    refuse_unknown_paths,
-    require_numbers,
-    units_of,
-    variation_of,
-    with_numbers,
-)
+from cogging.simulation.varied import BOUNDS, SEED, VARIATION_KEYS, Setup, make_controller, with_numbers
 from cogging.tables import library
 
 if TYPE_CHECKING:
@@ -234,14 +223,15 @@ def sweep(
         >>> len(runs), runs.failed
         (8, 0)
     """
-    require_numbers(seed, runs, duration, (start, stop, final_window), threads)
+    varied.require_numbers(seed, runs, duration, (start, stop, final_window), threads)
     setup, own_duration = _setup(model, reference)
     if vary == BOUNDS:
         vary = {path: BOUNDS for path, ends in setup.model.intervals.items() if np.isfinite(ends).all()}
     if not isinstance(vary, Mapping) or not vary:
         raise ValueError(f'vary: must give at least one number, or be "bounds" of a model that has some, got {vary!r}')
-    refuse_unknown_paths(setup, vary)
-    points = points_of([variation_of(path, stated, setup.model) for path, stated in vary.items()], method, runs, seed)
+    varied.refuse_unknown_paths(setup, vary)
+    variations = [varied.variation_of(path, stated, setup.model) for path, stated in vary.items()]
+    points = varied.points_of(variations, method, runs, seed)
     for name in names_of(reductions)[len(INDEXES) :]:
         reduction(name)
     common = Piece(
@@ -326,7 +316,7 @@ def _table(
             step(f"{count} of {len(points)} runs")
     tables.sort(key=lambda table: int(table["run"][0]))
     whole = {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-    runs = SweepRuns(whole, common.paths, units_of(common.setup, common.paths, whole))
+    runs = SweepRuns(whole, common.paths, varied.units_of(common.setup, common.paths, whole))
     if runs.failed == len(runs) and np.isnan(whole["failed_at"]).all():
         raise _NoRunBegan(f"no run could begin: {whole['reason'][0]}")
     return runs
@@ -367,10 +357,10 @@ def run_piece(piece: Piece) -> Table:
         for failure in kept.failures:
             place = runs[failure.run][0]
             reasons[place], times[place] = failure.reason, failure.time
-    varied = {path: piece.points[:, i] for i, path in enumerate(piece.paths) if path != SEED}
+    numbers = {path: piece.points[:, i] for i, path in enumerate(piece.paths) if path != SEED}
     return {
         "run": np.arange(piece.first, piece.first + count),
-        **varied,
+        **numbers,
         "seed": np.array(seeds, dtype=np.int64),
         **dict(zip(names, indexes.T, strict=True)),
         "failed_at": times,

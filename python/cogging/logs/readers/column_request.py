@@ -106,13 +106,12 @@ class Request:
                 raise self.refuse(f"column {there}: must be one column of the {place}, {got}")
             found[name] = places[0]
             stated = parts[places[0]][1] or (units[places[0]].strip() if units else "")
-            if stated and name not in self.scaled:
-                self._require_si(name, there, stated)
+            if stated and name not in self.scaled and not is_si(name, stated):
+                raise self._not_si(name, there, stated)
         return found
 
-    def _require_si(self, name: str, there: str, unit: str) -> None:
-        if is_si(name, unit):
-            return
+    def _not_si(self, name: str, there: str, unit: str) -> InputError:
+        """Return the error for a column in another unit, with the factor to give."""
         wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
         spelled = unit.strip().replace("**", "^")
         factors = {"s": TIME_FACTORS, "V": COMMAND_FACTORS}.get(wanted, FACTORS)
@@ -122,7 +121,7 @@ class Request:
             factor = None
         advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
         stated = shortened(unit, LONGEST)
-        raise self.refuse(f"column {there}: must be in {NEEDED[wanted]}, got the unit {stated!r}; give {advice}")
+        return self.refuse(f"column {there}: must be in {NEEDED[wanted]}, got the unit {stated!r}; give {advice}")
 
 
 def is_si(name: str, unit: str) -> bool:
