@@ -11,15 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray
-from cogging.design.linear_plant import (
-    LOWEST,
-    UNIT_CIRCLE,
-    HeldPlant,
-    Polynomials,
-    held,
-    linear_controller,
-    linear_plant,
-)
+from cogging.design import linear_plant as linear
+from cogging.design.linear_plant import LOWEST, UNIT_CIRCLE, HeldPlant, Polynomials
 from cogging.model.model import Model
 from cogging.shown import quoted
 from cogging.tables import library
@@ -145,18 +138,18 @@ def to_control(
     for name, value in (("speed", speed), ("position", position)):
         if value is not None and not math.isfinite(value):
             raise ValueError(f"{name}: must be finite, got {quoted(value)}")
-    linear = linear_plant(model, speed=speed, position=position)
+    axis = linear.linear_plant(model, speed=speed, position=position)
     time = 1.0 / sample_rate
-    sampled = held(linear, time)
+    sampled = linear.held(axis, time)
     if sampled.whole > MOST_DELAY:
-        raise ValueError(f"command_delay: must be at most {MOST_DELAY} samples, got {linear.delay / time:g}")
+        raise ValueError(f"command_delay: must be at most {MOST_DELAY} samples, got {axis.delay / time:g}")
     plant = control.ss(*_with_delay(sampled), time)
-    continuous = control.ss(linear.a, linear.b, linear.c, 0.0)
-    if linear.delay > 0.0 and pade > 0:
-        continuous = continuous * control.tf2ss(*control.pade(linear.delay, pade))
+    continuous = control.ss(axis.a, axis.b, axis.c, 0.0)
+    if axis.delay > 0.0 and pade > 0:
+        continuous = continuous * control.tf2ss(*control.pade(axis.delay, pade))
     if own_rate is None:
-        return ControlLoop(plant, continuous, None, None, None, None, linear.left_out, sampled, None)
-    found = linear_controller(model, speed=speed)
+        return ControlLoop(plant, continuous, None, None, None, None, axis.left_out, sampled, None)
+    found = linear.linear_controller(model, speed=speed)
     if found is None:
         kind = str(model.controller_type)
         why = NOT_LINEAR.get(kind, "it is not linear in the error")
@@ -167,7 +160,7 @@ def to_control(
     controller = control.tf(*found, time)
     loop, one = plant * control.tf2ss(controller), control.ss([], [], [], [[1.0]], time)
     sensitivity, complementary = control.feedback(one, loop), control.feedback(loop, one)
-    return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, linear.left_out, sampled, found)
+    return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, axis.left_out, sampled, found)
 
 
 def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

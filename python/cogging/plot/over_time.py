@@ -46,9 +46,8 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
     """
     table = table_of(log)
     usual = [name for name in ("position", "error", "command") if name in table]
-    chosen = (
-        [columns] if isinstance(columns, str) else list(columns or usual or [name for name in table if name != "time"])
-    )
+    usual = usual or [name for name in table if name != "time"]
+    chosen = [columns] if isinstance(columns, str) else list(columns or usual)
     found = {name: column(table, name) for name in chosen}
     panels = grid_of(ax, len(chosen), size=(WIDTH, 0.7 + PANEL * len(chosen)), sharex=True)
     units = units or units_of(log)
