@@ -1,8 +1,4 @@
-"""Results of commands: text for a person, JSON, files, and the next command.
-
-The text goes to standard output, the next command last. `--json -` prints the JSON result instead, and `--quiet` prints
-no text. Only errors go to standard error.
-"""
+"""Results of commands: text for a person, the next command last, JSON and files; `--quiet` prints no text."""
 
 from __future__ import annotations
 

@@ -145,11 +145,10 @@ NO_DISTURBANCE = (
 class Bounds(ByValue):
     """The bounds of an uncertain axis, and the controllers designed for them.
 
-    The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
-    estimates and the feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of
-    200 1/s, the k_1 of the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as
-    an override; they raise ValueError for a value that breaks its rule. The sample rate is the one of the model's
-    controller, else the struct's default.
+    The bounds are 95 % intervals of each parameter alone; the model's values are the initial estimates and the
+    feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of 200 1/s, the k_1 of
+    the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as an override; they
+    raise ValueError for a value that breaks its rule.
 
     Attributes:
         model: whose bounds they are.
@@ -332,9 +331,8 @@ class Bounds(ByValue):
     def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> OutputFeedbackArcParameters:
         """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.
 
-        Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
-        gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
-        Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
+        Xu and Yao 2001, section 4.3, printed for w = 300 1/s and 1/M = 30, go with r = w / 300 and c = 1 / (30 M) as
+        the unit of each says. Robust terms are off (see papers/xu2001/epoxy_motor.py).
         """
         axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)

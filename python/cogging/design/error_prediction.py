@@ -311,9 +311,8 @@ def predict_error(
 ) -> ErrorPrediction:
     """Predict rms and largest tracking error of controllers on a reference, for the machine that a model describes.
 
-    Machines are drawn from the model's 95 % intervals: each parameter normal around the model's value (each side with
-    its own width), or jointly normal where a covariance is given. All controllers run on the same machines. The same
-    arguments give the same numbers, whatever the threads. Effects that the model lacks are not predicted.
+    Machines are drawn from the model's 95 % intervals: each parameter normal around the model's value, each side with
+    its own width. The same arguments give the same numbers. Effects that the model lacks are not predicted.
 
     Args:
         model: a Model, or the path of a model file.
@@ -326,8 +325,7 @@ def predict_error(
         duration: s; 0 = that of the reference file, or the motion's own end.
         threads: 0 = all cores.
         bandwidth: of the designed controllers, 1/s (see Bounds).
-        default: 95 % intervals for parameters without a finite one (see Bounds.of); without a default, a parameter
-            with an infinite interval keeps its value, and a note says that the interval of the error is unbounded.
+        default: 95 % intervals for parameters without a finite one (see Bounds.of), which otherwise keep their value.
         covariance: paths (p) and covariance (p, p) of parameters that are drawn jointly.
 
     Returns:

@@ -79,8 +79,7 @@ class ObserverProblem(ByValue):
         affine: let K grow with |nu*|.
 
     Raises:
-        ValueError: a period <= 0 or none, velocity_min <= 0 or >= velocity_max, decay_rate < 0 or not below omega's
-            slowest pole, another number that is not above 0.
+        ValueError: a number breaks its rule: no period, a velocity_min or decay_rate out of range.
 
     Example:
         >>> cogging.ObserverProblem(periods=[0.05, 0.025], velocity_min=0.05, velocity_max=0.4)

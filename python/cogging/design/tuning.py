@@ -424,13 +424,10 @@ def tune(
 ) -> Tuning:
     """Find the gains with the smallest rms error for a machine that is known within intervals.
 
-    Minimises the quantile of the rms error over drawn machines, the same machines and noise in every trial, subject to
-    limits on every machine. Optuna's TPE sampler proposes the gains with the excess of each limit as a constraint; the
-    present gains come first. The result is evaluated on machines held out.
-
-    Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller
-    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an
-    interruption the same call continues, and the best gains so far are in `out`.
+    Optuna's TPE sampler minimises the quantile of the rms error over drawn machines, the same in every trial, with the
+    excess of each limit as a constraint; the result is evaluated on machines held out. Delay and gain margins are
+    measured by a force pulse on each machine (docs/tune.md). With `out`, finished trials are stored beside it
+    (`OUT.trials`): after an interruption the same call continues, and the best gains so far are in `out`.
 
     Args:
         model: a Model, or the path of a model file; its controller is tuned.
@@ -443,8 +440,7 @@ def tune(
         limits: by name a number, or `{"present": 1.1}` for 1.1 times what the present gains reach; at most of
             error_max, command_max, command_rms, command_chatter, at least of delay_margin, gain_margin, modulus_margin.
         vary: how machines differ, as for `sweep`; "bounds": all parameters with [bounds] or an uncertainty.
-        machines: number of machines to tune with.
-        held_out: number of further machines for the evaluation.
+        machines, held_out: number of machines to tune with, and of further ones for the evaluation.
         quantile: of rms error over the machines, above 0 and at most 1.
         trials: how many.
         against: a second objective, by the name of a limit; the trials then spread along the trade-off of both.

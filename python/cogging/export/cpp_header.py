@@ -1,8 +1,6 @@
 """A controller with its gains as one C++ header that needs nothing but a C++20 compiler.
 
-The header contains the headers of the core that the controller needs, each once, after those it includes. A step
-computes the same bits as the library. Everything is in its own namespace, so that several such headers, or one and
-the library, do not conflict.
+It contains the headers of the core that the controller needs, in its own namespace; a step computes the same bits.
 """
 
 from __future__ import annotations

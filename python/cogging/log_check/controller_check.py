@@ -272,10 +272,9 @@ class ControllerCheck(ByValue):
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 
-    `pid` and `cascade` are recomputed as their equations say (Pid, Cascade), with Ts = 1/`sample_rate` even where the
-    time jitters, and their gains are fitted by least squares; every other type is run on the logged references and
-    readings (replay_controller). A few missing samples are interpolated, and rows whose command depends on them are not
-    compared; after a longer gap the integral is another constant. Spikes are left out if they explain the difference.
+    The controller is run on the logged references and readings, with Ts = 1/`sample_rate` even where the time jitters;
+    the gains of `pid` and `cascade` are fitted by least squares. Rows whose command depends on missing samples are not
+    compared; after a gap the integral is another constant. Spikes are left out if they explain the difference.
 
     Args:
         log: with a reference.

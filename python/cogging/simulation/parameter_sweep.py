@@ -1,8 +1,4 @@
-"""Sweeps: many runs of one model, each with other numbers.
-
-Runs are computed in pieces, by threads of this process or by the workers of an executor. Finished pieces are stored in
-a folder beside the output until the whole table is written, so that an interrupted sweep continues where it was.
-"""
+"""Sweeps: many runs of one model, each with other numbers, in pieces that are kept until the whole is written."""
 
 from __future__ import annotations
 
@@ -96,9 +92,8 @@ class SweepRuns(RunsTable):
     def influence(self, index: str = "error_rms") -> dict[str, float]:
         """Return by path how much of the spread of an index each varied number explains alone, the largest first.
 
-        The share is the adjusted correlation ratio of the ranks of the index, so that a few large values do not decide:
-        the variance between groups of runs with (nearly) the same number over the variance of all completed runs. It is
-        0 for a number that explains no more than chance would.
+        The adjusted correlation ratio of the ranks of the index: their variance between groups of runs with (nearly)
+        the same number over that of all completed runs; 0 for a number that explains no more than chance would.
         """
         values = np.asarray(self.table[index], dtype=np.float64)
         good = np.isfinite(values)
@@ -186,11 +181,9 @@ def sweep(
     `reference.velocity`, `seed`.
 
     Run i has noise with the seed `seed` + i, unless `seed` is varied. A run that diverges, or whose numbers break a
-    rule, is a row with its reason; the others complete. The same arguments give the same table, whatever the executor.
-
-    With `out`, finished pieces are stored in a folder beside it (`OUT.pieces`) until the whole is written: after an
-    interruption, a crash or a full disk the same call continues where it was. A model with a custom effect, whose law
-    cannot be compared, stores no pieces.
+    rule, is a row with its reason. The same arguments give the same table, whatever the executor. With `out`, finished
+    pieces are stored beside it (`OUT.pieces`) until the whole is written, from which the same call continues after an
+    interruption, unless the model has a custom effect, whose law cannot be compared.
 
     Args:
         model: a Model, or the path of a model file.
