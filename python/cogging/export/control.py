@@ -32,25 +32,15 @@ NOT_LINEAR = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopMargins(ByValue):
-    """Stability margins of a loop; all 0 for an unstable one.
+    """Stability margins of a loop; all 0 for an unstable one."""
 
-    Attributes:
-        stable: whether the closed loop is stable.
-        gain: smallest destabilising factor above 1 on the command; infinite if there is none.
-        gain_down: largest destabilising factor below 1; 0 if there is none.
-        phase: degrees, smallest destabilising phase lag over all crossings of |L| = 1.
-        delay: s, smallest destabilising delay over all crossings.
-        modulus: smallest distance of L from -1, 1 over the largest sensitivity.
-        crossover: Hz, highest frequency with |L| = 1; 0 if there is none.
-    """
-
-    stable: bool
-    gain: float = 0.0
-    gain_down: float = 0.0
-    phase: float = 0.0
-    delay: float = 0.0
-    modulus: float = 0.0
-    crossover: float = 0.0
+    stable: bool  # whether the closed loop is
+    gain: float = 0.0  # smallest destabilising factor above 1 on the command; infinite if there is none
+    gain_down: float = 0.0  # largest destabilising factor below 1; 0 if there is none
+    phase: float = 0.0  # degrees, smallest destabilising phase lag over all crossings of |L| = 1
+    delay: float = 0.0  # s, smallest destabilising delay over all crossings
+    modulus: float = 0.0  # smallest distance of L from -1, 1 over the largest sensitivity
+    crossover: float = 0.0  # Hz, highest frequency with |L| = 1; 0 if there is none
 
     def _brief(self) -> str:
         return self.text().replace("\n", "; ")
@@ -70,28 +60,18 @@ class ControlLoop(ByValue):
     """The linear loop u = C (reference - reading), reading = P u, as python-control objects.
 
     Those with a sample time are exact at the samples for a held command and any delay. Signals are deviations from the
-    given position and speed, without feedforward.
-
-    Attributes:
-        plant: P(z), reading over command, m/V, StateSpace.
-        continuous: P(s), the same in continuous time, with the delay as a Pade approximation, StateSpace.
-        controller: C(z), command over error, V/m, TransferFunction; None for a model without a controller. Likewise
-            loop: L = C P; sensitivity: 1/(1 + L), reading over a disturbance of the reading; complementary:
-            L/(1 + L), reading over reference without feedforward.
-        left_out: nonlinear parts of the model that were left out.
-        sampled: the plant's matrices, without delay.
-        polynomials: of C(z), numerator and denominator.
+    given position and speed, without feedforward. Without a controller its parts are None.
     """
 
-    plant: Any
-    continuous: Any
-    controller: Any
-    loop: Any
-    sensitivity: Any
-    complementary: Any
-    left_out: tuple[str, ...]
-    sampled: HeldPlant
-    polynomials: Polynomials | None
+    plant: Any  # P(z), reading over command, m/V, StateSpace
+    continuous: Any  # P(s), the same in continuous time, with the delay as a Pade approximation, StateSpace
+    controller: Any  # C(z), command over error, V/m, TransferFunction
+    loop: Any  # L = C P
+    sensitivity: Any  # 1/(1 + L), reading over a disturbance of the reading
+    complementary: Any  # L/(1 + L), reading over reference without feedforward
+    left_out: tuple[str, ...]  # nonlinear parts of the model that were left out
+    sampled: HeldPlant  # the plant's matrices, without delay
+    polynomials: Polynomials | None  # of C(z), numerator and denominator
 
     def _brief(self) -> str:
         kind = "with a controller" if self.controller is not None else "no controller"

@@ -252,6 +252,8 @@ class HarmonicSpectrum:
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
         arithmetic = FLOOR**2 * float(np.mean(rest**2)) or 1.0
+        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
+        origin = float(self.position.min())
         for _ in range(ROUNDS):
             power = self.power(rest)
             level, degrees = self.level(power, taken, float(np.mean(rest**2)))
@@ -264,7 +266,15 @@ class HarmonicSpectrum:
             if all(line.frequency != frequency for line in found):
                 amplitude = float(self.amplitude(power)[h, s])
                 found.append(Line(frequency, int(h) if own else None, amplitude))
-            rest = rest - self._component(rest, nuisance, frequency)
+            # Less the least-squares part at this frequency (spline of order 3, or constant) and the nuisances.
+            basis = SplineHarmonics(
+                pitch=self.pitch, periods=[1.0 / frequency], order=3, origin=origin, control_points=points
+            )
+            normal, right = normal_equations(basis, self.position, rest, nuisance)
+            p = basis.coefficients
+            normal[np.arange(p), np.arange(p)] += 1e-12 * float(np.max(np.diag(normal)[:p]))
+            coefficients = np.asarray(np.linalg.solve(normal, right), dtype=np.float64)
+            rest = rest - predict(basis, coefficients, self.position, nuisance)
             taken |= self.around(frequency, self.modulated)
         return found
 
@@ -278,17 +288,6 @@ class HarmonicSpectrum:
         for harmonic in harmonics:
             taken |= self.around(harmonic / self.pitch, modulated)
         return taken
-
-    def _component(self, force: FloatArray, nuisance: FloatArray, frequency: float) -> FloatArray:
-        """The least-squares part of a force at a frequency (spline of order 3, or constant) and of the nuisances."""
-        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
-        origin, periods = float(self.position.min()), [1.0 / frequency]
-        basis = SplineHarmonics(pitch=self.pitch, periods=periods, order=3, origin=origin, control_points=points)
-        normal, right = normal_equations(basis, self.position, force, nuisance)
-        p = basis.coefficients
-        normal[np.arange(p), np.arange(p)] += 1e-12 * float(np.max(np.diag(normal)[:p]))
-        coefficients = np.asarray(np.linalg.solve(normal, right), dtype=np.float64)
-        return predict(basis, coefficients, self.position, nuisance)
 
 
 def _slope(log_frequency: FloatArray, log_power: FloatArray) -> float:

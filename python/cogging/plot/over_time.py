@@ -177,15 +177,13 @@ def _chosen(known: Sequence[Estimate], which: Sequence[str | int] | None) -> lis
     if which is None:
         return list(range(min(len(known), MOST)))
     places = {one.name: place for place, one in enumerate(known)}
-    found = []
-    for wanted in [which] if isinstance(which, str | int) else which:
-        place = places.get(wanted, -1) if isinstance(wanted, str) else wanted
-        if not isinstance(place, int | np.integer) or not 0 <= place < len(known):
-            raise ValueError(f"which: must be estimates, got {wanted!r}: {did_you_mean(str(wanted), places)}")
-        found.append(int(place))
-    if not found:
+    wanted = [which] if isinstance(which, str | int) else list(which)
+    for one in wanted:
+        if one not in places and one not in range(len(known)):
+            raise ValueError(f"which: must be estimates, got {one!r}: {did_you_mean(str(one), places)}")
+    if not wanted:
         raise ValueError("which: must name at least one estimate, got none")
-    return found
+    return [places[one] if isinstance(one, str) else int(one) for one in wanted]
 
 
 def _estimates(stated: Any, count: int, names: Sequence[str] | None, units: Any) -> list[Estimate]:

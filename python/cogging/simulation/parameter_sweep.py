@@ -217,7 +217,13 @@ def sweep(
         (8, 0)
     """
     varied.require_numbers(seed, runs, duration, (start, stop, final_window), threads)
-    setup, own_duration = _setup(model, reference)
+    path, model = model, model if isinstance(model, Model) else Model.read(model)
+    try:
+        make_controller(model)
+    except ValueError as error:
+        raise (error if model is path else InputError(f"{path}: {error}")) from None
+    motion, own_duration = motion_of(reference)
+    setup = Setup(model, motion)
     if vary == BOUNDS:
         vary = {path: BOUNDS for path, ends in setup.model.intervals.items() if np.isfinite(ends).all()}
     if not isinstance(vary, Mapping) or not vary:
@@ -268,17 +274,6 @@ def sweep(
 
 class _NoRunBegan(ValueError):
     """No run of a sweep could begin: the fault is not that of a single run."""
-
-
-def _setup(model: Any, reference: Any) -> tuple[Setup, float]:
-    """Return model and motion, read from files where paths are given, and the duration of the reference file, s."""
-    path, model = model, model if isinstance(model, Model) else Model.read(model)
-    try:
-        make_controller(model)
-    except ValueError as error:
-        raise (error if model is path else InputError(f"{path}: {error}")) from None
-    motion, duration = motion_of(reference)
-    return Setup(model, motion), duration
 
 
 def _table(

@@ -181,8 +181,7 @@ def spectra_of(logs: Logs) -> dict[str, dict[str, TrackingSpectrum]]:
 @drawn
 def figure_velocity() -> Figure:
     """Draw Fig. 2: the reference velocities."""
-    figure = new_figure((8.0, 5.5))
-    figure.suptitle("Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
+    figure = new_figure((8.0, 5.5), title="Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
         motion = reference(motor)
         time = np.linspace(0.0, motion.period, 2001)
@@ -195,8 +194,7 @@ def figure_velocity() -> Figure:
 @drawn
 def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Figure:
     """Draw Fig. 3: the tracking errors against spatial period; triangles: the periods that the observer cancels."""
-    figure = new_figure((8.0, 6.0))
-    figure.suptitle("Fig. 3: spectrum of the tracking error, with unmodelled lines")
+    figure = new_figure((8.0, 6.0), title="Fig. 3: spectrum of the tracking error, with unmodelled lines")
     panels = figure.subplots(len(MOTORS), 1, sharex=True, sharey=True)
     for axes, motor in zip(panels, MOTORS.values(), strict=True):
         for place, name in enumerate(CONTROLLERS):

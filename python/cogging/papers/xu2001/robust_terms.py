@@ -148,8 +148,7 @@ def subsets_table(unknowns: Unknowns) -> Table:
 @drawn
 def figure_increment() -> Figure:
     """Draw the rms command increment against a common factor on the printed robust terms."""
-    figure = new_figure((7.2, 4.2))
-    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
+    figure = new_figure((7.2, 4.2), title="The printed robust terms times a factor; a line ends where the run diverges")
     axes = figure.subplots()
     for place, (rate, resolution) in enumerate(HARDWARE):
         values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
