@@ -230,8 +230,8 @@ def plan_experiment(
     notes: list[str] = []
     if controller is None and model.controller is None:
         model = model.replace(controller=assumed_pid(model.axis))
-        said = f"planned with {ASSUMED}; the motion under yours may exceed the limits"
-        notes.append(f"the model states no controller: {said}")
+        warning = f"planned with {ASSUMED}; the motion under yours may exceed the limits"
+        notes.append(f"the model states no controller: {warning}")
     if model.noise.force == model.encoder.resolution == model.encoder.noise == 0.0:
         force = QUIET * model.axis.mass * limits.acceleration
         model = model.replace(noise=model.noise.replace(force=force))
@@ -263,8 +263,8 @@ def plan_experiment(
                 unit = model.units.of(limit.unit)
                 expected.append(Expectation(name, limit.parameter, unit, value, before, limit.why))
     advice = separating(rivals, vocabulary, [log]) if goal == "separate" else None
-    found, said = tuple(expected), tuple(notes)
-    return ExperimentPlan(goal, elements, motion, scale, limits, taken, found, advice, said, seed, model.units)
+    shown, said = tuple(expected), tuple(notes)
+    return ExperimentPlan(goal, elements, motion, scale, limits, taken, shown, advice, said, seed, model.units)
 
 
 def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: int) -> Log:

@@ -276,9 +276,9 @@ class ModelDraft(ByValue):
             share = f"{100.0 * self.sizes.explained:.3g} %"
             lines.append(f"  together they explain {share} of the command's power in motion")
         if self.wave is not None:
-            size = f"{math.hypot(self.wave.sine, self.wave.cosine):.3g} {self.units.command}"
+            force = f"{math.hypot(self.wave.sine, self.wave.cosine):.3g} {self.units.command}"
             period = f"{self.wave.period:.4g} {self.units.position}"
-            lines.append(f"over position a wave of {period} stands out, {size}: cogging, or one of its harmonics")
+            lines.append(f"over position a wave of {period} stands out, {force}: cogging, or one of its harmonics")
         if self.controller is not None:
             lines.append(f"a {self.controller.type} made the command: its gains stand in the model as comments")
         lines += ["guessed, to be checked:", *(f"  {entry}" for entry in self.likely)] * bool(self.likely)

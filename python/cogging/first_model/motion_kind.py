@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -109,7 +110,7 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
     if shape is None or shape[3] > SHAPE * abs(distance):
         return None
     velocity, acceleration, jerk, left = shape
-    limits = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    limits: dict[str, Any] = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
     course = PointToPoint(PointToPointParameters(distance=abs(distance), **limits))
     ways = [x[a : b + 1] * np.sign(x[b] - x[a]) for a, b in moves]
     middles = np.array([t[a + int(np.argmax(y > 0.5 * (y[0] + y[-1])))] for (a, _), y in zip(moves, ways, strict=True)])
@@ -164,7 +165,7 @@ def _shape(
         return velocity, acceleration, acceleration / (ramp * share)
 
     def residual(values: FloatArray) -> FloatArray:
-        fields = dict(zip(("velocity", "acceleration", "jerk"), limits(values), strict=True))
+        fields: dict[str, Any] = dict(zip(("velocity", "acceleration", "jerk"), limits(values), strict=True))
         motion = PointToPoint(PointToPointParameters(distance=distance, dwell=2.0 * times[-1], **fields))
         moved = motion.sample(np.maximum(times - values[3] * length, 0.0))[0]
         return np.asarray(moved / distance - path)

@@ -45,7 +45,7 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
         'error (µm)'
     """
     table = table_of(log)
-    usual = [name for name in ("position", "error", "command") if name in table]
+    usual: list[str] = [name for name in ("position", "error", "command") if name in table]
     usual = usual or [name for name in table if name != "time"]
     chosen = [columns] if isinstance(columns, str) else list(columns or usual)
     found = {name: column(table, name) for name in chosen}

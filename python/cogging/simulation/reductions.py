@@ -21,7 +21,7 @@ QUANTITIES = ("true_error", "error", "command")
 PLAIN = ("max", "rms", "final")
 NUMBERED = ("quantile", "tone", "wave")
 NAMED = re.compile(rf"({'|'.join(QUANTITIES)})_(?:({'|'.join(PLAIN)})|({'|'.join(NUMBERED)})\(([^()]+)\))")
-COLUMNS = ("time", "position", "command", "reference", "reference_velocity", "reference_acceleration")
+COLUMNS: tuple[str, ...] = ("time", "position", "command", "reference", "reference_velocity", "reference_acceleration")
 COLUMNS += ("true_position", "true_velocity")
 #: Units by name; every other reduction has the unit of its quantity.
 UNITS = {"time": "s", "failed_at": "s", "reference_velocity": "m/s", "true_velocity": "m/s"}

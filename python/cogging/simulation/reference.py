@@ -112,8 +112,9 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
     else:
         table = read_columns(folder / file, SAMPLED_KEYS[1:3], optional=SAMPLED_KEYS[3:])
         source = f"{file}: "
+    columns: Any = (table.get(name) for name in SAMPLED_KEYS[1:])
     try:
-        return Sampled(*(table.get(name) for name in SAMPLED_KEYS[1:]))
+        return Sampled(*columns)
     except ValueError as error:
         raise FieldError("", "file" if source else "time", f"{source}{error}") from None
 

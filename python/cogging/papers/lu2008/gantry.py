@@ -208,7 +208,7 @@ def run(
 ) -> dict[str, Log]:
     """Return the logs of C1, C2 and C3 on the same machine; changes: of the controllers."""
     controllers = [Dcarc(controller_parameters(axis, name, **changes)) for name in CONTROLLERS]
-    machines, options = [machine] * len(controllers), {"steps_per_sample": steps_per_sample, "logs": True}
+    machines, options = [machine] * len(controllers), dict[str, Any](steps_per_sample=steps_per_sample, logs=True)
     batch = closed_loop_batch(machines, controllers, motion or reference(axis), **options)
     return dict(zip(CONTROLLERS, batch, strict=True))
 

@@ -220,7 +220,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
     error(Dcarc, "printed", trials, [trial.run() for trial in trials])
     row(Dcarc, "printed", "at rest", "v_growth", "1", growth_at_rest(axis))
     row(Dcarc, "sufficient", "at rest", "v_growth", "1", growth_at_rest(axis, **sufficient_gains(axis)))
-    bounded = [{"epsilon": epsilon, "disturbance_bound": DISTURBANCE} for epsilon in EPSILONS]
+    bounded = [dict[str, Any](epsilon=epsilon, disturbance_bound=DISTURBANCE) for epsilon in EPSILONS]
     with_u_s2 = [Dcarc(controller_parameters(axis, "C3", **changes)) for changes in bounded]
     errors = gantry.last_move(with_u_s2, [machine] * len(with_u_s2), gantry.reference(axis)).indexes["error_rms"]
     for epsilon, found in zip(EPSILONS, errors, strict=True):

@@ -14,7 +14,7 @@ from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 from cogging.papers.compared import Trace, compared, set_ticks
 from cogging.papers.malaize2009 import causes, linear_motors
 from cogging.papers.malaize2009.causes import LINES, Cause, Conditions, Explanation, drawn_accuracies, other
-from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor, reference, shipped, true_error
+from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Calibrated, Motor, shipped, true_error
 from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, LIMIT, look, marker
@@ -30,7 +30,7 @@ THINNED = 20  # lines are fitted to one sample of so many
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 
 
-def logs_under(motor: Motor, gains: causes.Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
+def logs_under(motor: Motor, gains: Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
     """Run PID and observer with a cogging of gains.amplitude for the first strokes; 0: all."""
     plant = causes.machine(motor, gains.amplitude, conditions)
     laws = linear_motors.controllers(motor, gains, 1.0 + conditions.thrust)
@@ -123,7 +123,7 @@ def what_else(found: Sequence[Explanation]) -> Table:
         logs = logs_under(motor, gains, conditions, strokes=causes.DRAWN_STROKES)
         log = logs["observer"]
         error, speed = np.abs(true_error(log)), _speed(log)
-        later, fast = log.time >= 0.5 * reference(motor).period, speed >= CRUISE * motor.velocity
+        later, fast = log.time >= 0.5 * linear_motors.reference(motor).period, speed >= CRUISE * motor.velocity
         periods = [period / (1.0 + conditions.period_error) for period in motor.periods]
         (pid_lines, beside), (own_lines, _) = (lines_at_speed(logs[name], motor, periods) for name in CONTROLLERS)
         ramps = error[later & ~fast & (speed > 0.0)].max()
@@ -143,7 +143,7 @@ def _speed(log: Log) -> FloatArray:
 
 def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[FloatArray, float]:
     """Return the rms amplitude of lines of some periods (m) in the error at constant speed, and its other share."""
-    half = 0.5 * reference(motor).period
+    half = 0.5 * linear_motors.reference(motor).period
     powers, left, all_ = [], 0.0, 0.0
     for stroke in range(1, round(log.time[-1] / half)):
         at_speed = (np.floor(log.time / half) == stroke) & (_speed(log) >= CRUISE * motor.velocity)
@@ -183,7 +183,7 @@ def figure_velocity() -> Figure:
     """Draw Fig. 2: the reference velocities."""
     figure = new_figure((8.0, 5.5), title="Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
-        motion = reference(motor)
+        motion = linear_motors.reference(motor)
         time = np.linspace(0.0, motion.period, 2001)
         axes.plot(time, 1e3 * motion.sample(time)[1], **look(0))
         axes.set(ylabel=f"{motor.name} (mm/s)", xlabel="time (s)", ylim=(-450, 450))
@@ -216,7 +216,7 @@ def figure_errors(logs: Logs, motor: Motor) -> Figure:
         Trace(name, log.time, true_error(log), printed)
         for (name, log), printed in zip(logs[motor.name].items(), motor.accuracy, strict=True)
     ]
-    period = reference(motor).period
+    period = linear_motors.reference(motor).period
     return compared(f"Fig. 4, {motor.name}: tracking error", traces, zoom=(period, 1.5 * period))
 
 

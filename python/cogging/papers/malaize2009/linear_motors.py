@@ -158,7 +158,7 @@ def reference(motor: Motor) -> PointToPoint:
 def pid(thrust: float = 1.0) -> ListedController:
     """Return the PID: three equal poles, feedforward of mass and mu; thrust: the motor's over the believed one."""
     kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
-    gains = {"kp": kp, "ki": ki, "kd": kd - thrust * VISCOUS}
+    gains: dict[str, Any] = {"kp": kp, "ki": ki, "kd": kd - thrust * VISCOUS}
     return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, **gains, mass=thrust, viscous=thrust))
 
 
