@@ -30,8 +30,7 @@ from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.digests import digest_of
-from cogging.simulation.parameter_sweep import require_keys, run_job
+from cogging.simulation.parameter_sweep import digest_of, require_keys, run_job
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers

@@ -21,10 +21,9 @@ from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.calibrated import shipped_toml
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, SAMPLE_RATE, GantryAxis
-from cogging.papers.result import Reproduction, Table, explored
+from cogging.papers.result import Reproduction, Table, explored, shipped_toml
 from cogging.papers.xu2001 import epoxy_motor
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker

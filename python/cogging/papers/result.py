@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+import importlib.resources
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cogging.files import parse_toml
 from cogging.outputs import made_folder, to_json, write_files
 from cogging.plot.canvas import png
 from cogging.tables import frame_of
@@ -44,6 +47,12 @@ class Row:
         fields = dict(vars(self))
         labels = fields.pop("labels")
         return {**fields, **labels}
+
+
+@functools.cache
+def shipped_toml(package: str, name: str) -> dict[str, Any]:
+    """Return the content of a TOML file, of values that the studies calibrated, of a package of papers."""
+    return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))
 
 
 def explored(controller: str, index: str, unit: str, value: float, **labels: str) -> Row:

@@ -7,6 +7,7 @@ import hashlib
 import importlib.metadata
 import io
 import itertools
+import json
 import math
 import os
 import re
@@ -24,6 +25,7 @@ from cogging import plot
 from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
+from cogging.effects.custom import Custom
 from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
@@ -31,7 +33,6 @@ from cogging.progress import Progress, steps
 from cogging.shown import quoted
 from cogging.simulation import varied
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.digests import digest_of
 from cogging.simulation.reductions import INDEXES, kept_of_runs, names_of, reduction, unit_of
 from cogging.simulation.reference import files_of_reference, motion_of, reference_to_dict
 from cogging.simulation.runs_table import RunsTable, is_parquet
@@ -354,6 +355,15 @@ def run_piece(piece: Piece) -> Table:
         "failed_at": times,
         "reason": np.array(reasons, dtype=str),
     }
+
+
+def digest_of(model: Model, asked: Mapping[str, Any]) -> str | None:
+    """Return a digest of version, model and arguments; None with a custom effect, whose law cannot be compared."""
+    if any(isinstance(effect, Custom) for effect in model.effects):
+        return None
+    whole = {"version": importlib.metadata.version("cogging"), "model": model.to_dict(), **asked}
+    text = json.dumps(whole, sort_keys=True, default=lambda value: value.tolist())
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 # Finished pieces ------------------------------------------------------------------------------------------------------

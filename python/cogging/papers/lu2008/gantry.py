@@ -17,7 +17,7 @@ from cogging import _core
 from cogging._core import AdaptiveRobustParameters, CoggingModel, Dcarc, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.calibrated import shipped_toml
+from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import Batch, closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)

@@ -21,9 +21,9 @@ import numpy as np
 from cogging import effects
 from cogging._core import CoggingModel, EncoderParameters, Plant, SplineHarmonics
 from cogging.arrays import FloatArray
-from cogging.papers.calibrated import shipped_toml
 from cogging.papers.malaize2009 import linear_motors
 from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, shipped
+from cogging.papers.result import shipped_toml
 
 LINE_COUNT, LINE_PERIODS = 8, (4e-3, 60e-3)  # number of unmodelled lines, and range of their periods (m), assumed
 DRAWS = 10

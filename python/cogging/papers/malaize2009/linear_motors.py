@@ -21,7 +21,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.calibrated import shipped_toml
+from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.

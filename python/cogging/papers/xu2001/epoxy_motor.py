@@ -19,7 +19,7 @@ from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.calibrated import shipped_toml
+from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 SAMPLE_RATE = 2500.0  # Hz (section 4.3)
