@@ -42,11 +42,7 @@ def print_result(
     written: Sequence[str] = (),
     next_command: str = "",
 ) -> None:
-    """Write the files of a command, all or none, and print its result.
-
-    text: for a person; document, indent: for `--json`; files: content in pieces by path; written: files that exist
-    already and are named; next_command: see cogging.cli.next_command.
-    """
+    """Write the files of a command, all or none, and print its result, its `--json` document and the next command."""
     target = getattr(arguments, "json", None)
     json = "" if target is None else to_json(document, indent=indent)
     content: dict[str, Iterable[bytes]] = {} if target in (None, STANDARD_OUTPUT) else {target: [json.encode()]}

@@ -55,10 +55,7 @@ TRAVEL = 1.0  # m on either side, for an axis without ends
 
 
 def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -> tuple[Interval, float, list[str]]:
-    """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
-
-    Over the travel, |v| <= velocity_max (m/s) and time, and over the interval of each field; noise adds 1.96 rms.
-    """
+    """Range of the summed force of effects and noise, V, over the motion; its initial estimate; effects left out."""
     if not (np.isfinite(velocity_max) and velocity_max > 0):
         raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
     low, high, guess, left_out = 0.0, 0.0, 0.0, []

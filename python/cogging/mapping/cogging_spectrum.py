@@ -243,12 +243,7 @@ class HarmonicSpectrum:
     def find(
         self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
     ) -> list[Line]:
-        """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
-
-        The strongest line is removed with its modulation and the `nuisance` columns (n, q), and the rest searched
-        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded from
-        the start.
-        """
+        """The significant lines of a force (V, (n,)) in the order found, each harmonic once, without `taken` lines."""
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
         arithmetic = FLOOR**2 * float(np.mean(rest**2)) or 1.0
