@@ -28,8 +28,7 @@ from cogging.papers.malaize2009.accuracies import (
 )
 from cogging.papers.malaize2009.causes import CAUSES, DRAWS, LINE_PERIODS, explained, machine, shipped_table_1
 from cogging.papers.malaize2009.linear_motors import MOTORS, Motor, pid, reference
-from cogging.papers.result import png
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, new_figure, png
 from cogging.plot.series import GREY, look, marker
 from studies.command import run_study
 from studies.malaize2009.causes_calibration import curve

@@ -31,8 +31,7 @@ from cogging.design.observer import ObserverDesign, design_observer, largest_dec
 from cogging.logs.log import Log
 from cogging.outputs import write_bytes
 from cogging.papers.malaize2009.linear_motors import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
-from cogging.papers.result import png
-from cogging.plot.canvas import drawn, new_figure
+from cogging.plot.canvas import drawn, new_figure, png
 from studies.command import run_study
 
 if TYPE_CHECKING:

@@ -313,3 +313,13 @@ def test_emps(tmp_path, monkeypatch, capsys):
     assert "--rows" in words
     assert main(words) == 0
     assert cogging.Model.read("fitted.toml").axis.mass == pytest.approx(95.11 / emps.FORCE_CONSTANT, rel=0.03)
+
+
+def test_a_column_of_text_or_with_a_hole_is_left_out(tmp_path):
+    t = np.arange(600) * 1e-3
+    columns = [t, ["run"] * 600, 100.0 * np.sin(5.0 * t), ["", *range(599)], np.cos(5.0 * t)]
+    rows = [",".join(map(str, row)) for row in zip(*columns, strict=True)]
+    (tmp_path / "log.csv").write_text("\n".join(["Zeit [s],state,Istposition [mm],hole,Strom [A]", *rows, ""]))
+    draft = cogging.draft_model(tmp_path / "log.csv")
+    assert draft.columns.unused == ("state", "hole")
+    assert draft.columns.scale == {"position": 1e-3}

@@ -10,16 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from cogging import _core
 from cogging._core import (
     AdaptiveRobustParameters,
-    CascadeParameters,
     ObserverBasedParameters,
     OutputFeedbackArcParameters,
-    PidParameters,
     SplineHarmonics,
-    cogging_slope_max,
-    desired_compensation_condition,
-    friction_slope_max,
 )
 from cogging.arrays import FloatArray
 from cogging.calls import check_constructor
@@ -59,12 +55,7 @@ TRAVEL = 1.0  # m on either side, for an axis without ends
 
 
 def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -> tuple[Interval, float, list[str]]:
-    """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
-
-    Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
-    (m/s) and time; for each field with an interval come the largest changes from the value to the ends of it. Force
-    noise adds 1.96 rms. The estimate is the force in mid-travel at rest at t = 0.
-    """
+    """Range of the summed force of effects and noise, V, over the motion; its initial estimate; effects left out."""
     if not (np.isfinite(velocity_max) and velocity_max > 0):
         raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
     low, high, guess, left_out = 0.0, 0.0, 0.0, []
@@ -151,11 +142,10 @@ NO_DISTURBANCE = (
 class Bounds(ByValue):
     """The bounds of an uncertain axis, and the controllers designed for them.
 
-    The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
-    estimates and the feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of
-    200 1/s, the k_1 of the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as
-    an override; they raise ValueError for a value that breaks its rule. The sample rate is the one of the model's
-    controller, else the struct's default.
+    The bounds are 95 % intervals of each parameter alone; the model's values are the initial estimates and the
+    feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of 200 1/s, the k_1 of
+    the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as an override; they
+    raise ValueError for a value that breaks its rule.
 
     Attributes:
         model: whose bounds they are.
@@ -240,11 +230,9 @@ class Bounds(ByValue):
     def adaptive_robust(self, *, bandwidth: float | None = None, **overrides: Any) -> AdaptiveRobustParameters:
         """Parameters of Arc and Dcarc: bounds, initial estimates, cogging and gains.
 
-        k_1 = w and k_s1 = 2 w M, as on the X axis of Lu et al. 2008 (200 1/s, 400 M); more where the bounds are so wide
-        that the matrix (29) of the paper would not be positive even without friction and cogging slopes (`condition`
-        tells about those). Gamma of the disturbance is k_s1 w / 10, so that an offset is learnt ten times slower than
-        w; of cogging a tenth, of Coulomb and viscous friction a hundredth and of mass a thousandth of it: the ratios of
-        the paper (1000 to 100, 10, 10, 1 on the X axis). u_s2 is off, as its epsilon is not reported.
+        k_1 = w and k_s1 = 2 w M, as on the X axis of Lu et al. 2008, more where wide bounds need it for their matrix
+        (29) without slopes (see `condition`). Gamma of the disturbance is k_s1 w / 10; of cogging a tenth, of Coulomb
+        and viscous friction a hundredth and of mass a thousandth of it, the ratios of the paper. u_s2 is off.
 
         Raises:
             ValueError: periods of the cogging that are no whole fractions of one pitch.
@@ -255,33 +243,17 @@ class Bounds(ByValue):
         smallest = max(w * m - b + b * b / (2.0 * w * m) for m in self.mass for b in self.viscous)
         feedback = max(2.0 * w * axis.mass, 1.1 * smallest)
         adaptation = 0.1 * w * feedback
-        fields: dict[str, Any] = {
-            "sample_rate": rate,
-            "error_gain": w,
-            "feedback_gain": feedback,
-            "mass": axis.mass,
-            "mass_bounds": list(self.mass),
-            "mass_adaptation": 1e-3 * adaptation,
-            "viscous": axis.viscous,
-            "viscous_bounds": list(self.viscous),
-            "viscous_adaptation": 1e-2 * adaptation,
-            "coulomb": axis.coulomb,
-            "coulomb_bounds": list(self.coulomb),
-            "coulomb_adaptation": 1e-2 * adaptation,
-            "coulomb_width": axis.coulomb_width,
-            "disturbance": self._disturbance_within,
-            "disturbance_bounds": list(self.disturbance),
-            "disturbance_adaptation": adaptation,
-        }
+        fields: dict[str, Any] = {"sample_rate": rate, "error_gain": w, "feedback_gain": feedback}
+        fields |= {**self._feedforward, "disturbance": self._disturbance_within}
+        for name, share in (("mass", 1e-3), ("viscous", 1e-2), ("coulomb", 1e-2), ("disturbance", 1.0)):
+            fields |= {f"{name}_bounds": list(getattr(self, name)), f"{name}_adaptation": share * adaptation}
         if self.model.cogging is not None and self.cogging is not None:
-            basis = self.model.cogging.basis
-            pitch, harmonics = pitch_and_harmonics(basis)
+            spline = self.model.cogging.basis.spline
+            pitch, harmonics = pitch_and_harmonics(self.model.cogging.basis)
+            fields |= {f"cogging_{name}": getattr(spline, name) for name in ("order", "origin", "control_points")}
             fields |= {
                 "cogging_pitch": pitch,
                 "cogging_harmonics": harmonics,
-                "cogging_order": basis.spline.order,
-                "cogging_origin": basis.spline.origin,
-                "cogging_control_points": basis.spline.control_points,
                 "cogging_bounds": list(self.cogging),
                 "cogging_adaptation": 0.1 * adaptation,
                 "cogging_estimates": self.model.cogging.coefficients.tolist(),
@@ -296,18 +268,13 @@ class Bounds(ByValue):
         """
         amplitude, slope = max(map(abs, parameters.cogging_bounds)), 0.0
         if parameters.cogging_harmonics:
-            basis = SplineHarmonics(
-                pitch=parameters.cogging_pitch,
-                harmonics=parameters.cogging_harmonics,
-                order=parameters.cogging_order,
-                origin=parameters.cogging_origin,
-                control_points=parameters.cogging_control_points,
-            )
-            slope = cogging_slope_max(basis, amplitude)
+            names = ("pitch", "harmonics", "order", "origin", "control_points")
+            basis = SplineHarmonics(**{name: getattr(parameters, f"cogging_{name}") for name in names})
+            slope = _core.cogging_slope_max(basis, amplitude)
         if parameters.coulomb_width == 0.0 and parameters.coulomb_bounds[1] > 0.0:
             return -math.inf, -math.inf  # sgn has no finite slope
-        friction = friction_slope_max(parameters.coulomb_width) if parameters.coulomb_width > 0.0 else 0.0
-        return desired_compensation_condition(parameters, friction_slope=friction, cogging_slope=slope)
+        friction = _core.friction_slope_max(parameters.coulomb_width) if parameters.coulomb_width > 0.0 else 0.0
+        return _core.desired_compensation_condition(parameters, friction_slope=friction, cogging_slope=slope)
 
     def observer_problem(
         self, velocity_min: float, velocity_max: float, *, bandwidth: float | None = None, **overrides: Any
@@ -315,8 +282,7 @@ class Bounds(ByValue):
         """The design problem of the observer of Malaize and Levine 2009 (`design_observer`, extra `design`).
 
         The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w, at least 2.4 times the fastest
-        harmonic 2 pi velocity_max / P_n, which no smaller disk could hold: the ratios of the comparison of the papers
-        (cogging.papers.comparison), where lambda* is 1.25 times the nominal acceleration as in Table I of the paper.
+        harmonic 2 pi velocity_max / P_n: the ratios of cogging.papers.comparison.
 
         Args:
             velocity_min: of the reference velocities at which the cogging is cancelled, m/s, above 0.
@@ -362,9 +328,8 @@ class Bounds(ByValue):
     def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> OutputFeedbackArcParameters:
         """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.
 
-        Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
-        gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
-        Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
+        Xu and Yao 2001, section 4.3, printed for w = 300 1/s and 1/M = 30, go with r = w / 300 and c = 1 / (30 M) as
+        the unit of each says. Robust terms are off (see papers/xu2001/epoxy_motor.py).
         """
         axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
@@ -389,25 +354,25 @@ class Bounds(ByValue):
         }
         return OutputFeedbackArcParameters(**{**fields, **overrides})
 
-    def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> PidParameters:
+    def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.PidParameters:
         """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward."""
-        rate = self._sample_rate(PidParameters, overrides)
+        rate = self._sample_rate(_core.PidParameters, overrides)
         kp, ki, kd = pid_gains([-_bandwidth(bandwidth, rate)] * 3, self.mass[0])
         fields = {"sample_rate": rate, "kp": kp, "ki": ki, "kd": kd, **self._feedforward}
-        return PidParameters(**{**fields, **overrides})
+        return _core.PidParameters(**{**fields, **overrides})
 
-    def cascade(self, *, bandwidth: float | None = None, **overrides: Any) -> CascadeParameters:
+    def cascade(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.CascadeParameters:
         """Parameters of Cascade: a double pole at -w for the largest mass, kp = w / 2, kv = 2 w M, and feedforward.
 
         A smaller mass makes the velocity loop faster, so no mass in the bounds is underdamped. `viscous` is B + kv:
         with kv of it the velocity loop sees the error of velocity, without which the axis would lag by v / kp.
         """
-        rate = self._sample_rate(CascadeParameters, overrides)
+        rate = self._sample_rate(_core.CascadeParameters, overrides)
         w = _bandwidth(bandwidth, rate)
         gain = 2.0 * w * self.mass[1]
         fields = {"sample_rate": rate, "kp": 0.5 * w, "kv": gain, **self._feedforward}
         fields["viscous"] += overrides.get("kv", gain)
-        return CascadeParameters(**{**fields, **overrides})
+        return _core.CascadeParameters(**{**fields, **overrides})
 
     @property
     def _feedforward(self) -> dict[str, float]:

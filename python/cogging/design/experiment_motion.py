@@ -130,9 +130,8 @@ def sweep(track: Track, random: np.random.Generator) -> None:
     phase = (omega - omega[0]) * time[-1] / growth
     ramp = np.minimum(1.0, 5.0 * np.minimum(part, 1.0 - part))
     ends = np.array([room, track.velocity, track.acceleration, track.jerk])
-    size = (
-        ramp**3 * (10.0 - 15.0 * ramp + 6.0 * ramp**2) / np.sum(omega ** np.arange(4)[:, None] / ends[:, None], axis=0)
-    )
+    needed = np.sum(omega ** np.arange(4)[:, None] / ends[:, None], axis=0)
+    size = ramp**3 * (10.0 - 15.0 * ramp + 6.0 * ramp**2) / needed
     spline = make_interp_spline(time, size * np.sin(phase), k=5)
     columns = np.array([spline.derivative(order)(time) for order in range(3)])
     largest = np.append(np.abs(columns).max(axis=1), track.rate * np.abs(np.diff(columns[2])).max())
@@ -141,24 +140,16 @@ def sweep(track: Track, random: np.random.Generator) -> None:
 
 
 #: The parts in order, with the share of the remaining time that each may use.
-RECIPE: tuple[tuple[Callable[[Track, np.random.Generator], None], float], ...] = (
-    (strokes, 0.4),
-    (random_moves, 0.5),
-    (creep, 0.6),
-    (sweep, 1.0),
-)
+RECIPE: dict[Callable[[Track, np.random.Generator], None], float]
+RECIPE = {strokes: 0.4, random_moves: 0.5, creep: 0.6, sweep: 1.0}
 
 
 def motion_within(
     limits: MotionLimits, rate: float, *, scale: float = 1.0, seed: int = 0
 ) -> tuple[Sampled, tuple[Element, ...]]:
-    """Return the motion of an experiment, from rest to rest, and its parts.
-
-    `limits` have travel and jerk (MotionLimits.of), `rate` is that of the samples, Hz; a `scale` of speed, acceleration
-    and jerk below 1 is for a machine that would exceed its limits.
-    """
+    """Return the motion of an experiment within complete limits, and its parts; rate: Hz; scale: of the speed."""
     track, random, elements = Track(limits, rate, scale), np.random.default_rng(seed), []
-    for part, share in RECIPE:
+    for part, share in RECIPE.items():
         begun = track.used
         track.end = track.used + int(share * (track.rows - track.used))
         part(track, random)

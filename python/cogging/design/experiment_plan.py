@@ -181,10 +181,9 @@ def plan_experiment(
 ) -> ExperimentPlan:
     """Make a motion within a machine's limits that shows every effect, and compute what it is expected to show.
 
-    The motion is one recipe for all machines and goals, simulated in closed loop and slowed down until it keeps the
-    limits. `separate` and `detect` state the detection limits that `diagnose` would reach with the simulated log,
-    `separate` also which motion distinguishes the alternatives of a result; `fit` states the intervals of the model's
-    parameters, given its `[bounds]`.
+    One recipe for all machines and goals, simulated in closed loop and slowed down until it keeps the limits.
+    `separate` and `detect` state the detection limits of `diagnose` with the simulated log, `separate` also which
+    motion distinguishes the alternatives of a result; `fit` states the intervals of the parameters.
 
     Args:
         model: model that the result is of, or its file; effects that only the result has are not simulated. Without a
@@ -231,9 +230,8 @@ def plan_experiment(
     notes: list[str] = []
     if controller is None and model.controller is None:
         model = model.replace(controller=assumed_pid(model.axis))
-        notes.append(
-            f"the model states no controller: planned with {ASSUMED}; the motion under yours may exceed the limits"
-        )
+        warning = f"planned with {ASSUMED}; the motion under yours may exceed the limits"
+        notes.append(f"the model states no controller: {warning}")
     if model.noise.force == model.encoder.resolution == model.encoder.noise == 0.0:
         force = QUIET * model.axis.mass * limits.acceleration
         model = model.replace(noise=model.noise.replace(force=force))
@@ -265,9 +263,8 @@ def plan_experiment(
                 unit = model.units.of(limit.unit)
                 expected.append(Expectation(name, limit.parameter, unit, value, before, limit.why))
     advice = separating(rivals, vocabulary, [log]) if goal == "separate" else None
-    return ExperimentPlan(
-        goal, elements, motion, scale, limits, taken, tuple(expected), advice, tuple(notes), seed, model.units
-    )
+    shown, said = tuple(expected), tuple(notes)
+    return ExperimentPlan(goal, elements, motion, scale, limits, taken, shown, advice, said, seed, model.units)
 
 
 def _run(model: Model, controller: AnyController | None, motion: Sampled, seed: int) -> Log:

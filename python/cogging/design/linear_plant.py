@@ -51,8 +51,8 @@ class HeldPlant(NamedTuple):
 def linear_plant(model: Model, *, speed: float | None = None, position: float | None = None) -> LinearPlant:
     """Linearise M x'' = gain u - friction(x, v) - F_cogging(x) + effects about a place (m) and a speed (m/s).
 
-    Without a speed only viscous friction counts; without a position only springs and a scale of the encoder, which are
-    the same everywhere. ValueError: at this speed friction has no slope.
+    Without a speed only viscous friction counts, without a position only what is the same everywhere. ValueError: at
+    this speed friction has no slope.
     """
     axis = model.axis
     known = [one.resolved(axis, model.cogging) for one in model.effects]
@@ -79,11 +79,8 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     for one in known:
         if isinstance(one, effects.FlexibleMode) and one.mass_ratio > 0.0 and math.isfinite(one.frequency):
             # Motor and load on a spring: m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'.
-            w, motor, load = (
-                2.0 * math.pi * one.frequency,
-                (1.0 - one.mass_ratio) * axis.mass,
-                one.mass_ratio * axis.mass,
-            )
+            w, load = 2.0 * math.pi * one.frequency, one.mass_ratio * axis.mass
+            motor = (1.0 - one.mass_ratio) * axis.mass
             reduced = motor * load / axis.mass
             spring, damper = w * w * reduced, 2.0 * one.damping_ratio * w * reduced
             motor_row = np.array([-stiffness, -damping, spring, damper]) / motor
@@ -162,12 +159,7 @@ Polynomials = tuple[FloatArray, FloatArray]
 def modulus_margin(model: Model) -> float | None:
     """min over the frequency of |1 + L|, L = C(z) P(z) the loop of the model's own controller; 0 where it is unstable.
 
-    P is M x'' = u - B x' with the model's delays and current loop, its command held over a sample, exactly; friction
-    but the viscous, cogging and flexibility are left out. C is the part of the controller that is linear in the error
-    (see linear_controller).
-
-    Returns:
-        1, from 0 to 1, or None where the controller has no such part.
+    P is M x'' = u - B x' with the model's delays and current loop; C is linear_controller, None where that is None.
     """
     from scipy.signal import ss2tf
 

@@ -55,11 +55,7 @@ def variations_of(setup: Setup, vary: Mapping[str, Any] | str) -> tuple[list[Var
 
 
 def machines_of(setup: Setup, variations: list[Variation], count: int, seed: int, stream: int) -> list[Machine]:
-    """Draw machines on a Latin hypercube; values that break a rule are drawn again. Deterministic.
-
-    Machines of different `stream`s of a seed are independent. ValueError: the distributions have hardly a valid
-    machine.
-    """
+    """Draw machines on a Latin hypercube; invalid values are drawn again; other `stream`s of a seed are independent."""
     from scipy.stats import qmc
 
     require_machines("machines", count, len(variations))
@@ -174,19 +170,13 @@ class Loops:
 
     def _traces(self, delay: float, gain: float) -> list[FloatArray | None]:
         """The trace of the push on each machine, m or m/s; None where a run did not come to its end."""
-        more: list[Effect] = []
-        if delay > 0.0:
-            more.append(effects.CommandDelay(delay=delay))
-        if gain != 1.0:
-            more.append(effects.ForceConstantRipple(period=FAR, cosine=gain - 1.0))
+        more: list[Effect] = [effects.CommandDelay(delay=delay)] * (delay > 0.0)
+        more += [effects.ForceConstantRipple(period=FAR, cosine=gain - 1.0)] * (gain != 1.0)
         push = self._push
         pushed = effects.DisturbanceStep(force=push.force, start=push.start, stop=push.stop)
         models = [machine.setup.model for machine in self._machines]
-        plants = [
-            model.replace(effects=(*model.effects, *more, *added)).plant()
-            for model in models
-            for added in ((), (pushed,))
-        ]
+        changed = [(model, (*model.effects, *more, *added)) for model in models for added in ((), (pushed,))]
+        plants = [model.replace(effects=listed).plant() for model, listed in changed]
         kept = kept_of_runs(
             plants,
             [self._controller] * len(plants),
@@ -201,10 +191,8 @@ class Loops:
         )
         failed = {failure.run // 2 for failure in kept.failures}
         columns = kept.columns[self._quantity]
-        return [
-            None if place in failed else columns[2 * place + 1] - columns[2 * place]
-            for place in range(len(self._machines))
-        ]
+        pairs = zip(columns[::2], columns[1::2], strict=True)
+        return [None if place in failed else hit - free for place, (free, hit) in enumerate(pairs)]
 
     def _held(self, traces: Sequence[FloatArray | None]) -> FloatArray:
         held = np.zeros(len(traces))

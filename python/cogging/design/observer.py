@@ -79,8 +79,7 @@ class ObserverProblem(ByValue):
         affine: let K grow with |nu*|.
 
     Raises:
-        ValueError: a period <= 0 or none, velocity_min <= 0 or >= velocity_max, decay_rate < 0 or not below omega's
-            slowest pole, another number that is not above 0.
+        ValueError: a number breaks its rule: no period, a velocity_min or decay_rate out of range.
 
     Example:
         >>> cogging.ObserverProblem(periods=[0.05, 0.025], velocity_min=0.05, velocity_max=0.4)
@@ -99,15 +98,11 @@ class ObserverProblem(ByValue):
 
     def __post_init__(self) -> None:
         rest = "must be above 0: at rest zeta is not observable, and no gain is feasible"
+        above = f"must be above velocity_min = {self.velocity_min:g}"
         rules: list[tuple[str, float, bool, str]] = [
             *(("periods", period, period > 0, "each must be above 0") for period in self.periods),
             ("velocity_min", self.velocity_min, self.velocity_min > 0, rest),
-            (
-                "velocity_max",
-                self.velocity_max,
-                self.velocity_max > self.velocity_min,
-                f"must be above velocity_min = {self.velocity_min:g}",
-            ),
+            ("velocity_max", self.velocity_max, self.velocity_max > self.velocity_min, above),
             ("viscous", self.viscous, self.viscous >= 0, "must be at least 0"),
             *((name, getattr(self, name), getattr(self, name) > 0, "must be above 0") for name in POSITIVE),
         ]
@@ -230,11 +225,7 @@ def _solve(problem: ObserverProblem) -> ObserverDesign | None:
 
 
 def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_square: Any, block: Any) -> list[Any]:
-    """The matrices of (15) and of the pole disk at both velocities, which must be negative.
-
-    `p`, `gains` (P K at both velocities) and `gamma_square` (in the time unit 1/r) are variables of cvxpy or arrays;
-    `block` makes a matrix of blocks of them (cvxpy.bmat or numpy.block).
-    """
+    """Return the matrices of (15) and of the pole disk at both velocities, which must be negative."""
     alpha, found = problem.decay_rate / problem.pole_radius, []
     for velocity, gain in zip((problem.velocity_min, problem.velocity_max), gains, strict=True):
         a, c, c_o, b_o = problem.matrices(velocity)

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cogging._core import Reference
-from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments, did_you_mean
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, machines_of, push_of, variations_of
@@ -31,8 +30,7 @@ from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.digests import digest_of
-from cogging.simulation.parameter_sweep import require_keys, run_job
+from cogging.simulation.parameter_sweep import digest_of, require_keys, run_job
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
@@ -80,10 +78,7 @@ class Gain(NamedTuple):
 
 
 def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of the model's controller, or of one that a user's function makes from them by keyword.
-
-    `ranges`: tables by path; None for the usual gains of the model's controller.
-    """
+    """Return the gains of the model's controller, or a user's function, from tables by path; None: the usual gains."""
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
@@ -125,7 +120,7 @@ def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
         f"from: must be below to = {high:g}, got {low:g}": low < high,
         f"scale: must be linear or log, got {quoted(scale)}": scale in ("log", "linear"),
         f"from: must be above 0 on a logarithmic scale, got {low:g}": scale != "log" or low > 0.0,
-        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low, high) == (int(low), int(high)),
+        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low % 1.0 == high % 1.0 == 0.0),
     }
     for rule, holds in rules.items():
         if not holds:
@@ -157,33 +152,12 @@ def checked_limits(given: Mapping[str, Any]) -> dict[str, float | Mapping[str, f
     return dict(given)
 
 
-def limits_as_numbers(given: Mapping[str, Any], present: Reached) -> dict[str, float]:
-    """Return the limits as numbers; FieldError where one refers to a present value that does not exist."""
-    limits = {}
-    for name, value in given.items():
-        now = getattr(present, name)
-        if name == "modulus_margin" and now is None:
-            raise FieldError("limits", name, "needs a controller with a linear part, which this one does not have")
-        if isinstance(value, Mapping):
-            if now is None or not math.isfinite(now) or now <= 0:
-                raise FieldError("limits", name, f"must be a number: the present gains reach none, got {now}")
-            value = value["present"] * now
-        limits[name] = float(value)
-    return limits
-
-
 def limit_text(name: str, limit: float, units: Units, reached: float | None = None) -> str:
     """Return a limit in words, optionally with the value reached."""
     unit, is_upper = TUNE_INDEXES[name][:2]
     label = "" if unit == "1" else f" {units.of(unit)}"
     rule = f"{name}: {'at most' if is_upper else 'at least'} {limit:.4g}{label}"
     return rule if reached is None else f"{rule}, reached {reached:.4g}{label}"
-
-
-def upper_quantile(values: FloatArray, share: float) -> float:
-    """Return the value of rank ceil(share (n + 1)): one more exceeds it with probability at most 1 - share."""
-    ordered = np.sort(values)
-    return float(ordered[min(len(ordered), math.ceil(share * (len(ordered) + 1) - 1e-9)) - 1])
 
 
 # Trials ---------------------------------------------------------------------------------------------------------------
@@ -224,7 +198,16 @@ class Judge:
         command = command or setup.model.axis.mass
         self.push = push_of(setup.reference, self.make(present).sample_rate, self.duration, command)
         reached = self.with_margins(present, reached)
-        self.limits = limits_as_numbers(self.given_limits, reached)
+        self.limits: dict[str, float] = {}
+        for name, value in self.given_limits.items():
+            now = getattr(reached, name)
+            if name == "modulus_margin" and now is None:
+                raise FieldError("limits", name, "needs a controller with a linear part, which this one does not have")
+            if isinstance(value, Mapping):
+                if now is None or not math.isfinite(now) or now <= 0:
+                    raise FieldError("limits", name, f"must be a number: the present gains reach none, got {now}")
+                value = value["present"] * now
+            self.limits[name] = float(value)
         self.present = Trial(present, reached, self._excesses(present, reached))
 
     def run(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Reached:
@@ -244,11 +227,12 @@ class Judge:
         )
         if len(kept.failures) == len(machines) and all(math.isnan(one.time) for one in kept.failures):
             raise ValueError(kept.failures[0].reason)
-        values = dict(
-            zip(names_of(("command_max",)), np.where(np.isnan(kept.values), np.inf, kept.values).T, strict=True)
-        )
+        columns = np.where(np.isnan(kept.values), np.inf, kept.values).T
+        values = dict(zip(names_of(("command_max",)), columns, strict=True))
         largest = {name: float(values[name].max()) for name in TUNE_INDEXES if name in values}
-        error = upper_quantile(values["error_rms"], self.quantile) if not kept.failures else math.inf
+        # Of rank ceil(q (n + 1)): one more machine exceeds it with probability at most 1 - q.
+        rank = min(len(machines), math.ceil(self.quantile * (len(machines) + 1) - 1e-9))
+        error = float(np.sort(values["error_rms"])[rank - 1]) if not kept.failures else math.inf
         return Reached(error, failed=len(kept.failures), **largest)
 
     def loops(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Loops:
@@ -263,13 +247,15 @@ class Judge:
         names: Sequence[str] = MARGINS,
     ) -> Reached:
         """Return the same with margins; those that this controller does not have stay None."""
+        found: dict[str, Any] = dict.fromkeys(names, 0.0)
         if "modulus_margin" in names:
             margin = self._modulus_margin(gains, machines or self.machines)
-            reached = replace(reached, modulus_margin=0.0 if margin is not None and reached.failed else margin)
-        names = [name for name in names if name != "modulus_margin"]
-        loops = self.loops(gains, machines) if names and not reached.failed else None
-        measured: dict[str, Any] = {n: getattr(loops, n)() if loops is not None else 0.0 for n in names}
-        return replace(reached, **measured)
+            found["modulus_margin"] = margin if margin is None or not reached.failed else 0.0
+        pushed = [name for name in names if name != "modulus_margin"]
+        if pushed and not reached.failed:
+            loops = self.loops(gains, machines)
+            found |= {name: getattr(loops, name)() for name in pushed}
+        return replace(reached, **found)
 
     def _modulus_margin(self, gains: Mapping[str, float], machines: Sequence[Machine]) -> float | None:
         """Return the smallest over the machines; None without a linear part."""
@@ -285,19 +271,17 @@ class Judge:
         loops = None
         for name, limit in self.limits.items():
             value = getattr(reached, name)
-            if value is None and reached.failed:
+            if value is None and name == "modulus_margin" and not reached.failed:
+                value = self._modulus_margin(gains, self.machines)
+            if value is not None and math.isfinite(value):
+                found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name][1] else 1.0 - value / limit, BEYOND)
+            elif value is None and reached.failed:
                 found[name] = 1.0
-                continue
-            if name in ("delay_margin", "gain_margin") and value is None:
+            elif value is None and name in ("delay_margin", "gain_margin"):
                 loops = loops or self.loops(gains)
                 found[name] = loops.share_lost(**{name.removesuffix("_margin"): limit})
-                continue
-            if name == "modulus_margin" and value is None:
-                value = self._modulus_margin(gains, self.machines)
-            if value is None or not math.isfinite(value):
-                found[name] = BEYOND
             else:
-                found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name][1] else 1.0 - value / limit, BEYOND)
+                found[name] = BEYOND
         return found
 
     def trial(self, gains: Mapping[str, float]) -> Trial:
@@ -330,11 +314,7 @@ def optuna() -> Any:
 
 
 def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
-    """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
-
-    The same arguments give the same trials. Trials read from `kept` are not run again; the sampler receives them like
-    any other, and continues as it would have.
-    """
+    """Let Optuna's TPE sampler with constraints propose gains, the present ones first, and judge them one by one."""
     library, against = optuna(), judge.against
     other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
     study = library.create_study(sampler=library.samplers.TPESampler(seed=seed), directions=["minimize", *other])
@@ -351,11 +331,7 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     for place in range(count):
         proposed = study.ask(space)
         values = {gain.path: float(proposed.params[gain.path]) for gain in gains}
-        trial = kept.read(place, values) if kept is not None else None
-        if trial is None:
-            trial = judge.trial(values)
-            if kept is not None:
-                kept.keep(trial)
+        trial = judge.trial(values) if kept is None else kept.trial(place, values, judge)
         objectives = [trial.reached.error_rms, *([] if against is None else [getattr(trial.reached, against)])]
         for name, value in trial.excess.items():
             proposed.set_constraint(name, value)
@@ -374,26 +350,21 @@ class KeptTrials:
             return
         try:
             document = json.loads(self.path.read_text(encoding="utf-8"))
-            is_own = document["digest"] == digest
+            known = document["digest"]
             self.trials = [Trial(gains, Reached(**reached), excess) for gains, reached, excess in document["trials"]]
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise InputError(f"{self.name}: cannot be used: {error}") from None
-        if not is_own:
+        if known != digest:
             rule = "holds trials of another tuning, or of another version: remove it, or write to another file"
             raise InputError(f"{self.name}: {rule}")
 
-    def read(self, number: int, values: Mapping[str, float]) -> Trial | None:
-        """Return the stored trial of this number, or None; trials after a different one are dropped."""
-        if number < len(self.trials) and self.trials[number].gains == values:
-            return self.trials[number]
-        del self.trials[number:]
-        return None
-
-    def keep(self, trial: Trial) -> None:
-        """Store one more trial; written every half second. InputError: for example on a full disk."""
-        self.trials.append(trial)
-        if time.monotonic() - self.written > WRITTEN_EVERY:
-            self.write()
+    def trial(self, number: int, values: Mapping[str, float], judge: Judge) -> Trial:
+        """Return the trial of this number: the stored one, or a new one, stored every half second."""
+        if number >= len(self.trials) or self.trials[number].gains != values:
+            self.trials[number:] = [judge.trial(values)]
+            if time.monotonic() - self.written > WRITTEN_EVERY:
+                self.write()
+        return self.trials[number]
 
     def write(self) -> None:
         """Write the trials; InputError: they cannot be written."""
@@ -414,17 +385,13 @@ def best_of(trials: Sequence[Trial]) -> Trial | None:
 def front_of(trials: Sequence[Trial], against: str) -> list[int]:
     """Return the places of the kept trials that none beats in both rms error and an index, by falling error."""
     sign = 1.0 if TUNE_INDEXES[against][1] else -1.0
-    costs = {
-        place: (trial.reached.error_rms, sign * getattr(trial.reached, against))
-        for place, trial in enumerate(trials)
-        if trial.kept
-    }
+    kept = [(t.reached.error_rms, sign * getattr(t.reached, against), n) for n, t in enumerate(trials) if t.kept]
     front: list[int] = []
     least = math.inf
-    for place in sorted(costs, key=lambda place: costs[place]):
-        if costs[place][1] < least:
+    for _, cost, place in sorted(kept):
+        if cost < least:
             front.append(place)
-            least = costs[place][1]
+            least = cost
     return front[::-1]
 
 
@@ -456,13 +423,10 @@ def tune(
 ) -> Tuning:
     """Find the gains with the smallest rms error for a machine that is known within intervals.
 
-    Minimises the quantile of the rms error over drawn machines, the same machines and noise in every trial, subject to
-    limits on every machine. Optuna's TPE sampler proposes the gains with the excess of each limit as a constraint; the
-    present gains come first. The result is evaluated on machines held out.
-
-    Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller
-    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an
-    interruption the same call continues, and the best gains so far are in `out`.
+    Optuna's TPE sampler minimises the quantile of the rms error over drawn machines, the same in every trial, with the
+    excess of each limit as a constraint; the result is evaluated on machines held out. Delay and gain margins are
+    measured by a force pulse on each machine (docs/tune.md). With `out`, finished trials are stored beside it
+    (`OUT.trials`): after an interruption the same call continues, and the best gains so far are in `out`.
 
     Args:
         model: a Model, or the path of a model file; its controller is tuned.
@@ -475,8 +439,7 @@ def tune(
         limits: by name a number, or `{"present": 1.1}` for 1.1 times what the present gains reach; at most of
             error_max, command_max, command_rms, command_chatter, at least of delay_margin, gain_margin, modulus_margin.
         vary: how machines differ, as for `sweep`; "bounds": all parameters with [bounds] or an uncertainty.
-        machines: number of machines to tune with.
-        held_out: number of further machines for the evaluation.
+        machines, held_out: number of machines to tune with, and of further ones for the evaluation.
         quantile: of rms error over the machines, above 0 and at most 1.
         trials: how many.
         against: a second objective, by the name of a limit; the trials then spread along the trade-off of both.
@@ -616,9 +579,8 @@ def _failure_notes(judge: Judge, found: Sequence[Trial], units: Units) -> list[s
     name = max(counts, key=lambda one: counts[one])
     least = min((trial.excess[name] for trial in found if name in trial.excess), default=0.0)
     by = f"at best by {100 * least:.3g} %" if least > 0.0 else "but not in all of them at once"
-    most = (
-        f"no trial keeps all limits; the one that failed most is {name}: in {counts[name]} of {len(found)} trials, {by}"
-    )
+    often = f"in {counts[name]} of {len(found)} trials, {by}"
+    most = f"no trial keeps all limits; the one that failed most is {name}: {often}"
     nearest = min([judge.present, *found], key=lambda trial: sum(max(value, 0.0) for value in trial.excess.values()))
     gains = ", ".join(f"{path} = {value:.4g}" for path, value in nearest.gains.items())
     if RULE in nearest.excess:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ from cogging.file_schema import TUNE_INDEXES
 from cogging.model.model import Model
 from cogging.model.units import Units
 from cogging.outputs import write_bytes
-from cogging.plot.canvas import grid_to_write, plot_method
+from cogging.plot.canvas import grid_to_write, plot_method, png
 from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.tables import frame_of
 from cogging.values import ByValue
@@ -104,13 +103,12 @@ class Tuning(ByValue):
         lines.append(f"    {'gain':<{width}}{'present':>12}" + f"{'tuned':>12}" * (after is not None))
         for path, value in self.present.gains.items():
             lines.append(f"    {path:<{width}}{value:>12.5g}" + (f"{after.gains[path]:>12.5g}" if after else ""))
-        settings = [self.present, *([after] if after is not None else [])]
-        names = ["present", "tuned"][: len(settings)]
-        titles = [f"{name}{kind}" for kind in ("", ", held out") for name in names]
-        lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in titles))
+        settings = {"present": self.present, **({} if after is None else {"tuned": after})}
+        columns = {name: setting.drawn for name, setting in settings.items()}
+        columns |= {f"{name}, held out": setting.held_out for name, setting in settings.items()}
+        lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in columns))
         for row in ROWS:
-            cells = [getattr(setting.drawn, row) for setting in settings]
-            cells += [getattr(setting.held_out, row) for setting in settings]
+            cells = [getattr(reached, row) for reached in columns.values()]
             factor, unit = SCALED.get(row) or (1.0, TUNE_INDEXES[row][0])
             name = row if unit == "1" else f"{row}, {self.units.of(unit)}"
             if any(cell is not None for cell in cells):
@@ -147,29 +145,12 @@ class Tuning(ByValue):
         def entry_of(setting: Setting) -> dict[str, Any]:
             return {"gains": dict(setting.gains), "drawn": vars(setting.drawn), "held_out": vars(setting.held_out)}
 
-        names = (
-            "improved",
-            "against",
-            "front",
-            "trials",
-            "limits",
-            "machines",
-            "held_out",
-            "quantile",
-            "seed",
-            "notes",
-        )
-        return {
-            "present": entry_of(self.present),
-            "tuned": None if self.tuned is None else entry_of(self.tuned),
-            **{name: getattr(self, name) for name in names},
-        }
+        names = ("improved", "against", "front", "trials", "limits", "machines", "held_out", "quantile", "seed")
+        settings = {"present": self.present, "tuned": self.tuned}
+        entries = {name: None if setting is None else entry_of(setting) for name, setting in settings.items()}
+        return {**entries, **{name: getattr(self, name) for name in (*names, "notes")}}
 
-    plot = plot_method(
-        whole_tuning,
-        "Draw the trade-off: rms error over its index with all trials, and its points over the delay margin.",
-        "two axes",
-    )
+    plot = plot_method(whole_tuning, "Draw the trade-off, rms error over its index, and over the margin.", "two axes")
 
     def write_figure(self, path: str | os.PathLike[str]) -> None:
         """Write the trade-off as PNG.
@@ -177,6 +158,4 @@ class Tuning(ByValue):
         Raises:
             InputError: the file cannot be written.
         """
-        picture = io.BytesIO()
-        self.plot(ax=grid_to_write(1, 2, WHOLE_TUNING)).savefig(picture, format="png", dpi=120)
-        write_bytes(path, picture.getvalue())
+        write_bytes(path, png(self.plot(ax=grid_to_write(1, 2, WHOLE_TUNING))))

@@ -65,11 +65,7 @@ class _Fit(NamedTuple):
 
 
 def sizes_of(log: Log, units: Units) -> Sizes:
-    """Estimate mass and friction of an axis from a log in SI, without a prior model.
-
-    Least squares of the filtered command on mass, friction and a constant, once with a free force of position beside
-    them (cogging, springs) and once without, which is used where the former does not identify a size.
-    """
+    """Estimate mass and friction by least squares of the command, beside a free force of position where possible."""
     balance = _balance(log)
     if balance is None:
         reason = "not identifiable: the log hardly moves"
@@ -88,9 +84,8 @@ def sizes_of(log: Log, units: Units) -> Sizes:
     if sizes["mass"].value <= 0.0:
         top = float(np.quantile(np.abs(needs[0]), 0.99))
         assumed = float(np.sqrt(power)) / top if top > 0.0 and power > 0.0 else 1.0
-        sizes["mass"] = Size(
-            assumed, None, f"{sizes['mass'].reason}; assumed: the rms command over the top acceleration"
-        )
+        reason = f"{sizes['mass'].reason}; assumed: the rms command over the top acceleration"
+        sizes["mass"] = Size(assumed, None, reason)
     residuals = [(balance.position, sign * plain.residual)]
     share = min(CUTOFFS[0], HIGHEST * float(np.median(np.diff(log.time))))
     if (wide := _balance(log, share)) is not None:
@@ -189,20 +184,21 @@ def strongest_wave(position: FloatArray, force: FloatArray, command_rms: float) 
     power = spectrum.power(rest)
     power[: 2 * FEWEST_PERIODS] = 0.0
     frequency = float(spectrum.frequency.ravel()[int(np.argmax(power))])
-    best = (np.inf, frequency, np.zeros(2))
-    for f in np.linspace(frequency - 0.5 / travel, frequency + 0.5 / travel, STEPS):
-        phase = 2.0 * np.pi * f * x
-        columns = np.column_stack([np.sin(phase), np.cos(phase)])
-        weights = np.linalg.lstsq(columns, rest, rcond=None)[0]
-        best = min(best, (float(np.mean((rest - columns @ weights) ** 2)), float(f), weights), key=lambda one: one[0])
-    left, frequency, (sine, cosine) = best
-    share = 1.0 - left / max(float(np.mean(rest**2)), 1e-300)
-    wave = Wave(1.0 / frequency, float(sine), float(cosine), share)
+
+    def fitted(phase: FloatArray, rows: slice = slice(None)) -> tuple[float, FloatArray]:
+        """Mean square of what a wave leaves of some rows, and its sine and cosine."""
+        columns = np.column_stack([np.sin(phase), np.cos(phase)])[rows]
+        weights = np.linalg.lstsq(columns, rest[rows], rcond=None)[0]
+        return float(np.mean((rest[rows] - columns @ weights) ** 2)), np.asarray(weights)
+
+    frequencies = np.linspace(frequency - 0.5 / travel, frequency + 0.5 / travel, STEPS).tolist()
+    tried = [(*fitted(2.0 * np.pi * one * x), one) for one in frequencies]
+    left, (sine, cosine), frequency = min(tried, key=lambda one: one[0])
+    wave = Wave(1.0 / frequency, float(sine), float(cosine), 1.0 - left / max(float(np.mean(rest**2)), 1e-300))
     amplitude = math.hypot(wave.sine, wave.cosine)
     if wave.share <= SHARE or amplitude <= LEAST_AMPLITUDE * command_rms:
         return None
     # The first half of the rows has the wave of the second, as a force of position does.
     phase, half = 2.0 * np.pi * x / wave.period, len(x) // 2
-    columns = np.column_stack([np.sin(phase), np.cos(phase)])
-    weights = [np.linalg.lstsq(columns[rows], rest[rows], rcond=None)[0] for rows in (slice(half), slice(half, None))]
-    return wave if np.linalg.norm(weights[0] - weights[1]) < ALIKE * amplitude else None
+    (_, first), (_, second) = fitted(phase, slice(half)), fitted(phase, slice(half, None))
+    return wave if np.linalg.norm(first - second) < ALIKE * amplitude else None

@@ -11,20 +11,8 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.files import InputError
-from cogging.first_model.headers import (
-    LIKELY,
-    STATED,
-    TRIED,
-    UNKNOWN,
-    Header,
-    Unit,
-    header_of,
-    stated_unit,
-    turning,
-    unit_of_command,
-    unit_of_position,
-    unit_of_time,
-)
+from cogging.first_model import headers as of_header
+from cogging.first_model.headers import LIKELY, STATED, TRIED, UNKNOWN, Header, Unit, stated_unit
 from cogging.logs.columns import read_columns, survey_columns
 from cogging.logs.readers.column_request import is_si, listed, split_unit
 from cogging.model.units import UNIT_KEYS, Units
@@ -89,20 +77,16 @@ Table = dict[str, FloatArray]
 
 def numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
     """The numeric columns of the most common length."""
-    with contextlib.suppress(InputError):  # a text, a scalar, a hole among them
-        return _columns(path, labels, rows) if labels else {}
     table: Table = {}
-    for label in labels:
+    for some in (labels, *([label] for label in labels)):  # one by one if a text, a scalar or a hole is among them
         with contextlib.suppress(InputError):
-            table |= _columns(path, [label], rows)
+            columns, scale = {label: label for label in some}, dict.fromkeys(some, 1.0)
+            table |= read_columns(path, some, columns=columns, scale=scale, rows=rows) if some else {}
+        if len(table) == len(labels):
+            break
     lengths = [len(values) for values in table.values()]
     usual = max(lengths, key=lengths.count, default=0)
     return {label: values for label, values in table.items() if len(values) == usual}
-
-
-def _columns(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
-    same = {label: label for label in labels}
-    return read_columns(path, labels, columns=same, scale=dict.fromkeys(labels, 1.0), rows=rows)
 
 
 ALIKE = 0.3  # of the position's deviation: largest deviation of a followed reference
@@ -119,18 +103,16 @@ def references(
     notes: list[str],
 ) -> None:
     """Add the reference and its derivatives if the position follows it."""
-    named = [h for h in headers.values() if h.kind == "reference" and h.label in table]
-    named = [headers[found["reference"][0]]] if "reference" in found else sorted(named, key=lambda h: h.rank)
+    named = sorted((h for h in headers.values() if h.kind == "reference" and h.label in table), key=lambda h: h.rank)
     position = used["position"]
     x = position.unit.factor * table[position.label]
-    for header in named:
+    for header in [headers[found["reference"][0]]] if "reference" in found else named:
         unit, reason = _unit_of_reference(header, position, x, table[header.label], scale)
-        if unit is None:
-            notes.append(f"{header.label!r} is named like a reference, but the position does not follow it: not used")
-            continue
-        used["reference"] = placed("reference", header, headers, unit, reason, STATED)
-        break
-    if "reference" not in used:
+        if unit is not None:
+            used["reference"] = placed("reference", header, headers, unit, reason, STATED)
+            break
+        notes.append(f"{header.label!r} is named like a reference, but the position does not follow it: not used")
+    else:
         return
     reference = used["reference"]
     t = used["time"].unit.factor * table[used["time"].label]
@@ -177,12 +159,9 @@ def guess_columns(
     rows: slice | None,
     units: Units | None,
 ) -> ColumnGuesses:
-    """Identify the columns of a log in a file of any format, and their units, beside those that are given.
-
-    InputError: it cannot be read, or time, position or command cannot be identified.
-    """
+    """Identify the columns and units of a log in any file; InputError: time, position or command cannot be found."""
     surveyed = survey_columns(path)
-    headers = {label: header_of(label, apart) for label, apart in surveyed}
+    headers = {label: of_header.header_of(label, apart) for label, apart in surveyed}
     labels = [label for label, _ in surveyed]
     table = numbers(path, [label for label in headers if labels.count(label) == 1 and label], rows)
     own = {name: _meant(path, label, headers) for name, label in columns.items()}
@@ -197,13 +176,10 @@ def guess_columns(
     references(used, found, headers, table, scale, notes)
     taken = {guess.label for guess in used.values()}
     for guess in used.values():
-        others = [
-            h.label for h in headers.values() if h.kind == guess.name and h.label in table and h.label not in taken
-        ]
+        alike = [h.label for h in headers.values() if h.kind == guess.name and h.label in table]
+        others = [repr(label) for label in alike if label not in taken]
         if others and guess.name not in own:
-            notes.append(
-                f"{guess.name} may also be {listed([repr(label) for label in others])}: say which with --columns"
-            )
+            notes.append(f"{guess.name} may also be {listed(others)}: say which with --columns")
     return ColumnGuesses(used, tuple(label for label in headers if label not in taken), tuple(notes))
 
 
@@ -227,22 +203,20 @@ def _required(
         if name in found:
             continue
         taken = {label for label, _, _ in found.values()}
-        named = [h for h in headers.values() if h.kind == name and h.label in table and h.label not in taken]
+        free_headers = [h for h in headers.values() if h.label in table and h.label not in taken]
+        named = [h for h in free_headers if h.kind == name]
         named = [h for h in named if np.ptp(table[h.label]) > 0.0] or named
-        if not named:  # the only column with a suitable unit: `q1 [deg]`, `motor 1 [Nm]`
-            of_unit = [
-                h for h in headers.values() if h.kind_of_unit == name and h.label in table and h.label not in taken
-            ]
-            if len(of_unit) == 1:
-                found[name] = (of_unit[0].label, "by its unit", LIKELY)
-                continue
+        of_unit = [h for h in free_headers if h.kind_of_unit == name]
+        if not named and len(of_unit) == 1:  # the only column with a suitable unit: `q1 [deg]`, `motor 1 [Nm]`
+            found[name] = (of_unit[0].label, "by its unit", LIKELY)
+            continue
         if name == "time":
             named = [h for h in named if _rises(table[h.label])] or named
         if named:
             best = min(named, key=lambda header: header.rank)
             found[name] = (best.label, "by its name", STATED if len(named) == 1 else LIKELY)
             continue
-        free = [h.label for h in headers.values() if h.label in table and h.label not in taken and not h.kind]
+        free = [h.label for h in free_headers if not h.kind]
         behaving = _by_behaviour(name, free, table, found)
         if behaving is None:
             known = [repr(label) for label in headers if label in table]
@@ -269,9 +243,7 @@ def _by_behaviour(
         return None
     moving = [label for label in free if np.ptp(table[label]) > 0.0]
     rough = sorted(moving, key=lambda label: _roughness(table[label]))
-    if name == "command" and len(rough) == 1:
-        return rough[0], "the only other column that changes", LIKELY
-    if name == "position" and "command" not in found and len(rough) == 1:
+    if len(rough) == 1 and (name == "command" or "command" not in found):
         return rough[0], "the only other column that changes", LIKELY
     if len(rough) != 2 or _roughness(table[rough[1]]) < ROUGHER * _roughness(table[rough[0]]):
         return None
@@ -294,22 +266,26 @@ def _guess(
     """A column with its unit."""
     label, reason, sure = found[name]
     header = headers[label]
-    turns = turning(headers[found["position"][0]], headers[found["command"][0]])
+    turns = of_header.turning(headers[found["position"][0]], headers[found["command"][0]])
     stated = stated_unit(header)
     if name in scale:
-        labels = {"time": "s", "command": unit_of_command(header, turns).label, "position": "rad" if turns else "m"}
+        labels = {
+            "time": "s",
+            "command": of_header.unit_of_command(header, turns).label,
+            "position": "rad" if turns else "m",
+        }
         in_log = getattr(units, name, labels[name] if stated is None or name == "time" else stated.label)
         unit = Unit(scale[name], in_log, f"times {scale[name]:g} as stated", STATED)
     elif units is not None and name in UNIT_KEYS and label == name:
         unit = Unit(1.0, getattr(units, name), "as the model beside the log says", STATED)
     elif name == "time":
-        unit = unit_of_time(header, table[label])
+        unit = of_header.unit_of_time(header, table[label])
     elif name == "command":
-        unit = unit_of_command(header, turns)
+        unit = of_header.unit_of_command(header, turns)
     else:
         time = table[found["time"][0]]
-        second = scale["time"] if "time" in scale else unit_of_time(headers[found["time"][0]], time).factor
-        unit = unit_of_position(header, time * second, table[label], turns)
+        second = scale["time"] if "time" in scale else of_header.unit_of_time(headers[found["time"][0]], time).factor
+        unit = of_header.unit_of_position(header, time * second, table[label], turns)
         if unit.sure != STATED:
             unit = _unit_by_reference(unit, headers, table, label)
     return placed(name, header, headers, unit, reason, sure)

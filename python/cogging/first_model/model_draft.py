@@ -88,14 +88,8 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
     if found is not None:
         fields = {"type": found.type, **found.parameters.to_dict()}
         reason = f"found: these gains leave {found.residual_rms:.2g} {units.of('V')} rms of the logged command"
-        return [
-            *lines,
-            f"## {reason}",
-            *(
-                f"# {key} = {number(value, 6) if isinstance(value, float) else json.dumps(value)}"
-                for key, value in fields.items()
-            ),
-        ]
+        shown = {key: number(one, 6) if isinstance(one, float) else json.dumps(one) for key, one in fields.items()}
+        return [*lines, f"## {reason}", *(f"# {key} = {text}" for key, text in shown.items())]
     rate, mass = float(f"{audit.rate:.3g}"), sizes.sizes["mass"].value
     pole = 2.0 * math.pi * CROSSOVER * rate
     gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
@@ -237,9 +231,8 @@ class ModelDraft(ByValue):
         lines.append(f'type = "{self.motion.kind}"')
         units = {"velocity": "m/s", "acceleration": "m/s^2", "jerk": "m/s^3", "dwell": "s", "frequency": "Hz"}
         meaning = {key: self.units.of(units.get(key, "m")) for key in self.motion.fields}
-        meaning["repeats"] = (
-            "times there and back" if self.motion.moves > 1 else "the way there alone, in this duration"
-        )
+        both_ways = self.motion.moves > 1
+        meaning["repeats"] = "times there and back" if both_ways else "the way there alone, in this duration"
         for key, value in self.motion.fields.items():
             text = str(value) if isinstance(value, int) else number(value, 8)
             lines.append(f"{f'{key} = {text}':<27} # {meaning[key]}; found")
@@ -280,15 +273,12 @@ class ModelDraft(ByValue):
             sure = f"+- {100.0 * size.uncertainty:.0f} %, " if size.uncertainty is not None else ""
             lines.append(f"  {name} {value if size.value else ''}{sure}{size.reason}")
         if self.sizes.explained is not None:
-            lines.append(
-                f"  together they explain {100.0 * self.sizes.explained:.3g} % of the command's power in motion"
-            )
+            share = f"{100.0 * self.sizes.explained:.3g} %"
+            lines.append(f"  together they explain {share} of the command's power in motion")
         if self.wave is not None:
-            amplitude = math.hypot(self.wave.sine, self.wave.cosine)
-            lines.append(
-                f"over position a wave of {self.wave.period:.4g} {self.units.position} stands out, "
-                f"{amplitude:.3g} {self.units.command}: cogging, or one of its harmonics"
-            )
+            force = f"{math.hypot(self.wave.sine, self.wave.cosine):.3g} {self.units.command}"
+            period = f"{self.wave.period:.4g} {self.units.position}"
+            lines.append(f"over position a wave of {period} stands out, {force}: cogging, or one of its harmonics")
         if self.controller is not None:
             lines.append(f"a {self.controller.type} made the command: its gains stand in the model as comments")
         lines += ["guessed, to be checked:", *(f"  {entry}" for entry in self.likely)] * bool(self.likely)
@@ -367,8 +357,7 @@ def draft_model(
 ) -> ModelDraft:
     """Draft a model and a reference of the axis that made a log, in any of its user's formats.
 
-    Columns are identified by their names in English or German, or by the behaviour of their numbers; units by the
-    header or by plausible motion. Each guess is reported with its reason, and so is what is unknown.
+    Columns are identified by English or German names, or the behaviour of their numbers; units by header or motion.
 
     Args:
         log: a Log, or a file of any format that logs have (see read_log), with columns of any names.

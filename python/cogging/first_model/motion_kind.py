@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -45,10 +46,9 @@ def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units:
     found = [motion for motion in seen if motion is not None]
     if found:
         return min(found, key=lambda motion: motion.left)
-    parts = f"{len(moves)} moves between rests, " if moves else "no rests, "
-    return Motion(
-        "sampled", f"{parts}not there and back with one length, profile and rest: kept as samples", moves=len(moves)
-    )
+    parts = f"{len(moves)} moves between rests" if moves else "no rests"
+    said = f"{parts}, not there and back with one length, profile and rest: kept as samples"
+    return Motion("sampled", said, moves=len(moves))
 
 
 def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
@@ -110,9 +110,8 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
     if shape is None or shape[3] > SHAPE * abs(distance):
         return None
     velocity, acceleration, jerk, left = shape
-    course = PointToPoint(
-        PointToPointParameters(distance=abs(distance), velocity=velocity, acceleration=acceleration, jerk=jerk)
-    )
+    limits: dict[str, Any] = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    course = PointToPoint(PointToPointParameters(distance=abs(distance), **limits))
     ways = [x[a : b + 1] * np.sign(x[b] - x[a]) for a, b in moves]
     middles = np.array([t[a + int(np.argmax(y > 0.5 * (y[0] + y[-1])))] for (a, _), y in zip(moves, ways, strict=True)])
     # Every move must have this profile, about its own middle.
@@ -166,20 +165,16 @@ def _shape(
         return velocity, acceleration, acceleration / (ramp * share)
 
     def residual(values: FloatArray) -> FloatArray:
-        velocity, acceleration, jerk = limits(values)
-        parameters = PointToPointParameters(
-            distance=distance, velocity=velocity, acceleration=acceleration, jerk=jerk, dwell=2.0 * times[-1]
-        )
-        moved = PointToPoint(parameters).sample(np.maximum(times - values[3] * length, 0.0))[0]
+        fields: dict[str, Any] = dict(zip(("velocity", "acceleration", "jerk"), limits(values), strict=True))
+        motion = PointToPoint(PointToPointParameters(distance=distance, dwell=2.0 * times[-1], **fields))
+        moved = motion.sample(np.maximum(times - values[3] * length, 0.0))[0]
         return np.asarray(moved / distance - path)
 
     ramp = float(np.clip(1.0 - distance / (top * length), 0.05, 0.5))
     low, high = [0.8, 0.002, 1e-4, (began / length) - 0.3], [1.3, 0.75, 0.5, (began / length) + 0.3]
-    fits = [
-        least_squares(residual, [1.0, ramp, share, began / length], bounds=(low, high), x_scale=[0.1, 0.1, 0.1, 0.01])
-        for share in (0.05, 0.4)
-    ]
-    best = min(fits, key=lambda fit: fit.cost)
+    starts = [[1.0, ramp, share, began / length] for share in (0.05, 0.4)]
+    options = {"bounds": (low, high), "x_scale": [0.1, 0.1, 0.1, 0.01]}
+    best = min((least_squares(residual, start, **options) for start in starts), key=lambda fit: fit.cost)
     velocity, acceleration, jerk = limits(best.x)
     left = distance * float(np.sqrt(2.0 * best.cost / len(rows)))
     return velocity, acceleration, jerk if best.x[2] > NO_JERK else math.inf, left

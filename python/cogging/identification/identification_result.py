@@ -147,10 +147,8 @@ class Identification(ByValue):
             after = f"{log.residual_after:.4g} {v} after"
             if log.residual_after > 1.05 * log.residual_free:
                 after += f" ({log.residual_free:.4g} {v} if what stays as given moved too)"
-            lines.append(
-                f"{log.name}: force balance {log.residual_before:.4g} {v} before, {after}, "
-                f"quantiser and encoder noise alone {log.floor:.2g} {v} ({log.rows} rows in motion)"
-            )
+            floor = f"quantiser and encoder noise alone {log.floor:.2g} {v} ({log.rows} rows in motion)"
+            lines.append(f"{log.name}: force balance {log.residual_before:.4g} {v} before, {after}, {floor}")
             noise = "" if log.noise is None else f"; all noise some {log.noise:.2g} {v}"
             lines.append(f"  explains {percent(log.explained)} of a command of {log.command:.4g} {v}{noise}")
             if log.replay:
@@ -160,31 +158,24 @@ class Identification(ByValue):
 
     def to_frame(self) -> Any:
         """The parameters as a pandas DataFrame (extra `frames`), a row each; an unknown interval is infinite."""
-        rest = ("prior", "unit", "determined", "note")
-        rows = [
-            {"parameter": p.path, "value": p.value, "low": p.ci95[0], "high": p.ci95[1]}
-            | {n: getattr(p, n) for n in rest}
-            for p in self.parameters
-        ]
+        rest, rows = ("prior", "unit", "determined", "note"), []
+        for p in self.parameters:
+            known = {"parameter": p.path, "value": p.value, "low": p.ci95[0], "high": p.ci95[1]}
+            rows.append(known | {name: getattr(p, name) for name in rest})
         return frame_of(rows, {})
 
     def _repr_html_(self) -> str:
-        rows = [
-            [p.path, p.prior, p.value, *(p.ci95 if p.determined else (None, None)), p.unit, p.note]
-            for p in self.parameters
-        ]
+        ends = [p.ci95 if p.determined else (None, None) for p in self.parameters]
+        rows = [[p.path, p.prior, p.value, *e, p.unit, p.note] for p, e in zip(self.parameters, ends, strict=True)]
         headers = ["parameter", "before", "fitted", "from", "to", "unit", ""]
         title = f"Identification: {percent(self.explained)} of the command explained"
         return html_table(title, headers, rows, [*self.warnings, *self.notes])
 
-    plot = plot_method(
-        plot.intervals,
-        "Draw the parameters with their 95 % intervals, and what they were before (cogging.plot.intervals).",
-        "axes",
-    )
+    plot = plot_method(plot.intervals, "Draw the parameters with their 95 % intervals, and the prior values.", "axes")
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON; an infinite interval is null."""
+        pairs = zip(self.logs, self.audits, strict=True)
         return {
             "warnings": list(self.warnings),
             "explained": self.explained,
@@ -193,9 +184,7 @@ class Identification(ByValue):
             "parameters": {p.path: p.to_dict() for p in self.parameters},
             "correlation": self.correlation.tolist(),
             "determinability": list(self.determinability),
-            "logs": [
-                {**log.to_dict(), "audit": audit.to_dict()} for log, audit in zip(self.logs, self.audits, strict=True)
-            ],
+            "logs": [{**log.to_dict(), "audit": audit.to_dict()} for log, audit in pairs],
             "controller": list(self.controller),
             "notes": list(self.notes),
         }
@@ -228,18 +217,15 @@ def warnings_of(
         missing = log.noise is not None and log.residual_free > MISSING * log.noise
         if missing:
             noise = max(log.noise or 0.0, 1e-300)
-            times = f"{log.residual_free / noise:.3g} times the noise ({noise:.2g} {unit})"
+            leaves = f"{log.residual_free:.3g} {unit}, {log.residual_free / noise:.3g} times the noise"
             share = percent(1.0 - (log.residual_free / max(log.command, 1e-300)) ** 2)
-            warnings.append(
-                f"{log.name}: something is missing: the model leaves {log.residual_free:.3g} {unit}, {times}, and "
-                f"explains {share} of the command: run diagnose"
-            )
+            said = f"the model leaves {leaves} ({noise:.2g} {unit}), and explains {share} of the command"
+            warnings.append(f"{log.name}: something is missing: {said}: run diagnose")
         if log.explained < EXPLAINED and not missing:
             warnings.append(f"{log.name}: the model explains only {percent(log.explained)} of the command")
         if log.residual_after > WORSE * log.residual_before:
-            warnings.append(
-                f"{worse}: force balance {log.residual_before:.4g} {unit} before, {log.residual_after:.4g} {unit} after"
-            )
+            balance = f"{log.residual_before:.4g} {unit} before, {log.residual_after:.4g} {unit} after"
+            warnings.append(f"{worse}: force balance {balance}")
         for name in ("position", "command"):
             before, after = log.replay_before.get(name), log.replay.get(name)
             if before is not None and after is not None and after > WORSE * before:

@@ -37,15 +37,12 @@ class LoggedReplay(Replay):
     def as_run(self, model: Model) -> Model:
         """The model with the controller of the log; DivergedError: too small a mass for a stable loop."""
         axis = model.axis
-        if axis.mass < LIGHTEST * self.mass:
-            raise DivergedError(
-                f"axis.mass: must be at least {LIGHTEST * self.mass:g} to be replayed, got {axis.mass:g}"
-            )
+        if axis.mass < (least := LIGHTEST * self.mass):
+            raise DivergedError(f"axis.mass: must be at least {least:g} to be replayed, got {axis.mass:g}")
         if axis.coulomb_width > 0.0:
             # A fit of an incomplete model may end at a vanishing width, which would need 1e5 steps a sample.
             rate = friction_slope_max(1.0) * axis.coulomb / axis.mass  # m/s^2: over the width, 1/s
-            least = rate * self.sample_time / STEEPEST
-            axis = axis.replace(coulomb_width=max(axis.coulomb_width, least))
+            axis = axis.replace(coulomb_width=max(axis.coulomb_width, rate * self.sample_time / STEEPEST))
         return super().as_run(model.replace(axis=axis, controller=self.controller))
 
     def log_of(self, model: Model) -> Log:
@@ -72,10 +69,7 @@ class LoggedRun:
 
     @classmethod
     def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
-        """Audit a log and check the controller that made it; InputError: units that cannot be those of the model.
-
-        `added_command`: what was added to the controller's command, V, (n,).
-        """
+        """Audit a log, check its controller; added_command: V, (n,); InputError: units that cannot be the model's."""
         added = None if added_command is None else real_array("added_command", added_command)
         check_against_model(log, model, name)
         own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
@@ -104,16 +98,9 @@ class LoggedRun:
                 replay = LoggedReplay(log, usable, added_command=added)
             except ValueError as error:
                 line = line or f"the loop is not replayed: {error}"
-        return cls(
-            name,
-            log,
-            found,
-            replay,
-            line and f"{name}: {line}",
-            "; ".join(f"{name}: {one}" for one in (clock, said) if one),
-            sparse and f"{name}: {sparse}",
-            hold,
-        )
+        line, sparse = (one and f"{name}: {one}" for one in (line, sparse))
+        repairs = "; ".join(f"{name}: {one}" for one in (clock, said) if one)
+        return cls(name, log, found, replay, line, repairs, sparse, hold)
 
     def simulator(self) -> Simulator | None:
         """The simulator for instruments: the replay, else the reference if the axis followed it, else None."""
@@ -126,21 +113,14 @@ class LoggedRun:
         return lambda model: noise_free
 
     def relative_errors(self, model: Model) -> dict[str, float]:
-        """Relative error of the replay in position, velocity and command (norms); empty without a replay.
-
-        Both velocities are differences of positions low-pass filtered at 400 Hz at most. DivergedError: the replay
-        diverged.
-        """
+        """Relative errors of the replay in position, velocity and command; empty without one; DivergedError."""
         if self.replay is None:
             return {}
         run = self.replay.log_of(model)
         cutoff = min(80.0, 0.1 / float(np.median(np.diff(self.log.time))))
-        measured, simulated = (ForceBalance(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run))
-        pairs = {
-            "position": (self.log.position, run.position),
-            "velocity": (measured, simulated),
-            "command": (self.log.command, run.command),
-        }
+        velocities = [ForceBalance(log, cutoff=cutoff).motion.middle_velocity for log in (self.log, run)]
+        pairs = {"position": (self.log.position, run.position), "velocity": velocities}
+        pairs["command"] = (self.log.command, run.command)
         return {name: float(np.linalg.norm(a - b) / np.linalg.norm(a)) for name, (a, b) in pairs.items()}
 
 

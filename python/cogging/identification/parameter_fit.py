@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -96,9 +97,8 @@ class ParameterFit:
     # The estimators ---------------------------------------------------------------------------------------------------
 
     def _determine(self, model: Model) -> Determinability:
-        return determinability(
-            model, self.paths, self.balances, self.scales, self.simulate, lambda: self._sources(model)
-        )
+        sources = partial(self._sources, model)
+        return determinability(model, self.paths, self.balances, self.scales, self.simulate, sources)
 
     def _sources(self, model: Model) -> list[Residuals]:
         return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
@@ -106,11 +106,9 @@ class ParameterFit:
     @property
     def moving(self) -> list[str]:
         """The parameters that the force balance moves: more than it determines, so that priors do not bias the rest."""
-        return [
-            path
-            for path, sigma in zip(self.seen.paths, self.seen.sigma, strict=True)
-            if self.seen.seen_by_balance(path) and ((role_of(self.model, path) == "amplitude") or sigma < SHAPELESS)
-        ]
+        sigmas = dict(zip(self.seen.paths, self.seen.sigma, strict=True))
+        shaped = [p for p in sigmas if role_of(self.model, p) == "amplitude" or sigmas[p] < SHAPELESS]
+        return [path for path in shaped if self.seen.seen_by_balance(path)]
 
     def _loose(
         self, paths: Sequence[str], seen: Determinability | None = None, model: Model | None = None
@@ -235,10 +233,8 @@ class ParameterFit:
         ]
         fitted = {entry.path: entry.value for entry in entries if entry.determined and entry.value != entry.prior}
         model = with_values(prior, fitted)
-        free = with_values(estimate.model, fitted)
-        logs = [
-            self._log_fit(k, {"prior": prior, "model": model, "free": free}, is_whole) for k in range(len(self.runs))
-        ]
+        models = {"prior": prior, "model": model, "free": with_values(estimate.model, fitted)}
+        logs = [self._log_fit(k, models, is_whole) for k in range(len(self.runs))]
         # Covariance of the determined parameters, as much wider as their intervals are.
         known = [i for i, entry in enumerate(entries) if entry.determined]
         covariance, rows = np.zeros((len(entries), len(entries))), [order.index(entries[i].path) for i in known]
@@ -315,11 +311,7 @@ class ParameterFit:
         )
 
     def _doubted_interval(self, prior: Parameter) -> tuple[float, tuple[float, float]]:
-        """Value and 95 % interval where the model lacks much, or the estimators contradict each other.
-
-        The interval covers both estimators and the answers beside and with unmodelled forces; the answer beside them
-        replaces a prior that these exclude with its stated uncertainty.
-        """
+        """Value and 95 % interval that cover both estimators and the answers beside and with unmodelled forces."""
         path = prior.path
         others = [other[path] for other in list(self.others.values())[:2] if path in other]
         if not others:
@@ -363,9 +355,8 @@ class ParameterFit:
 
 def has_states(model: Model) -> bool:
     """Whether the model has an active effect with states of its own, which the force balance does not contain."""
-    return any(
-        "state" in effect.HOOKS and effect.to_dict() != VOCABULARY[effect.NAME].to_dict() for effect in model.effects
-    )
+    stateful = [effect for effect in model.effects if "state" in effect.HOOKS]
+    return any(effect.to_dict() != VOCABULARY[effect.NAME].to_dict() for effect in stateful)
 
 
 def noise_floor(balance: ForceBalance, model: Model) -> float:

@@ -148,10 +148,7 @@ def root_mean_square(values: FloatArray) -> float:
 def linear_regressors(
     kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
 ) -> dict[str, FloatArray]:
-    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
-
-    A `cascade` has kv and `kp kv`, in which it is linear.
-    """
+    """The command at a gain of 1, (n,), for each gain of a `pid` or `cascade` (kv and `kp kv`), by its name."""
     make = CONTROLLERS[kind][1]
     gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
     bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
@@ -176,10 +173,7 @@ def fit_columns(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[
 def fit_samples(
     samples: Samples, columns: Mapping[str, FloatArray], rows: Mask, integral: bool
 ) -> tuple[dict[str, float], float, Mask]:
-    """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
-
-    With an `integral` the rows after each gap have their own constant. Spikes that the fit does not have are left out.
-    """
+    """Coefficients of columns (m,) that fit the commands, the rms of what is left, and the rows that counted."""
     target = samples.command
     if integral and samples.segment[-1]:
         target = samples.without_means(target, rows)
@@ -197,12 +191,11 @@ def fit_samples(
     return fitted, rms, rows
 
 
-def fit_gains(
-    found: Compared, model: Model, regressors: Mapping[str, FloatArray]
-) -> tuple[dict[str, float], dict[str, float], float]:
+def fit_gains(found: Compared, model: Model, kind: str) -> tuple[dict[str, float], dict[str, float], float | None]:
     """Stated gains, those that fit the log, and the rms that these leave; only gains that are stated above zero."""
     controller: Any = model.controller
     samples, rows = found.samples, found.judged
+    regressors = linear_regressors(kind, controller, samples.motion, samples.position)
     gains = {name: float(getattr(controller, name)) for name in ("kp", *regressors) if name != "kp kv"}
     if "kp kv" in regressors:
         gains["kp kv"] = controller.kp * controller.kv
@@ -224,6 +217,7 @@ RATE_TOLERANCE = 0.02  # of the stated sample rate
 FEWEST_ROWS = 20
 ENOUGH = 0.25  # of the rows, before the first gap, needed to check an adaptive controller
 AT_REST = 1e-3  # of the top speed: slower is rest
+VERDICTS = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -267,12 +261,10 @@ class ControllerCheck(ByValue):
     units: Units = field(default_factory=Units)
 
     def _brief(self) -> str:
-        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[self.reproduces]
-        unit = self.units.command
         if self.relative is None:
-            return f"{self.type} {verdict} the command"
-        left = f"{100 * self.relative:.3g} % of {self.command_rms:.4g} {unit} rms is left"
-        return f"{self.type} {verdict} the command: {left}"
+            return f"{self.type} {VERDICTS[self.reproduces]} the command"
+        left = f"{100 * self.relative:.3g} % of {self.command_rms:.4g} {self.units.command} rms is left"
+        return f"{self.type} {VERDICTS[self.reproduces]} the command: {left}"
 
 
 @check_arguments(log=LOG, model=MODEL_ALONE)
@@ -280,10 +272,9 @@ class ControllerCheck(ByValue):
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 
-    `pid` and `cascade` are recomputed as their equations say (Pid, Cascade), with Ts = 1/`sample_rate` even where the
-    time jitters, and their gains are fitted by least squares; every other type is run on the logged references and
-    readings (replay_controller). A few missing samples are interpolated, and rows whose command depends on them are not
-    compared; after a longer gap the integral is another constant. Spikes are left out if they explain the difference.
+    The controller is run on the logged references and readings, with Ts = 1/`sample_rate` even where the time jitters;
+    the gains of `pid` and `cascade` are fitted by least squares. Rows whose command depends on missing samples are not
+    compared; after a gap the integral is another constant. Spikes are left out if they explain the difference.
 
     Args:
         log: with a reference.
@@ -323,21 +314,15 @@ def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> Con
     if ratio and abs(ratio - 1.0) > MISMATCH:
         left = root_mean_square(logged - ratio * computed)
         if left <= MISMATCH * root_mean_square(logged):
-            notes.append(
-                f"the command is {ratio:.4g} times the controller's: is the command in another unit (--scale command)?"
-            )
+            doubt = "is the command in another unit (--scale command)?"
+            notes.append(f"the command is {ratio:.4g} times the controller's: {doubt}")
     if relative > MISMATCH and best:
         notes.append(f"the command fits better when moved by {best} rows: is it logged at another time?")
     reproduces: bool | None = relative <= MISMATCH
     if not reproduces and model.make_controller().estimates.size:
         reproduces, note = _with_estimates(found, command_rms)
         notes.append(note)
-    stated: dict[str, float] = {}
-    fitted: dict[str, float] = {}
-    fitted_rms = None
-    if kind in ("pid", "cascade"):
-        regressors = linear_regressors(kind, model.controller, found.samples.motion, found.samples.position)
-        stated, fitted, fitted_rms = fit_gains(found, model, regressors)
+    stated, fitted, fitted_rms = fit_gains(found, model, kind) if kind in ("pid", "cascade") else ({}, {}, None)
     return ControllerCheck(
         type=kind,
         reproduces=reproduces,
@@ -389,17 +374,13 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
     step = float(own.mean()) if own.size and np.ptp(steps) > RATE_TOLERANCE * step else step
     rate, stated = 1.0 / step, model.controller.sample_rate
     if abs(rate / stated - 1.0) > RATE_TOLERANCE:
-        return (
-            f"the log has {rate:g} rows a second, the controller {stated:g} samples: the command cannot be recomputed"
-        )
+        rates = f"{rate:g} rows a second, the controller {stated:g} samples"
+        return f"the log has {rates}: the command cannot be recomputed"
     return ""
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
-    """The log with rows for missing samples between two rows, and a remark, if the model's controller made the log.
-
-    Readings are interpolated by cubics and commands computed: a command held over the gap would look like an effect.
-    """
+    """The log with its missing samples filled, and a remark, if the model's controller made the log."""
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:
         return log, ""
@@ -408,23 +389,15 @@ def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
     added = np.concatenate([[False], np.diff(samples.row) == 0])
     if not added.any():
         return log, ""
-    position = log.position[samples.row]
-    position[added] = cubic_between(log.time, log.position, samples.time[added])
+    position, at = log.position[samples.row], samples.time[added]
+    position[added] = np.interp(at, log.time, log.position)
+    if len(log) > 3:  # on the cubic through the two rows on either side; on a line beside a long gap
+        rows = np.clip(np.searchsorted(log.time, at) - 1, 1, len(log) - 3) + np.arange(-1, 3)[:, None]
+        offsets = log.time[rows] - at
+        cubic = np.sum(cubic_weights(offsets) * log.position[rows], axis=0)
+        near = offsets[3] - offsets[0] < (2 * FILLED + 3) * float(np.median(np.diff(log.time)))
+        position[added] = np.where(near, cubic, position[added])
     command = np.where(added, found.computed, log.command[samples.row])
     whole = {**samples.motion, "time": samples.time, "position": position, "command": command}
-    return Log.of(whole, log.metadata), (
-        f"{int(added.sum())} samples lack a row: readings filled by interpolation, commands as the "
-        f"{check.type} gives them"
-    )
-
-
-def cubic_between(time: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
-    """Values at times between rows, on the cubic through the two rows on either side; on a line beside a long gap."""
-    line = np.interp(at, time, values)
-    if len(time) < 4:
-        return np.asarray(line)
-    rows = np.clip(np.searchsorted(time, at) - 1, 1, len(time) - 3) + np.arange(-1, 3)[:, None]
-    offsets = time[rows] - at
-    cubic = np.sum(cubic_weights(offsets) * values[rows], axis=0)
-    near = offsets[3] - offsets[0] < (2 * FILLED + 3) * float(np.median(np.diff(time)))
-    return np.where(near, cubic, line)
+    how = f"readings filled by interpolation, commands as the {check.type} gives them"
+    return Log.of(whole, log.metadata), f"{int(added.sum())} samples lack a row: {how}"

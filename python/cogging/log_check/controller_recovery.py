@@ -30,10 +30,7 @@ NEGLIGIBLE = 1e-3  # of the rms command: contribution below which a gain is set 
 
 
 class RecoveredController(NamedTuple):
-    """Type and parameters of a controller that reproduces a log's command, and the rms residual, V.
-
-    `units` are the labels of the log's units.
-    """
+    """Type and parameters of a controller that reproduces a log's command, the rms residual, V, and the log's units."""
 
     type: str
     parameters: PidParameters | CascadeParameters
@@ -50,11 +47,9 @@ class RecoveredController(NamedTuple):
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.
 
-    Least squares of the command on the regressors of the gains: error, its sum and backward difference
-    (`pid`), or error and the reading's backward difference (`cascade`), with the reference's derivatives and S(v) of a
-    width that is searched for. Accepted if the residual is at most 0.5 % of the rms command and no gain is negative;
-    gains that contribute less than 0.1 % are set to zero. The simpler of two equal fits is returned. Missing rows and
-    spikes are handled as in check_controller.
+    Least squares of the command on the regressors of the gains, with S(v) of a width that is searched for. Accepted if
+    the residual is at most 0.5 % of the rms command and no gain is negative; gains that contribute less than 0.1 % are
+    zero. The simpler of two equal fits is returned. Missing rows and spikes are handled as in check_controller.
 
     Args:
         log: with a reference, of at least 200 rows.
@@ -79,7 +74,11 @@ def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredContro
     step = float(np.median(np.diff(log.time)))
     rate = float(f"{1.0 / step:.6g}")  # the precision of a time column
     samples = Samples.of(log, reference, 1.0 / step, unseen)
-    limit, free = _limit(log.command)
+    top = float(np.abs(log.command).max())
+    at_top = np.abs(log.command) >= top * (1.0 - 1e-9)
+    cut = bool((at_top[:-2] & at_top[1:-1] & at_top[2:]).any()) and float(np.ptp(log.command)) > 0.0
+    limit, free = (top, ~at_top) if cut else (0.0, np.ones(len(log), dtype=bool))
+    free[0] = False
     rows = free[samples.row] & samples.judged((0, 1))
     if rows.sum() < FEWEST_ROWS // 2:
         return None
@@ -129,9 +128,8 @@ def _fit(
             columns["start"] = np.ones(len(columns["ki"]))
         return (*fit_columns(columns, command[::every]), columns)
 
-    width = _best_width(
-        lambda width: solve(set(known), width, 1 + command.size // SEARCHED)[1], fixed["viscous"][believed]
-    )
+    every = 1 + command.size // SEARCHED
+    width = _best_width(lambda width: solve(set(known), width, every)[1], fixed["viscous"][believed])
     names, useless = set(known), {""}
     for _ in range(6):  # without negligible and negative gains
         gains, rms, columns = solve(names, width)
@@ -160,14 +158,3 @@ def _best_width(cost: Callable[[float], float], velocity: FloatArray) -> float:
         return width
     options = {"bounds": (-0.4, 0.4), "method": "bounded", "options": {"xatol": 1e-9}}
     return width * math.exp(float(minimize_scalar(lambda shift: cost(width * math.exp(shift)), **options).x))
-
-
-def _limit(command: FloatArray) -> tuple[float, Mask]:
-    """The limit of a command, V (0 = none), and the rows below it but for the first."""
-    top = float(np.abs(command).max())
-    at_top = np.abs(command) >= top * (1.0 - 1e-9)
-    runs = at_top[:-2] & at_top[1:-1] & at_top[2:]
-    cut = bool(runs.any()) and float(np.ptp(command)) > 0.0
-    free = ~at_top if cut else np.ones(command.size, dtype=bool)
-    free[0] = False
-    return (top if cut else 0.0), free

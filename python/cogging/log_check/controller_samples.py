@@ -101,10 +101,7 @@ EVEN = 0.01  # of the step: more even time stamps are kept
 
 
 def on_its_clock(log: Log) -> tuple[Log, str]:
-    """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and "".
-
-    Along the true times each reading is close to the cubic through its two neighbours on either side.
-    """
+    """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and ""."""
     if len(log) < 5:
         return log, ""
     step = float(np.median(np.diff(log.time)))
@@ -118,10 +115,8 @@ def on_its_clock(log: Log) -> tuple[Log, str]:
     whole = segment[4:] == segment[:-4]
     if _roughness(clock, log.position, whole) >= _roughness(log.time, log.position, whole):
         return log, ""
-    return replace(log, time=clock), (
-        f"time stamps are off by {np.sqrt(np.mean(off**2)):.2g} s rms, and the readings are smoother on an even clock "
-        f"of {np.min(np.diff(clock)):.4g} s, which is used"
-    )
+    even = f"the readings are smoother on an even clock of {np.min(np.diff(clock)):.4g} s, which is used"
+    return replace(log, time=clock), f"time stamps are off by {np.sqrt(np.mean(off**2)):.2g} s rms, and {even}"
 
 
 def _even(time: FloatArray, row: IntArray, segment: IntArray) -> FloatArray:

@@ -12,7 +12,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.calls import check_arguments
 from cogging.files import InputError
-from cogging.log_check.controller_check import ControllerCheck, check_controller
+from cogging.log_check.controller_check import VERDICTS, ControllerCheck, check_controller
 from cogging.log_check.encoder_readings import encoder_quantum, find_outliers
 from cogging.logs.log import READ_WITH, Log, require_sizes
 from cogging.model.model import Model
@@ -121,11 +121,8 @@ def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
         return []
     lines = []
     if check.difference_rms is not None and check.relative is not None:
-        verdict = {True: "reproduces", False: "does not reproduce", None: "may or may not reproduce"}[check.reproduces]
-        lines.append(
-            f"the stated {check.type} {verdict} the command: difference {check.difference_rms:.3g} {unit} rms, "
-            f"{100 * check.relative:.3g} % of it"
-        )
+        size = f"{check.difference_rms:.3g} {unit} rms, {100 * check.relative:.3g} % of it"
+        lines.append(f"the stated {check.type} {VERDICTS[check.reproduces]} the command: difference {size}")
     if check.best_shift:
         lines.append(f"moved by {check.best_shift} rows: {check.best_shift_rms:.3g} {unit} rms")
     if check.fitted and check.fitted_rms is not None:
@@ -270,10 +267,7 @@ TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 @check_arguments(log=LOG, model=MODEL_ALONE)
 def check_against_model(log: Log, model: Model, name: str = "log") -> None:
-    """Refuse a log whose units cannot be those of the model.
-
-    The readings must fit into the model's travel and span about as much as the reference, and the time step must not
-    differ from the controller's by a factor of a thousand.
+    """Refuse a log whose units, by travel, reference or sample rate, cannot be those of the model.
 
     Args:
         log: the log.

@@ -171,12 +171,10 @@ class Log(ByValue):
         return {name: units.of(unit) for name, unit in COLUMN_UNITS.items()}
 
     def _repr_html_(self) -> str:
-        units = self._column_units()
-        columns = self.columns() | ({"error": self.error} if self.reference is not None else {})
-        rows = [
-            [name, units[name], float(values.min()), float(values.max()), float(np.sqrt(np.mean(values**2)))]
-            for name, values in columns.items()
-        ]
+        columns, rows = self.columns() | ({"error": self.error} if self.reference is not None else {}), []
+        for name, values in columns.items():
+            sizes = (values.min(), values.max(), np.sqrt(np.mean(values**2)))
+            rows.append([name, self._column_units()[name], *map(float, sizes)])
         return html_table(f"Log: {self._brief()}", ["column", "unit", "least", "largest", "rms"], rows)
 
     def plot(self, columns: str | Sequence[str] | None = None, *, units: Any = None, ax: Any = None) -> Figure:

@@ -16,10 +16,7 @@ SPARSEST = 20.0  # rows of an even grid for each row, with pauses cut, above whi
 
 
 def running_time(time: FloatArray) -> FloatArray:
-    """Return the time of rows with pauses cut to CUT, s, (n,); `time` itself if pauses do not matter.
-
-    They matter if rows at the median step would be more than SPARSE times as many: a pause of a day.
-    """
+    """Return the time of rows (s) with pauses cut to CUT if they exceed SPARSE times the rows; else `time` itself."""
     steps = np.diff(time)
     step = float(np.median(steps))
     if float(time[-1] - time[0]) <= SPARSE * time.size * step:
@@ -27,10 +24,8 @@ def running_time(time: FloatArray) -> FloatArray:
     cut = np.minimum(steps, max(CUT, CUT_STEPS * step))
     share = time.size * step / float(cut.sum())
     if share < 1.0 / SPARSEST:
-        raise ValueError(
-            f"time: must have rows in at least {100.0 / SPARSEST:g} % of the time, pauses cut to {CUT:g} s, got "
-            f"{100.0 * share:.2g} % (median step {step:g} s)"
-        )
+        rule = f"must have rows in at least {100.0 / SPARSEST:g} % of the time, pauses cut to {CUT:g} s"
+        raise ValueError(f"time: {rule}, got {100.0 * share:.2g} % (median step {step:g} s)")
     return np.asarray(time[0] + np.concatenate([[0.0], np.cumsum(cut)]))
 
 
@@ -41,8 +36,6 @@ def without_pauses(log: Log) -> tuple[Log, str]:
         return log, ""
     steps = np.diff(log.time)
     pauses, longest = int(np.sum(steps > max(CUT, CUT_STEPS * float(np.median(steps))))), int(np.argmax(steps))
-    said = (
-        f"{pauses} pause{'s' if pauses > 1 else ''} in the rows, the longest of {steps[longest]:.4g} s after row "
-        f"{longest}: cut to {np.diff(running)[longest]:.3g} s, and all times here exclude what was cut"
-    )
-    return replace(log, time=running), said
+    found = f"{pauses} pause{'s' * (pauses > 1)} in the rows, the longest of {steps[longest]:.4g} s after row {longest}"
+    cut = f"cut to {np.diff(running)[longest]:.3g} s, and all times here exclude what was cut"
+    return replace(log, time=running), f"{found}: {cut}"

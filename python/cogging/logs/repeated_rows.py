@@ -23,19 +23,13 @@ NEWTON_STEPS = 8  # to the shift in time
 
 
 def repeated(log: Log, other: Log) -> Mask:
-    """Return which rows of a log, (n,), are in another one: equal position and command over STRETCH rows.
-
-    Time and references are ignored for equal rows. Up to about half of the rows may have been left out, or the rows
-    interpolated at other times; units and the zero of the position may differ.
-    """
+    """Return which rows, (n,), are in another log, whatever their time, units and zero, half left out, or resampled."""
     none = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
         return none
     for mine in filter(None, (log, _in_units_of(log, other))):
-        spread = [
-            (max(map(np.ptp, both)), max(float(np.abs(one).max()) for one in both))
-            for both in ((mine.position, other.position), (mine.command, other.command))
-        ]
+        pairs = ((mine.position, other.position), (mine.command, other.command))
+        spread = [(max(map(np.ptp, both)), max(float(np.abs(one).max()) for one in both)) for both in pairs]
         keys = _rounded_rows(mine, other, spread)
         if (found := _equal_rows(mine, other, keys, spread)).any():
             return found
@@ -49,11 +43,7 @@ def repeated(log: Log, other: Log) -> Mask:
 def counted_once(
     logs: Sequence[Log], names: Sequence[str], fewest: int
 ) -> tuple[list[Log], list[Mask], tuple[str, ...]]:
-    """Return logs without the rows that a longer or earlier log contains.
-
-    `fewest`: rows that must remain; a log with fewer is left out. Also returned: which rows (n,) of each given log
-    count, and messages that use the `names`.
-    """
+    """Return logs without rows of a longer or earlier one, which rows count, and messages; `fewest`: rows to remain."""
     order = sorted(range(len(logs)), key=lambda i: -len(logs[i]))
     kept = [np.ones(len(log), dtype=bool) for log in logs]
     said: dict[int, str] = {}
@@ -132,10 +122,7 @@ def _equal_rows(log: Log, other: Log, keys: Sequence[IntArray], spread: Spread) 
 
 
 def _rows_between(log: Log, other: Log, spread: Spread) -> Mask:
-    """Return which rows of a log, (n,), are at or between rows of another one, at one shift in time.
-
-    The position is on the line between two rows; the command is too, or is held from the row before.
-    """
+    """Return which rows, (n,), lie between rows of another log at one shift in time; the command may be held."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     found = np.zeros(len(log), dtype=bool)
@@ -167,10 +154,8 @@ def _shift(log: Log, other: Log) -> float | None:
     rows = [int((one.time[-1] - one.time[0]) / step) for one in (log, other)]
     if min(rows) < WINDOW or max(rows) > 20 * (len(log) + len(other)):
         return None
-    speeds = [
-        np.diff(np.interp(one.time[0] + step * np.arange(n), one.time, one.position))
-        for one, n in zip((log, other), rows, strict=True)
-    ]
+    pairs = zip((log, other), rows, strict=True)
+    speeds = [np.diff(np.interp(one.time[0] + step * np.arange(n), one.time, one.position)) for one, n in pairs]
     likeness = cross_correlation(speeds[1], speeds[0])
     size = cross_correlation(speeds[1] ** 2, np.ones(len(speeds[0])))
     size = np.maximum(size, 0.1 * float(size.max()))

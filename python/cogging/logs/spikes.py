@@ -49,9 +49,6 @@ def repaired(log: Log, readings: Mask, commands: Mask) -> tuple[Log, str]:
             said.append(f"{many} single {what}{'s' if many > 1 else ''}, first in row {int(np.argmax(rows))}")
     if not said:
         return log, ""
-    whole = replace(
-        log,
-        position=between(log.position, log.time, readings),
-        command=between(log.command, log.time, commands),
-    )
+    position, command = between(log.position, log.time, readings), between(log.command, log.time, commands)
+    whole = replace(log, position=position, command=command)
     return whole, f"{' and '.join(said)}, that jump away and return at once: replaced by interpolation"

@@ -72,10 +72,7 @@ def fit_splines(
 def cross_validate(
     fit: SplineFit, position: FloatArray, force: FloatArray, nuisance: FloatArray, block: float
 ) -> tuple[float, float]:
-    """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
-
-    Of each eight neighbouring blocks (m) of the travel one, at random, is in each of eight folds.
-    """
+    """Rms of the errors (V) with which parts of the scan are predicted from the rest, and its standard error."""
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
     groups = int(blocks.max()) // FOLDS + 1
     tiles = np.tile(np.arange(FOLDS), (groups, 1))
@@ -124,10 +121,7 @@ def rows_of(basis: SplineHarmonics, coefficients: FloatArray) -> tuple[FloatArra
 def normal_equations(
     basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)].
-
-    Span by span, since few control points act in each.
-    """
+    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)], span by span."""
     p = 0 if basis is None else basis.coefficients
     normal = np.zeros((p + nuisance.shape[1],) * 2)
     right = np.zeros(len(normal))
@@ -199,16 +193,9 @@ class HarmonicSpectrum:
         self.modulated = bool(self.near.sum(axis=1).max() > 1)
         # exp(i a) exp(i b) = exp(i (a + b)): two matrix products give all lines, without a loop over them.
         centred = 2j * np.pi * (position - position.mean())
-        self._rows, self._columns = (
-            np.exp(np.outer(centred, self.harmonic / pitch)),
-            np.exp(np.outer(centred, offset / travel)),
-        )
-        twice = (self._rows**2).T @ self._columns**2
-        self._cc, self._ss, self._cs = (
-            (len(position) + twice.real) / 2,
-            (len(position) - twice.real) / 2,
-            twice.imag / 2,
-        )
+        self._rows, self._columns = (np.exp(np.outer(centred, one)) for one in (self.harmonic / pitch, offset / travel))
+        twice, n = (self._rows**2).T @ self._columns**2, len(position)
+        self._cc, self._ss, self._cs = (n + twice.real) / 2, (n - twice.real) / 2, twice.imag / 2
 
     def power(self, force: FloatArray, harmonics: slice = slice(None)) -> FloatArray:
         """The power of every line, V^2, in the shape of `frequency` or of some of its rows; 0 where f <= 0."""
@@ -249,25 +236,19 @@ class HarmonicSpectrum:
         return level, 2.0 * np.log(2.0) ** 2 * window
 
     def false_alarm(self, ratio: float, degrees: float) -> float:
-        """The probability that noise alone lifts any line of the spectrum to `ratio` times its level.
-
-        lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution.
-        """
+        """Probability that noise alone lifts any line to `ratio` times its level, by F(2, degrees), at most 1."""
         tail = float(np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees)))
         return min(1.0, float(self.present.sum()) * tail)
 
     def find(
         self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
     ) -> list[Line]:
-        """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
-
-        The strongest line is removed with its modulation and the `nuisance` columns (n, q), and the rest searched
-        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded from
-        the start.
-        """
+        """The significant lines of a force (V, (n,)) in the order found, each harmonic once, without `taken` lines."""
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
         arithmetic = FLOOR**2 * float(np.mean(rest**2)) or 1.0
+        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
+        origin = float(self.position.min())
         for _ in range(ROUNDS):
             power = self.power(rest)
             level, degrees = self.level(power, taken, float(np.mean(rest**2)))
@@ -280,7 +261,15 @@ class HarmonicSpectrum:
             if all(line.frequency != frequency for line in found):
                 amplitude = float(self.amplitude(power)[h, s])
                 found.append(Line(frequency, int(h) if own else None, amplitude))
-            rest = rest - self._component(rest, nuisance, frequency)
+            # Less the least-squares part at this frequency (spline of order 3, or constant) and the nuisances.
+            basis = SplineHarmonics(
+                pitch=self.pitch, periods=[1.0 / frequency], order=3, origin=origin, control_points=points
+            )
+            normal, right = normal_equations(basis, self.position, rest, nuisance)
+            p = basis.coefficients
+            normal[np.arange(p), np.arange(p)] += 1e-12 * float(np.max(np.diag(normal)[:p]))
+            coefficients = np.asarray(np.linalg.solve(normal, right), dtype=np.float64)
+            rest = rest - predict(basis, coefficients, self.position, nuisance)
             taken |= self.around(frequency, self.modulated)
         return found
 
@@ -294,17 +283,6 @@ class HarmonicSpectrum:
         for harmonic in harmonics:
             taken |= self.around(harmonic / self.pitch, modulated)
         return taken
-
-    def _component(self, force: FloatArray, nuisance: FloatArray, frequency: float) -> FloatArray:
-        """The least-squares part of a force at a frequency (spline of order 3, or constant) and of the nuisances."""
-        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
-        origin, periods = float(self.position.min()), [1.0 / frequency]
-        basis = SplineHarmonics(pitch=self.pitch, periods=periods, order=3, origin=origin, control_points=points)
-        normal, right = normal_equations(basis, self.position, force, nuisance)
-        p = basis.coefficients
-        normal[np.arange(p), np.arange(p)] += 1e-12 * float(np.max(np.diag(normal)[:p]))
-        coefficients = np.asarray(np.linalg.solve(normal, right), dtype=np.float64)
-        return predict(basis, coefficients, self.position, nuisance)
 
 
 def _slope(log_frequency: FloatArray, log_power: FloatArray) -> float:

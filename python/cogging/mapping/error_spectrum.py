@@ -44,11 +44,7 @@ class TrackingSpectrum(ByValue):
     period_amplitudes: tuple[float, ...]
     units: Units = field(default_factory=Units)
 
-    plot = plot_method(
-        plot.spectrum,
-        "Draw amplitude over spatial frequency, and the proposed periods (cogging.plot.spectrum).",
-        "axes",
-    )
+    plot = plot_method(plot.spectrum, "Draw amplitude over spatial frequency, and the proposed periods.", "axes")
 
     def to_frame(self) -> Any:
         """Frequencies and amplitudes as a pandas DataFrame (extra `frames`), with units in `attrs["units"]`."""
@@ -70,8 +66,7 @@ def tracking_spectrum(
     """Find the spatial periods in the tracking error of a log.
 
     On every stretch of constant speed the error is fitted by a constant and a sine and cosine of each frequency against
-    position (least squares). The powers of the stretches are averaged, since the phase differs with direction. The
-    strongest line is removed from every stretch, and the rest searched again.
+    position; the powers of the stretches are averaged. The strongest line is removed, and the rest searched again.
 
     Args:
         log: with a reference.

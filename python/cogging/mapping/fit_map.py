@@ -63,11 +63,6 @@ class Noise:
         covariance = fit.covariance(np.maximum(columns, least))
         return cls(level, turned, degrees, covariance, np.sqrt(np.diag(covariance)))
 
-    def threshold(self, spectrum: HarmonicSpectrum, false_alarm: float) -> FloatArray:
-        """The amplitude (V) at which each line of the spectrum that is present has that false alarm."""
-        power = self.level * spectrum.threshold(false_alarm, self.degrees)
-        return np.asarray(spectrum.amplitude(power)[spectrum.present])
-
 
 def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: Noise) -> tuple[HarmonicAmplitude, ...]:
     """The table of the harmonics."""
@@ -78,8 +73,8 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
     gram, mean = weights.T @ weights / len(weights), weights.mean(axis=0)
     step = 2 * basis.terms
     for i, harmonic in enumerate(basis.harmonics):
-        s, c = (fit.coefficients[: basis.coefficients][2 * i + part :: step] for part in (0, 1))
         chosen = [slice(2 * i + part, basis.coefficients, step) for part in (0, 1)]
+        s, c = (fit.coefficients[part] for part in chosen)
         covariance = np.block([[noise.covariance[a, b] for b in chosen] for a in chosen])
         amplitude = float(np.sqrt(s @ gram @ s + c @ gram @ c))
         gradient = np.concatenate([gram @ s, gram @ c]) / max(amplitude, np.finfo(float).tiny)
@@ -108,32 +103,26 @@ def direction_content(
     if not harmonics:
         return (), 0.0, None
     first = (0 if fit.basis is None else fit.basis.coefficients) + 2
-    chosen = slice(first, first + 2 * len(harmonics))
-    coefficients = fit.coefficients[chosen]
+    coefficients = fit.coefficients[first : first + 2 * len(harmonics)]
     content = direction_columns(scan, spectrum.pitch, harmonics) @ coefficients
     turned = spectrum.power((fit.residual + content) * scan.direction)
-    covariance = noise.covariance[chosen, chosen]
     entries, middle = [], turned.shape[1] // 2
-    for i, harmonic in enumerate(harmonics):
-        s, c = coefficients[2 * i : 2 * i + 2]
-        amplitude = float(np.hypot(s, c))
-        gradient = np.array([s, c]) / max(amplitude, np.finfo(float).tiny)
-        own = covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
-        ratio = float(turned[harmonic, middle] / noise.turned[harmonic, middle])
-        error, phase = float(np.sqrt(gradient @ own @ gradient)), float(np.arctan2(c, s))
-        alarm = float(spectrum.false_alarm(ratio, noise.degrees))
-        entries.append(HarmonicAmplitude(harmonic, amplitude, error, phase, alarm))
+    for place, harmonic in zip(range(first, len(fit.coefficients), 2), harmonics, strict=False):
+        own = slice(place, place + 2)
+        amplitude = float(np.hypot(*fit.coefficients[own]))
+        gradient = fit.coefficients[own] / max(amplitude, np.finfo(float).tiny)
+        error, phase = gradient @ noise.covariance[own, own] @ gradient, np.arctan2(*fit.coefficients[own][::-1])
+        alarm = spectrum.false_alarm(float(turned[harmonic, middle] / noise.turned[harmonic, middle]), noise.degrees)
+        entries.append(HarmonicAmplitude(harmonic, amplitude, float(np.sqrt(error)), float(phase), alarm))
     lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
     return tuple(entries), float(np.sqrt(np.mean(content**2))), lag
 
 
 def direction_columns(scan: Scan, pitch: float, harmonics: list[int]) -> FloatArray:
     """Columns direction sin(2 pi h x / pitch), direction cos(...), harmonic by harmonic, (n, 2 harmonics)."""
-    columns = np.empty((len(scan.position), 2 * len(harmonics)))
-    for i, harmonic in enumerate(harmonics):
-        angle = 2.0 * np.pi * harmonic / pitch * scan.position
-        columns[:, 2 * i], columns[:, 2 * i + 1] = scan.direction * np.sin(angle), scan.direction * np.cos(angle)
-    return columns
+    angles = np.outer(scan.position, 2.0 * np.pi * np.array(harmonics) / pitch)
+    waves = np.stack([np.sin(angles), np.cos(angles)], axis=2).reshape(len(angles), -1)
+    return np.asarray(scan.direction[:, None] * waves)
 
 
 def find_direction_lines(
@@ -227,10 +216,9 @@ def _direction_remark(found: MapFit) -> str:
     against = f", Coulomb friction is {found.coulomb:.3g} {v}" if found.coulomb is not None else ""
     cause = "friction that ripples along the travel, or hysteresis"
     if found.direction_lag is not None:
-        lag = (
-            f"{abs(found.direction_lag):.3g} {found.units.position} {'late' if found.direction_lag > 0.0 else 'early'}"
-        )
-        cause = f"as of a map that comes {lag} each way: hysteresis, play or a late reading"
+        lag = f"{abs(found.direction_lag):.3g} {found.units.position}"
+        way = "late" if found.direction_lag > 0.0 else "early"
+        cause = f"as of a map that comes {lag} {way} each way: hysteresis, play or a late reading"
     return (
         f"{found.direction_rms:.3g} {v} rms of the force change sign with the direction of motion (harmonics {which}"
         f"{against}): {cause}; not in the map, which is the mean of both ways"
@@ -239,29 +227,6 @@ def _direction_remark(found: MapFit) -> str:
 
 MOST_COEFFICIENTS = 4000  # of one fit: its normal matrix is dense
 SLIVER = 0.05  # of a pitch: a shorter rest of the travel gets no span
-
-
-def _check_options(
-    pitch: float,
-    harmonics: Sequence[int] | None,
-    order: int | None,
-    origin: float | None,
-    highest_harmonic: int,
-    false_alarm: float,
-) -> None:
-    """Raise ValueError for an invalid option of fit_map."""
-    require(is_number(pitch) and pitch > 0.0, "pitch", "must be finite and above 0", pitch)
-    within = is_number(false_alarm) and 0.0 < false_alarm < 1.0
-    require(within, "false_alarm", "must lie between 0 and 1", false_alarm)
-    require(_is_whole(highest_harmonic, 1), "highest_harmonic", "must be a whole number from 1", highest_harmonic)
-    if harmonics is not None:
-        given = list(harmonics) if isinstance(harmonics, Sequence | np.ndarray) else [None]
-        whole = all(_is_whole(harmonic, 1) for harmonic in given)
-        require(whole, "harmonics", "must be a list of whole numbers from 1", harmonics)
-        SplineHarmonics(pitch=pitch, harmonics=given)  # checks its own rules
-    rule = "must be a whole number from 1 to 16, or 0 for a periodic map"
-    require(order is None or _is_whole(order, 0, 16), "order", rule, order)
-    require(origin is None or is_number(origin), "origin", "must be a finite number", origin)
 
 
 def _is_whole(value: object, lowest: int, highest: int = 10_000) -> bool:
@@ -292,17 +257,13 @@ def fit_map(
 
     force = F_cogging(x) + offset + trend (x - centre) + direction (coulomb + g(x)), with (Lu et al. 2008, eq. 3 to 5)
     F_cogging(x) = sum_i (f_Si(x) sin(2 pi i x / pitch) + f_Ci(x) cos(2 pi i x / pitch)), f constant or B-splines on
-    knots one pitch apart from `origin` over the travel. Least squares on points averaged over small cells, with a weak
-    prior: neighbouring control points differ by 0 +- the standard deviation of the scan's force. So a control point
-    that the scan does not reach continues its neighbour; it is listed in `unexcited`.
+    knots one pitch apart from `origin` over the travel. Least squares on averaged points, with a weak prior by which a
+    control point that the scan does not reach continues its neighbour (`unexcited`). Friction is separated from the
+    offset if the scan goes there and back over one pitch or more. g(x), also periodic, is what else changes its sign
+    with the direction: friction ripple, hysteresis; it is not part of the map.
 
-    Friction is separated from the offset if the scan goes there and back over one pitch or more. g(x), also periodic,
-    is what else changes its sign with the direction: friction ripple, hysteresis; it is not part of the map.
-
-    Harmonics are found in the least-squares spectrum (HarmonicSpectrum.find). Periodic and orders 1 to 4 are compared
-    by 8-fold cross-validation on blocks of an eighth of a pitch, both directions together; the one with the fewest
-    coefficients within one standard error of the best is chosen. Standard errors use the residual's spectrum at a
-    harmonic's own frequency, and at least the residual's mean square.
+    Harmonics are found in the least-squares spectrum. Periodic and orders 1 to 4 are compared by 8-fold
+    cross-validation; the one with the fewest coefficients within one standard error of the best is chosen.
 
     Args:
         position: m, (n,), in the order of measurement, irregular and repeated at will.
@@ -320,9 +281,8 @@ def fit_map(
         The cogging model with its standard errors and how it was chosen.
 
     Raises:
-        ValueError: names the field, the rule and the value: fewer than 10 points, NaN, lengths that differ, a travel
-            below one pitch (less the last spacing of a closed turn), points too far apart, a harmonic that they do not
-            resolve, more coefficients than points.
+        ValueError: fewer than 10 points, NaN, lengths that differ, a travel below one pitch, points too far apart, a
+            harmonic that they do not resolve, more coefficients than points.
 
     Example:
         >>> x = np.linspace(0.0, 0.4, 2001)
@@ -332,8 +292,19 @@ def fit_map(
         [(1, 0.1)]
     """
     units = units or Units()
-    _check_options(pitch, harmonics, order, origin, highest_harmonic, false_alarm)
-    given = [] if harmonics is None else [int(harmonic) for harmonic in harmonics]
+    require(is_number(pitch) and pitch > 0.0, "pitch", "must be finite and above 0", pitch)
+    within = is_number(false_alarm) and 0.0 < false_alarm < 1.0
+    require(within, "false_alarm", "must lie between 0 and 1", false_alarm)
+    require(_is_whole(highest_harmonic, 1), "highest_harmonic", "must be a whole number from 1", highest_harmonic)
+    given = []
+    if harmonics is not None:
+        whole = isinstance(harmonics, Sequence | np.ndarray) and all(_is_whole(one, 1) for one in harmonics)
+        require(whole, "harmonics", "must be a list of whole numbers from 1", harmonics)
+        given = [int(harmonic) for harmonic in harmonics]
+        SplineHarmonics(pitch=pitch, harmonics=given)  # checks its own rules
+    rule = "must be a whole number from 1 to 16, or 0 for a periodic map"
+    require(order is None or _is_whole(order, 0, 16), "order", rule, order)
+    require(origin is None or is_number(origin), "origin", "must be a finite number", origin)
     highest = max(highest_harmonic, *given, 1)
     scan = read_scan(position, force, units, pitch=pitch, force_sign=force_sign, highest_harmonic=highest)
     rule = f"must be at most {scan.resolvable} with points this far apart"
@@ -378,6 +349,7 @@ def fit_map(
     values, errors = (a[:p] if p else np.zeros(2) for a in (fit.coefficients, noise.standard_errors))
     sine_error, cosine_error = rows_of(basis, errors)
     direction_amplitudes, direction_rms, direction_lag = direction_content(spectrum, scan, fit, noise, odd)
+    shown, power = spectrum.present, spectrum.power(scan.force - nuisance @ fit.coefficients[p:])
     result = MapFit(
         cogging=cogging_of(basis, values),
         order=chosen,
@@ -394,7 +366,7 @@ def fit_map(
         trend=slope,
         trend_standard_error=slope_error,
         residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
-        noise=float(np.sqrt(np.median(noise.level[spectrum.present]))),
+        noise=float(np.sqrt(np.median(noise.level[shown]))),
         cross_validation=tuple(scores),
         unexcited=tuple(unexcited),
         notes=(),
@@ -402,11 +374,9 @@ def fit_map(
         force=scan.force,
         direction=scan.direction,
         fitted=scan.force - fit.residual,
-        line=pitch * spectrum.frequency[spectrum.present],
-        line_amplitude=spectrum.amplitude(spectrum.power(scan.force - nuisance @ fit.coefficients[p:]))[
-            spectrum.present
-        ],
-        line_threshold=noise.threshold(spectrum, false_alarm),
+        line=pitch * spectrum.frequency[shown],
+        line_amplitude=spectrum.amplitude(power[shown]),
+        line_threshold=spectrum.amplitude(noise.level[shown] * spectrum.threshold(false_alarm, noise.degrees)),
         units=scan.units,
     )
     remarks = _remarks(result, spectrum, scan, fit, nuisance, false_alarm)
@@ -416,10 +386,7 @@ def fit_map(
 def _choose(
     scan: Scan, pitch: float, terms: list[int], order: int | None, first_knot: float, nuisance: FloatArray
 ) -> tuple[int, SplineFit, list[CrossValidation], list[str]]:
-    """Choose the order asked for, or that of fewest coefficients within one standard error of the best prediction.
-
-    Returns the order, 0 without terms; its fit; how the orders that the scan has points for compare; and notes.
-    """
+    """Return the order of fewest coefficients within one standard error of the best, its fit, scores and notes."""
     notes: list[str] = []
     fits: dict[int, SplineFit] = {}
     scores: list[CrossValidation] = []

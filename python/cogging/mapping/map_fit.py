@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -16,7 +15,7 @@ from cogging.files import InputError
 from cogging.model.model import cogging_to_dict
 from cogging.model.units import Units
 from cogging.outputs import same_file, to_toml, write_files
-from cogging.plot.canvas import grid_to_write, plot_method
+from cogging.plot.canvas import grid_to_write, plot_method, png
 from cogging.plot.results import WHOLE_MAP, whole_map_fit
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
@@ -162,11 +161,7 @@ class MapFit(ByValue):
         headers = ["harmonic", f"amplitude ({v})", f"standard error ({v})", "phase (rad)", "false alarm"]
         return html_table(f"MapFit: {self._brief()}", headers, rows, self.notes)
 
-    plot = plot_method(
-        whole_map_fit,
-        "Draw the map with its 95 % band and the points of the scan, what is left of them, and their spectrum.",
-        "three axes",
-    )
+    plot = plot_method(whole_map_fit, "Draw the map with its 95 % band, the residual and the spectrum.", "three axes")
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the `[cogging]` section of a model file, and the figure beside it as .png.
@@ -176,14 +171,13 @@ class MapFit(ByValue):
         Raises:
             InputError: a file cannot be written, or both are one: a model called `.png`.
         """
-        picture = io.BytesIO()
-        self.plot(ax=grid_to_write(3, 1, WHOLE_MAP)).savefig(picture, format="png", dpi=120)
+        picture = png(self.plot(ax=grid_to_write(3, 1, WHOLE_MAP)))
         labels = {} if self.units == Units() else {"units": self.units.to_dict()}
         text = to_toml({"cogging": cogging_to_dict(self.cogging), **labels})
         figure = os.fspath(Path(path).with_suffix(".png"))
         if same_file(path, figure):
             raise InputError(f"{path}: must not be where its figure is written, got {figure}")
-        write_files({os.fspath(path): [text.encode()], figure: [picture.getvalue()]})
+        write_files({os.fspath(path): [text.encode()], figure: [picture]})
 
 
 def _table(entries: tuple[HarmonicAmplitude, ...]) -> list[str]:

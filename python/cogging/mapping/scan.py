@@ -78,9 +78,9 @@ def read_scan(
     ways = [direction == way for way in (1.0, -1.0)]
     both_ways = all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways)
     kept = ~turned if both_ways else max(ways, key=np.count_nonzero)
-    notes = ["the scan goes one way only: friction and offset cannot be told apart, `offset` holds both"] * (
-        not both_ways
-    )
+    notes = []
+    if not both_ways:
+        notes.append("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both")
     if not kept.all():
         which = "just after a reversal" if both_ways else "of a short way back"
         notes.append(f"{int(np.sum(~kept))} rows {which} left out")

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging.arrays import FloatArray
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look
 from cogging.plot.traces import draw_trace
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 WIDTH, HEAD, PANEL = 8.0, 1.3, 1.7  # inches
 HEADROOM = 1.12  # the scale ends at so many times the largest value
@@ -35,10 +33,7 @@ class Trace(NamedTuple):
 def compared(
     title: str, traces: Sequence[Trace], *, zoom: tuple[float, float] | None = None, limit: float | None = None
 ) -> Figure:
-    """Return a figure of errors, a panel each; dashed lines mark the printed values.
-
-    zoom: start and end (s) of a second column; limit: end of the scale, m.
-    """
+    """Return a figure of errors, one panel each; dashed lines mark printed values; zoom: s; limit: of the scale, m."""
     sizes = [np.nanmax(np.abs(trace.error)) for trace in traces]
     sizes += [trace.printed for trace in traces if trace.printed is not None]
     scale, over = scale_of("m", sizes), scale_of("s", *(trace.time for trace in traces))

@@ -10,9 +10,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging import _core, effects
 from cogging._core import Arc, Dcarc, DivergedError, ObserverBased, OutputFeedbackArc, Pid, Plant
@@ -20,16 +21,12 @@ from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.calibrated import shipped_toml
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, SAMPLE_RATE, GantryAxis
-from cogging.papers.result import Reproduction, Table, explored
+from cogging.papers.result import Reproduction, Table, explored, shipped_toml
 from cogging.papers.xu2001 import epoxy_motor
 from cogging.plot.canvas import drawn, new_figure
 from cogging.plot.series import look, marker
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 AXIS = AXES["X"]
 POLE = -300.0  # 1/s: of the PID for the smallest mass (Xu and Yao 2001, section 4.3), and of the observer's position
@@ -102,10 +99,7 @@ def at_equal_margin(axis: GantryAxis) -> dict[str, ListedController]:
 def scaled(
     name: str, axis: GantryAxis, factor: float = 1.0, observer_gain: Sequence[float] | None = None
 ) -> ListedController:
-    """Return a controller of SCALED or OWN tuned by its paper's rule for an axis, all poles times a factor.
-
-    observer_gain: of observer_based at this factor; None: designed here (extra `design`).
-    """
+    """Return a controller tuned by its paper's rule, its poles times a factor; observer_gain: None designs it here."""
     if name == "pid":
         kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
         friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}

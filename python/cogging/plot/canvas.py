@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import io
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -78,7 +79,7 @@ def plot_method(draw: Callable[..., Any], doc: str, axes: str) -> Callable[..., 
     return plot
 
 
-def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
+def new_figure(size: tuple[float, float] | None = None, *, title: str = "", window: bool = False) -> Figure:
     """Return an empty figure of a size (inches); with `window`, one that `plt.show()` of a script in a window shows."""
     from cogging.plot.shown_figure import ShownFigure
 
@@ -86,9 +87,12 @@ def new_figure(size: tuple[float, float] | None = None, *, window: bool = False)
     if window and pyplot is not None and threading.current_thread() is threading.main_thread():
         backend = str(pyplot.get_backend()).lower()
         if backend not in WINDOWLESS and not backend.startswith("module://"):
-            figure: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
-            return figure
-    return ShownFigure(figsize=size, layout="constrained")
+            shown: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
+            return shown
+    figure = ShownFigure(figsize=size, layout="constrained")
+    if title:
+        figure.suptitle(title)
+    return figure
 
 
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
@@ -133,6 +137,13 @@ def grid_to_write(rows: int, columns: int, size: tuple[float, float]) -> Panels:
     """Return axes of a figure for a file: in the style of this package, without a window."""
     with styled():
         return grid_of(None, rows * columns, columns, size=size, window=False)
+
+
+def png(figure: Figure) -> bytes:
+    """Return a figure as the content of a PNG file."""
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=120)
+    return content.getvalue()
 
 
 def legend(ax: Axes, columns: int = 4) -> None:

@@ -180,10 +180,8 @@ def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: A
     axes = one_of(ax)
     if index in trials:
         x, y, kept = along(trials[index]), up(errors), np.asarray(trials["kept"], dtype=bool)
-        for which, mark, colour, name in (
-            (~kept, "x", GREY, "beyond a limit"),
-            (kept, ".", MEASURED, "within the limits"),
-        ):
+        series = ((~kept, "x", GREY, "beyond a limit"), (kept, ".", MEASURED, "within the limits"))
+        for which, mark, colour, name in series:
             shown = which & np.isfinite(x) & np.isfinite(y)
             if shown.any():
                 axes.plot(x[shown], y[shown], mark, markersize=4, color=colour, label=name)

@@ -45,10 +45,9 @@ def log(log: Any, columns: str | Sequence[str] | None = None, *, units: Any = No
         'error (µm)'
     """
     table = table_of(log)
-    usual = [name for name in ("position", "error", "command") if name in table]
-    chosen = (
-        [columns] if isinstance(columns, str) else list(columns or usual or [name for name in table if name != "time"])
-    )
+    usual: list[str] = [name for name in ("position", "error", "command") if name in table]
+    usual = usual or [name for name in table if name != "time"]
+    chosen = [columns] if isinstance(columns, str) else list(columns or usual)
     found = {name: column(table, name) for name in chosen}
     panels = grid_of(ax, len(chosen), size=(WIDTH, 0.7 + PANEL * len(chosen)), sharex=True)
     units = units or units_of(log)
@@ -126,9 +125,6 @@ def adaptation(
 ) -> Panels:
     """Plot the estimates of an adaptive controller over time, one panel each, with their bounds.
 
-    The true value of an estimate at its bound may be outside: the bound is too narrow, or the controller's model does
-    not describe the machine.
-
     Args:
         log: a Log with estimates (simulate(..., record_estimates=True)), of p columns.
         bounds: the controller or its parameters; a Model with one; low and high by name; an array (p, 2); None: of the
@@ -181,15 +177,13 @@ def _chosen(known: Sequence[Estimate], which: Sequence[str | int] | None) -> lis
     if which is None:
         return list(range(min(len(known), MOST)))
     places = {one.name: place for place, one in enumerate(known)}
-    found = []
-    for wanted in [which] if isinstance(which, str | int) else which:
-        place = places.get(wanted, -1) if isinstance(wanted, str) else wanted
-        if not isinstance(place, int | np.integer) or not 0 <= place < len(known):
-            raise ValueError(f"which: must be estimates, got {wanted!r}: {did_you_mean(str(wanted), places)}")
-        found.append(int(place))
-    if not found:
+    wanted = [which] if isinstance(which, str | int) else list(which)
+    for one in wanted:
+        if one not in places and one not in range(len(known)):
+            raise ValueError(f"which: must be estimates, got {one!r}: {did_you_mean(str(one), places)}")
+    if not wanted:
         raise ValueError("which: must name at least one estimate, got none")
-    return found
+    return [places[one] if isinstance(one, str) else int(one) for one in wanted]
 
 
 def _estimates(stated: Any, count: int, names: Sequence[str] | None, units: Any) -> list[Estimate]:

@@ -26,9 +26,8 @@ def whole_map_fit(fit: Any, *, units: Any = None, ax: Any = None) -> Panels:
     for place, (way, name) in enumerate(DIRECTIONS):
         kept = fit.direction == way
         if kept.any():
-            panels[1].plot(
-                along(fit.position[kept]), up(left[kept]), label=name, linewidth=0.7, **look(place, dense=True)
-            )
+            style = {"linewidth": 0.7, **look(place, dense=True)}
+            panels[1].plot(along(fit.position[kept]), up(left[kept]), label=name, **style)
     panels[1].set(xlabel=along.label("position"), ylabel=up.label("residual"))
     legend(panels[1])
     spectrum(fit, units=units, ax=panels[2])

@@ -1,8 +1,4 @@
-"""Sweeps: many runs of one model, each with other numbers.
-
-Runs are computed in pieces, by threads of this process or by the workers of an executor. Finished pieces are stored in
-a folder beside the output until the whole table is written, so that an interrupted sweep continues where it was.
-"""
+"""Sweeps: many runs of one model, each with other numbers, in pieces that are kept until the whole is written."""
 
 from __future__ import annotations
 
@@ -11,6 +7,7 @@ import hashlib
 import importlib.metadata
 import io
 import itertools
+import json
 import math
 import os
 import re
@@ -28,29 +25,18 @@ from cogging import plot
 from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
+from cogging.effects.custom import Custom
 from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
 from cogging.progress import Progress, steps
 from cogging.shown import quoted
+from cogging.simulation import varied
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.digests import digest_of
 from cogging.simulation.reductions import INDEXES, kept_of_runs, names_of, reduction, unit_of
 from cogging.simulation.reference import files_of_reference, motion_of, reference_to_dict
 from cogging.simulation.runs_table import RunsTable, is_parquet
-from cogging.simulation.varied import (
-    BOUNDS,
-    SEED,
-    VARIATION_KEYS,
-    Setup,
-    make_controller,
-    points_of,
-    refuse_unknown_paths,
-    require_numbers,
-    units_of,
-    variation_of,
-    with_numbers,
-)
+from cogging.simulation.varied import BOUNDS, SEED, VARIATION_KEYS, Setup, make_controller, with_numbers
 from cogging.tables import library
 
 if TYPE_CHECKING:
@@ -107,9 +93,8 @@ class SweepRuns(RunsTable):
     def influence(self, index: str = "error_rms") -> dict[str, float]:
         """Return by path how much of the spread of an index each varied number explains alone, the largest first.
 
-        The share is the adjusted correlation ratio of the ranks of the index, so that a few large values do not decide:
-        the variance between groups of runs with (nearly) the same number over the variance of all completed runs. It is
-        0 for a number that explains no more than chance would.
+        The adjusted correlation ratio of the ranks of the index: their variance between groups of runs with (nearly)
+        the same number over that of all completed runs; 0 for a number that explains no more than chance would.
         """
         values = np.asarray(self.table[index], dtype=np.float64)
         good = np.isfinite(values)
@@ -197,11 +182,9 @@ def sweep(
     `reference.velocity`, `seed`.
 
     Run i has noise with the seed `seed` + i, unless `seed` is varied. A run that diverges, or whose numbers break a
-    rule, is a row with its reason; the others complete. The same arguments give the same table, whatever the executor.
-
-    With `out`, finished pieces are stored in a folder beside it (`OUT.pieces`) until the whole is written: after an
-    interruption, a crash or a full disk the same call continues where it was. A model with a custom effect, whose law
-    cannot be compared, stores no pieces.
+    rule, is a row with its reason. The same arguments give the same table, whatever the executor. With `out`, finished
+    pieces are stored beside it (`OUT.pieces`) until the whole is written, from which the same call continues after an
+    interruption, unless the model has a custom effect, whose law cannot be compared.
 
     Args:
         model: a Model, or the path of a model file.
@@ -234,14 +217,21 @@ def sweep(
         >>> len(runs), runs.failed
         (8, 0)
     """
-    require_numbers(seed, runs, duration, (start, stop, final_window), threads)
-    setup, own_duration = _setup(model, reference)
+    varied.require_numbers(seed, runs, duration, (start, stop, final_window), threads)
+    path, model = model, model if isinstance(model, Model) else Model.read(model)
+    try:
+        make_controller(model)
+    except ValueError as error:
+        raise (error if model is path else InputError(f"{path}: {error}")) from None
+    motion, own_duration = motion_of(reference)
+    setup = Setup(model, motion)
     if vary == BOUNDS:
         vary = {path: BOUNDS for path, ends in setup.model.intervals.items() if np.isfinite(ends).all()}
     if not isinstance(vary, Mapping) or not vary:
         raise ValueError(f'vary: must give at least one number, or be "bounds" of a model that has some, got {vary!r}')
-    refuse_unknown_paths(setup, vary)
-    points = points_of([variation_of(path, stated, setup.model) for path, stated in vary.items()], method, runs, seed)
+    varied.refuse_unknown_paths(setup, vary)
+    variations = [varied.variation_of(path, stated, setup.model) for path, stated in vary.items()]
+    points = varied.points_of(variations, method, runs, seed)
     for name in names_of(reductions)[len(INDEXES) :]:
         reduction(name)
     common = Piece(
@@ -287,17 +277,6 @@ class _NoRunBegan(ValueError):
     """No run of a sweep could begin: the fault is not that of a single run."""
 
 
-def _setup(model: Any, reference: Any) -> tuple[Setup, float]:
-    """Return model and motion, read from files where paths are given, and the duration of the reference file, s."""
-    path, model = model, model if isinstance(model, Model) else Model.read(model)
-    try:
-        make_controller(model)
-    except ValueError as error:
-        raise (error if model is path else InputError(f"{path}: {error}")) from None
-    motion, duration = motion_of(reference)
-    return Setup(model, motion), duration
-
-
 def _table(
     common: Piece, points: FloatArray, kept: Pieces | None, *, executor: Executor | None, progress: Progress
 ) -> SweepRuns:
@@ -326,7 +305,7 @@ def _table(
             step(f"{count} of {len(points)} runs")
     tables.sort(key=lambda table: int(table["run"][0]))
     whole = {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-    runs = SweepRuns(whole, common.paths, units_of(common.setup, common.paths, whole))
+    runs = SweepRuns(whole, common.paths, varied.units_of(common.setup, common.paths, whole))
     if runs.failed == len(runs) and np.isnan(whole["failed_at"]).all():
         raise _NoRunBegan(f"no run could begin: {whole['reason'][0]}")
     return runs
@@ -367,15 +346,24 @@ def run_piece(piece: Piece) -> Table:
         for failure in kept.failures:
             place = runs[failure.run][0]
             reasons[place], times[place] = failure.reason, failure.time
-    varied = {path: piece.points[:, i] for i, path in enumerate(piece.paths) if path != SEED}
+    numbers = {path: piece.points[:, i] for i, path in enumerate(piece.paths) if path != SEED}
     return {
         "run": np.arange(piece.first, piece.first + count),
-        **varied,
+        **numbers,
         "seed": np.array(seeds, dtype=np.int64),
         **dict(zip(names, indexes.T, strict=True)),
         "failed_at": times,
         "reason": np.array(reasons, dtype=str),
     }
+
+
+def digest_of(model: Model, asked: Mapping[str, Any]) -> str | None:
+    """Return a digest of version, model and arguments; None with a custom effect, whose law cannot be compared."""
+    if any(isinstance(effect, Custom) for effect in model.effects):
+        return None
+    whole = {"version": importlib.metadata.version("cogging"), "model": model.to_dict(), **asked}
+    text = json.dumps(whole, sort_keys=True, default=lambda value: value.tolist())
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 # Finished pieces ------------------------------------------------------------------------------------------------------
@@ -384,10 +372,7 @@ PIECE = re.compile(r"[0-9a-f]{64}-[0-9]{9}-[0-9a-f]{64}\.npz")  # digest of the 
 
 
 class Pieces:
-    """Finished pieces of a sweep in a folder, from which an interrupted sweep continues.
-
-    A piece with another checksum than its name says was damaged and is computed again. No other file is ever removed.
-    """
+    """Finished pieces of a sweep in a folder, from which it continues; damaged ones are computed again."""
 
     def __init__(self, out: AnyPath, digest: str) -> None:
         """Create the folder beside an output; raise InputError if it holds pieces of another sweep."""

@@ -110,16 +110,11 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
     elif len(fields) > 1:
         raise FieldError("", "file", f"must be given without samples, got {', '.join(fields)}")
     else:
-        optional = ("reference_velocity", "reference_acceleration")
-        table = read_columns(folder / file, ("time", "reference"), optional=optional)
+        table = read_columns(folder / file, SAMPLED_KEYS[1:3], optional=SAMPLED_KEYS[3:])
         source = f"{file}: "
+    columns: Any = (table.get(name) for name in SAMPLED_KEYS[1:])
     try:
-        return Sampled(
-            table["time"],
-            table["reference"],
-            table.get("reference_velocity"),
-            table.get("reference_acceleration"),
-        )
+        return Sampled(*columns)
     except ValueError as error:
         raise FieldError("", "file" if source else "time", f"{source}{error}") from None
 

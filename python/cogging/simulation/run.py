@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cogging import _core
 from cogging._core import Plant, Reference
-from cogging.arrays import FloatArray, real_array
+from cogging.arrays import real_array
 from cogging.calls import check_arguments
 from cogging.effects.custom import Custom
 from cogging.logs.log import Log
@@ -36,9 +36,8 @@ def simulate(
 ) -> Log:
     """Simulate a model in closed loop: reference -> controller -> axis -> encoder -> log.
 
-    A pure function: the same arguments give the same bits. The command is held between samples. Runge-Kutta steps of
-    fourth order integrate the axis, as many as keep their error below 1e-6 of the motion; with coulomb_width = 0 the
-    axis sticks and slips.
+    The same arguments give the same bits. The command is held between samples. Runge-Kutta steps of fourth order keep
+    their error below 1e-6 of the motion; with coulomb_width = 0 the axis sticks and slips.
 
     Args:
         model: a Model, or the path of a model file.
@@ -90,12 +89,13 @@ def simulate(
     own: Any = model.make_controller() if controller is None else controller
     options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
     options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
-    options |= {"record_estimates": record_estimates, "added_command": _added(added_command)}
-    return Log.of(_core.closed_loop(model.plant(), own, motion, **options), metadata)
+    options |= {"record_estimates": record_estimates}
+    return Log.of(_run(model.plant(), own, motion, added_command, **options), metadata)
 
 
-def _added(command: npt.ArrayLike | None) -> FloatArray | None:
-    return None if command is None else real_array("added_command", command)
+def _run(plant: Plant, controller: Any, motion: Reference, added: npt.ArrayLike | None, **options: Any) -> Any:
+    command = None if added is None else real_array("added_command", added)
+    return _core.closed_loop(plant, controller, motion, added_command=command, **options)
 
 
 @check_arguments(plant=PLANT, reference=MOTION)
@@ -142,8 +142,8 @@ def closed_loop(
     """
     options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
     options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
-    options |= {"record_estimates": record_estimates, "added_command": _added(added_command)}
-    return Log.of(_core.closed_loop(plant, controller, reference, **options))
+    options |= {"record_estimates": record_estimates}
+    return Log.of(_run(plant, controller, reference, added_command, **options))
 
 
 @check_arguments(log=LOG)

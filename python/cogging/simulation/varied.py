@@ -49,9 +49,8 @@ def _structs(setup: Setup) -> dict[str, Any]:
 
 def numbers_of(setup: Setup) -> dict[str, float | None]:
     """Return every number that can vary by path (see `sweep`); `seed` has no value (None)."""
-    numbers: dict[str, float | None] = {
-        path: parameter.value for path, parameter in parameters_of(setup.model, together=True).items()
-    }
+    parameters = parameters_of(setup.model, together=True)
+    numbers: dict[str, float | None] = {path: parameter.value for path, parameter in parameters.items()}
     for name, struct in _structs(setup).items():
         for field, value in ({} if struct is None else struct.to_dict()).items():
             entries = enumerate(value) if isinstance(value, list | tuple) else [(-1, value)]
@@ -159,10 +158,8 @@ def variation_of(path: str, stated: Any, model: Model) -> Variation:
         values = np.array(table["values"], dtype=float)
         if not values.size:
             raise FieldError("vary", path, "values: must hold at least one number, got none")
-        places = len(values)
-        return Variation(
-            path, lambda shares: values[np.minimum(shares * places, places - 1).astype(int)], lambda: values
-        )
+        last = len(values) - 1
+        return Variation(path, lambda s: values[np.minimum(s * len(values), last).astype(int)], lambda: values)
     if "mean" in table:
         if table["deviation"] < 0:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
@@ -224,11 +221,8 @@ def _between(path: str, table: Mapping[str, Any]) -> Variation:
 def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any, Any], threads: Any = 0) -> None:
     """Raise FieldError for a number that no sweep can have; `window`: start, stop and final window, s."""
     start, stop, final_window = window
-    for name, value, least, most in (
-        ("seed", seed, 0, SEED_MOST),
-        ("runs", runs, 1, RUNS_MAX),
-        ("threads", threads, 0, THREADS_MOST),
-    ):
+    counts = (("seed", seed, 0, SEED_MOST), ("runs", runs, 1, RUNS_MAX), ("threads", threads, 0, THREADS_MOST))
+    for name, value, least, most in counts:
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
             raise FieldError("", name, f"must be a whole number, got {quoted(value)}")
         if not least <= value <= most:

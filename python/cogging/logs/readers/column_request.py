@@ -78,11 +78,7 @@ class Request:
         return self.columns.get(name, name)
 
     def choose(self, present: Sequence[str], place: str, units: Sequence[str] | None = None) -> dict[str, int]:
-        """Return the index of each column among those of the file.
-
-        A name matches a column's whole text or the part before its unit, `position [mm]`. `units` are those that the
-        file states separately. If several columns match, or differ only by case or unit, `columns` must select one.
-        """
+        """Return the index of each column by its name, with or without its unit; `units`: those stated separately."""
         if self.survey is not None:
             stated_apart = units or [""] * len(present)
             self.survey.extend((name.strip(), unit.strip()) for name, unit in zip(present, stated_apart, strict=True))
@@ -110,13 +106,12 @@ class Request:
                 raise self.refuse(f"column {there}: must be one column of the {place}, {got}")
             found[name] = places[0]
             stated = parts[places[0]][1] or (units[places[0]].strip() if units else "")
-            if stated and name not in self.scaled:
-                self._require_si(name, there, stated)
+            if stated and name not in self.scaled and not is_si(name, stated):
+                raise self._not_si(name, there, stated)
         return found
 
-    def _require_si(self, name: str, there: str, unit: str) -> None:
-        if is_si(name, unit):
-            return
+    def _not_si(self, name: str, there: str, unit: str) -> InputError:
+        """Return the error for a column in another unit, with the factor to give."""
         wanted = SI_UNITS.get(name.rpartition("_")[2], "V")
         spelled = unit.strip().replace("**", "^")
         factors = {"s": TIME_FACTORS, "V": COMMAND_FACTORS}.get(wanted, FACTORS)
@@ -126,7 +121,7 @@ class Request:
             factor = None
         advice = f"--scale {name}={factor:g}" if factor else f"--scale {name}=FACTOR, 1 to take it as it is"
         stated = shortened(unit, LONGEST)
-        raise self.refuse(f"column {there}: must be in {NEEDED[wanted]}, got the unit {stated!r}; give {advice}")
+        return self.refuse(f"column {there}: must be in {NEEDED[wanted]}, got the unit {stated!r}; give {advice}")
 
 
 def is_si(name: str, unit: str) -> bool:
@@ -137,10 +132,7 @@ def is_si(name: str, unit: str) -> bool:
 
 
 def bracketed(text: str) -> tuple[str, str, str]:
-    """Return a name, the text in brackets behind it, and the opening bracket; all empty without brackets.
-
-    Parsed by hand: a regular expression takes the square of the length of a name of blanks.
-    """
+    """Return a name, the text in brackets behind it and the opening bracket, in linear time; all empty without."""
     whole = text.strip()
     opening = {"]": "[", ")": "("}.get(whole[-1:], "")
     at = whole.find(opening, whole.rfind(whole[-1], 0, -1) + 1) if opening else -1

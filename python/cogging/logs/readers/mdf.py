@@ -19,10 +19,7 @@ OF_TIME = (65535, 0)  # conversions that the library applies to the time of vers
 
 
 class Formulas:
-    """Prevents asammdf, imported later, from evaluating formulas of a file.
-
-    It passes formulas to numexpr and sympy, which run them as Python. Only its own formulas are evaluated.
-    """
+    """Keeps asammdf, imported later, from evaluating a file's formulas, which numexpr and sympy run as Python."""
 
     def __init__(self) -> None:
         self.refused: list[str] = []  # formulas that were not evaluated
@@ -31,12 +28,13 @@ class Formulas:
             import numexpr
         except ImportError:  # and asammdf says what it needs
             return
-        evaluate, own = numexpr.evaluate, None
+        evaluate = numexpr.evaluate
 
         def guarded(text: str, *arguments: Any, **named: Any) -> Any:
-            nonlocal own
-            own = _own_texts() if own is None else own
-            if text not in own:
+            from asammdf.blocks import v2_v3_constants, v4_constants
+
+            known = {**vars(v2_v3_constants), **vars(v4_constants)}  # rational and polynomial conversions among them
+            if text not in [known[name] for name in known if "CONV" in name and name.endswith("_TEXT")]:
                 self.refused.append(str(text)[:60])
                 raise ValueError("a formula of a file is not evaluated")
             named.setdefault("local_dict", sys._getframe(1).f_locals)
@@ -45,21 +43,8 @@ class Formulas:
         numexpr.evaluate = guarded
 
 
-def _own_texts() -> set[str]:
-    """Return the library's own formulas: rational and polynomial conversions with parameters from the file."""
-    from asammdf.blocks import v2_v3_constants, v4_constants
-
-    texts = set()
-    for constants in (v2_v3_constants, v4_constants):
-        texts |= {value for name, value in vars(constants).items() if "CONV" in name and name.endswith("_TEXT")}
-    return {text for text in texts if isinstance(text, str)}
-
-
 def read(request: Request) -> dict[str, Any]:
-    """Return channels of one channel group; `time` is its master channel unless a channel has that name.
-
-    A channel that occurs in several groups is named `GROUP.CHANNEL`, with the number of the group.
-    """
+    """Return channels of one group, named `GROUP.CHANNEL` if in several; `time` may be the group's master channel."""
     formulas = Formulas()  # before asammdf imports numexpr
     from asammdf import MDF
 
@@ -75,15 +60,12 @@ def read(request: Request) -> dict[str, Any]:
         others, names = request, list(places)
         if wants_master:
             masters = set(file.masters_db.items())
-            wanted, optional = (
-                [name for name in given if name != "time"] for given in (request.names, request.optional)
-            )
+            wanted, optional = ([n for n in given if n != "time"] for given in (request.names, request.optional))
             others = replace(request, names=wanted, optional=optional)
             names = [name for name, place in places.items() if place not in masters]
         channels = [file.groups[group].channels[channel] for group, channel in (places[name] for name in names)]
-        units = [
-            str(getattr(c, "unit", "") or getattr(getattr(c, "conversion", None), "unit", "") or "") for c in channels
-        ]
+        of_conversions = [getattr(getattr(channel, "conversion", None), "unit", "") for channel in channels]
+        units = [str(getattr(c, "unit", "") or unit or "") for c, unit in zip(channels, of_conversions, strict=True)]
         chosen = {name: places[names[i]] for name, i in others.choose(names, "file", units).items()}
         groups = {group for group, _ in chosen.values()}
         if len(groups) > 1:

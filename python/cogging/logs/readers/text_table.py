@@ -108,10 +108,7 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
 
 
 def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: int, first: int, request: Request) -> str:
-    """Return the decimal mark of the columns, from the first rows: a point or a comma.
-
-    Any column may show that a comma does not separate thousands.
-    """
+    """Return the decimal mark, a point or a comma, from the first rows; any column may show that a comma is one."""
     comma = point = ""
     sure = False
     cells = _split(lines[0], separator) if separator == "," and lines else []

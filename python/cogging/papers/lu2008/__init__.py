@@ -8,15 +8,13 @@ error at constant speed, the spectrum of the scans, matrix (29), the claim on ot
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from cogging.papers.lu2008 import cogging_scan, gantry, random_maps, robust_bound, tracking
 from cogging.papers.lu2008.gantry import AXES
 from cogging.papers.lu2008.stability_matrix import condition_table
 from cogging.papers.result import Reproduction, Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 NOTE = (
     "The cogging maps are not published: four amplitudes are fitted to all twelve numbers within the printed bound "

@@ -8,9 +8,9 @@ alone would raise a line of the spectrum as high in one scan of a hundred.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging._core import BSpline, CoggingModel
 from cogging.arrays import FloatArray
@@ -23,9 +23,6 @@ from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.characteristics import spectrum
 from cogging.plot.scales import scale_of
 from cogging.plot.series import FITTED, LIMIT, MEASURED
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SIZE = (8.0, 3.4)  # inches
 SCAN_STEP = 0.001  # m (section "System Identification")
@@ -79,10 +76,7 @@ def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) ->
 
 
 def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
-    """Tabulate the harmonics in the scan of an axis's map, which of them the rule keeps, and whose own line exceeds it.
-
-    A harmonic whose amplitude changes its sign along the travel has a line on either side and none between.
-    """
+    """Tabulate the harmonics in the scan of an axis's map, those that the rule keeps, and whose own line exceeds it."""
     kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
     listed = sorted({*HARMONICS, *kept})
     words = {harmonic: "kept" if harmonic in kept else "hidden" for harmonic in listed}

@@ -17,7 +17,7 @@ from cogging import _core
 from cogging._core import AdaptiveRobustParameters, CoggingModel, Dcarc, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.calibrated import shipped_toml
+from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import Batch, closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
@@ -145,10 +145,8 @@ def control_points(
 
 def cogging_map(axis: GantryAxis, amplitudes: Amplitudes, shape: MapShape | None = None) -> CoggingModel:
     """Return the assumed map of an axis; shape: None for the shipped one."""
-    shape = shape or shipped_shape()
-    return CoggingModel(
-        cogging_basis(), *control_points(shape, amplitudes, HARMONICS, axis.compensated, CONTROL_POINTS)
-    )
+    points = control_points(shape or shipped_shape(), amplitudes, HARMONICS, axis.compensated, CONTROL_POINTS)
+    return CoggingModel(cogging_basis(), *points)
 
 
 def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
@@ -180,10 +178,7 @@ def plant(axis: GantryAxis, cogging: CoggingModel | None, effects: Sequence[Any]
 def controller_parameters(
     axis: GantryAxis, name: str, *, periodic: Sequence[int] = (), **changes: Any
 ) -> AdaptiveRobustParameters:
-    """Return the parameters of C1 (no cogging compensation), C2 (periodic) or C3 (B-spline), all printed numbers.
-
-    Not reported, assumed: k_s1 alone (no u_s2), nominal initial estimates, harmonics of C2 as of C3 unless `periodic`.
-    """
+    """Return the printed parameters of C1 (no map), C2 (periodic) or C3 (B-spline); assumed: no u_s2, nominal start."""
     fields: dict[str, Any] = {name: getattr(axis, name) for name in ("error_gain", "feedback_gain", *ESTIMATED[:3])}
     for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):
         fields |= {f"{estimate}_bounds": list(bound), f"{estimate}_adaptation": rate}
@@ -213,10 +208,8 @@ def run(
 ) -> dict[str, Log]:
     """Return the logs of C1, C2 and C3 on the same machine; changes: of the controllers."""
     controllers = [Dcarc(controller_parameters(axis, name, **changes)) for name in CONTROLLERS]
-    machines, motion = [machine] * len(controllers), motion or reference(axis)
-    batch = closed_loop_batch(
-        machines, controllers, motion, seeds=[0] * len(machines), steps_per_sample=steps_per_sample, logs=True
-    )
+    machines, options = [machine] * len(controllers), dict[str, Any](steps_per_sample=steps_per_sample, logs=True)
+    batch = closed_loop_batch(machines, controllers, motion or reference(axis), **options)
     return dict(zip(CONTROLLERS, batch, strict=True))
 
 

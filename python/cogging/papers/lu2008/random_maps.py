@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
 from cogging._core import CoggingModel, Plant
@@ -16,9 +16,6 @@ from cogging.papers.lu2008.gantry import AXES, CONTROL_POINTS, HARMONICS, Gantry
 from cogging.papers.result import Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import look, marker
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MAPS = 8  # of each axis and kind in `reproduce`; the study draws more
 #: Kinds of maps: in the spline space of C3, which can then be exact, and with a line beside each harmonic.

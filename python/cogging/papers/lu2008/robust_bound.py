@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from cogging import _core
 from cogging._core import AdaptiveRobustParameters, Arc, AxisParameters, CoggingModel, Dcarc, Plant, friction_slope_max
@@ -26,10 +28,6 @@ from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
 from cogging.simulation.run import closed_loop
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SHOWN = 24  # number of the random machine in the figure: one that breaks both bounds without u_s2
 SHOWN_FOR = 0.12  # s of it
@@ -125,19 +123,15 @@ class Trial:
 
 
 def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: Any) -> Trial:
-    """Draw a machine inside the printed bounds or at their corners, estimates within them, d~ within delta_d.
-
-    width: of S_f, in machine and controller, m/s; gains: error_gain (1/s), feedback_gain (V/(m/s)) for the printed.
-    """
+    """Draw a machine within or at the printed bounds, with d~ within delta_d; width: of S_f, m/s; gains: k_1, k_s1."""
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
-    estimates: dict[str, Any] = {
-        name: float(rng.uniform(*bound)) for name, bound in zip(ESTIMATED, axis.bounds, strict=True)
-    }
+    estimates: dict[str, Any] = {}
+    for name, bound in zip(ESTIMATED, axis.bounds, strict=True):
+        estimates[name] = float(rng.uniform(*bound))
     basis, largest = gantry.cogging_basis(axis.compensated), axis.cogging_bound
-    cogging = CoggingModel(
-        basis, *rng.uniform(-largest, largest, (2, len(axis.compensated), basis.spline.control_points))
-    )
+    shape = (2, len(axis.compensated), basis.spline.control_points)
+    cogging = CoggingModel(basis, *rng.uniform(-largest, largest, shape))
     share, phase, side = rng.uniform(), rng.uniform(0.0, 2.0 * np.pi), rng.choice([-1.0, 1.0])
     size, frequency = DISTURBANCE * share, float(10 ** rng.uniform(0.0, 2.0))
     effects: list[Any] = [
@@ -165,10 +159,7 @@ def rate_of(axis: GantryAxis, law: Law, parameters: AdaptiveRobustParameters) ->
 
 
 def growth_at_rest(axis: GantryAxis, **gains: Any) -> float:
-    """Return the largest V of DCARC over its first one at rest with exact parameters and no d~.
-
-    The start is the (p, e) with the smallest z^T Q z at 0.1 mm/s; where (29) is positive, V only falls.
-    """
+    """Return the largest V of DCARC over its first one at rest, from the (p, e) with the smallest z^T Q z."""
     masses, viscous, coulomb, _ = axis.bounds
     values: dict[str, Any] = {"mass": masses[0], "viscous": viscous[1], "coulomb": coulomb[1]}
     held: dict[str, Any] = {f"{name}_adaptation": 0.0 for name in (*ESTIMATED, "cogging")}
@@ -196,11 +187,7 @@ def groups(axis: GantryAxis) -> tuple[tuple[Law, str, dict[str, float]], ...]:
 
 
 def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) -> Table:
-    """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains.
-
-    held: share of machines whose V stays below its bound; v_settled: largest V over epsilon / lambda after the start;
-    e_bound, e_inf: what (23) says of |e| then, and |e|. The last rows: C3 on `machine` with its printed gains and u_s2.
-    """
+    """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains."""
     rows: list[Row] = []
 
     def row(law: Law, gains: str, case: str, index: str, unit: str, value: float) -> None:
@@ -233,9 +220,8 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
     error(Dcarc, "printed", trials, [trial.run() for trial in trials])
     row(Dcarc, "printed", "at rest", "v_growth", "1", growth_at_rest(axis))
     row(Dcarc, "sufficient", "at rest", "v_growth", "1", growth_at_rest(axis, **sufficient_gains(axis)))
-    with_u_s2 = [
-        Dcarc(controller_parameters(axis, "C3", epsilon=epsilon, disturbance_bound=DISTURBANCE)) for epsilon in EPSILONS
-    ]
+    bounded = [dict[str, Any](epsilon=epsilon, disturbance_bound=DISTURBANCE) for epsilon in EPSILONS]
+    with_u_s2 = [Dcarc(controller_parameters(axis, "C3", **changes)) for changes in bounded]
     errors = gantry.last_move(with_u_s2, [machine] * len(with_u_s2), gantry.reference(axis)).indexes["error_rms"]
     for epsilon, found in zip(EPSILONS, errors, strict=True):
         case = {"case": f"5 kHz, epsilon {epsilon:g}"}
@@ -247,10 +233,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
 def errors_by_period(
     axis: GantryAxis, sample_rate: float, periods: int, *, faster: float = 1.0, **gains: float
 ) -> FloatArray:
-    """Return the rms error (m) of DCARC in each move there and back on a random machine with d~ = 0, (periods,).
-
-    faster: factor on all printed adaptation rates; gains: as of `draw`.
-    """
+    """Return DCARC's rms error (m) in each move on a drawn machine with d~ = 0; faster: factor on adaptation rates."""
     trial, motion = draw(axis, 0, Dcarc), gantry.reference(axis, repeats=periods)
     printed = controller_parameters(axis, "C3")
     names = [f"{name}_adaptation" for name in (*ESTIMATED, "cogging")]

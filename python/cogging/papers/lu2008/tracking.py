@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging._core import Arc, Dcarc, Plant
 from cogging.arrays import FloatArray
@@ -14,9 +14,6 @@ from cogging.papers.compared import Trace, compared
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, CONTROLLERS, HARMONICS, GantryAxis, known
 from cogging.papers.result import Row, Table, explored
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 INDEXES = ("e_inf", "e_2")
 
@@ -48,10 +45,7 @@ def table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
 
 
 def held_out_table(split: str) -> Table:
-    """Return the predictions of a fit to a part of the numbers, beside a guess without a model.
-
-    The guess takes maxima as rms times the other table's ratio of the two, and C3 as C2.
-    """
+    """Return the predictions of a fit to a part of the numbers, beside a guess from the other table's ratios."""
     said, seen = SPLITS[split]
     rows, guesses = [], []
     for axis in AXES.values():

@@ -21,9 +21,9 @@ import numpy as np
 from cogging import effects
 from cogging._core import CoggingModel, EncoderParameters, Plant, SplineHarmonics
 from cogging.arrays import FloatArray
-from cogging.papers.calibrated import shipped_toml
 from cogging.papers.malaize2009 import linear_motors
 from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, shipped
+from cogging.papers.result import shipped_toml
 
 LINE_COUNT, LINE_PERIODS = 8, (4e-3, 60e-3)  # number of unmodelled lines, and range of their periods (m), assumed
 DRAWS = 10
@@ -165,12 +165,9 @@ def explained() -> list[Explanation]:
     found = []
     for cause in CAUSES:
         for motor in MOTORS.values():
-            part = conditions_file()[cause.field][motor.name]
-            accuracies = [
-                drawn_accuracies(
-                    each, replace(shipped(each), amplitude=amplitude), cause.of(part["size"]), "observer", cause.draws
-                )
-                for each, amplitude in ((motor, part["amplitude"]), (other(motor), part["amplitude_elsewhere"]))
-            ]
+            part, accuracies = conditions_file()[cause.field][motor.name], []
+            for each, amplitude in ((motor, part["amplitude"]), (other(motor), part["amplitude_elsewhere"])):
+                gains, conditions = replace(shipped(each), amplitude=amplitude), cause.of(part["size"])
+                accuracies.append(drawn_accuracies(each, gains, conditions, "observer", cause.draws))
             found.append(Explanation(cause, motor, part["size"], part["amplitude"], *accuracies))
     return found

@@ -21,7 +21,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.calibrated import shipped_toml
+from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.
@@ -122,10 +122,7 @@ def plant(
     resolution: float | None = None,
     friction: float | None = None,
 ) -> Plant:
-    """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
-
-    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2).
-    """
+    """Return the machine (1), (2); amplitude: of the first period, m/s^2; ripples: periods (m) and amplitudes."""
     phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
     listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
@@ -161,11 +158,8 @@ def reference(motor: Motor) -> PointToPoint:
 def pid(thrust: float = 1.0) -> ListedController:
     """Return the PID: three equal poles, feedforward of mass and mu; thrust: the motor's over the believed one."""
     kp, ki, kd = (thrust * gain for gain in pid_gains([PID_POLE] * 3, 1.0))
-    return Pid(
-        _core.PidParameters(
-            sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd - thrust * VISCOUS, mass=thrust, viscous=thrust
-        )
-    )
+    gains: dict[str, Any] = {"kp": kp, "ki": ki, "kd": kd - thrust * VISCOUS}
+    return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, **gains, mass=thrust, viscous=thrust))
 
 
 def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
@@ -217,10 +211,7 @@ def batch_errors(
     strokes: int = 0,
     reduction: str = "true_error_max",
 ) -> FloatArray:
-    """Return the accuracy, or the rms error, of each machine under its controller, m, (n,); infinite if it diverged.
-
-    The number of a machine is the seed of its encoder noise; strokes: how many, from the start; 0: all.
-    """
+    """Return the accuracy, or another reduction, of each machine under its controller, (n,); infinite if diverged."""
     period = reference(motor).period
     found = closed_loop_batch(
         machines,

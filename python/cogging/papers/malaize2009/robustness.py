@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging import effects
 from cogging._core import Plant
@@ -17,9 +17,6 @@ from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor,
 from cogging.papers.result import Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, look, marker
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
 FRICTION_WIDTHS = (1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
@@ -115,8 +112,7 @@ def ripple_ratio(motor: Motor, periods: FloatArray) -> FloatArray:
 @drawn
 def figure_ripple() -> Figure:
     """Draw the ratio observer / PID of the error due to one unmodelled ripple, against its period."""
-    figure = new_figure((8.0, 5.5))
-    figure.suptitle("Unmodelled ripple: the observer's rms error over the PID's")
+    figure = new_figure((8.0, 5.5), title="Unmodelled ripple: the observer's rms error over the PID's")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
         periods = np.geomspace(3e-3, 0.06, 60)
         axes.semilogx(1e3 * periods, ripple_ratio(motor, periods), **look(0))
@@ -146,8 +142,7 @@ def figure_robustness() -> Figure:
         ),
     }
     thrusts = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0]
-    figure = new_figure((8.0, 10.0))
-    figure.suptitle("Accuracy where something is not as believed; dotted: printed in Table I")
+    figure = new_figure((8.0, 10.0), title="Accuracy where something is not as believed; dotted: printed in Table I")
     panels = figure.subplots(1 + len(sweeps), len(MOTORS), sharey="col")
     for motor, column in zip(MOTORS.values(), panels.T, strict=True):
         gains = shipped(motor)

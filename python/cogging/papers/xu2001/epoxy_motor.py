@@ -19,7 +19,7 @@ from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.calibrated import shipped_toml
+from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 SAMPLE_RATE = 2500.0  # Hz (section 4.3)
@@ -202,10 +202,7 @@ def run(unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, e
 
 
 def after_earlier_runs(machine: Plant, controller: ListedController, earlier_runs: int, seed: int) -> ListedController:
-    """Return the controller at the start of the run after some runs of the same machine; a PID is unchanged.
-
-    Each next run keeps the estimates of theta_1 and theta_2, of motor and payload; assumed, the paper does not say it.
-    """
+    """Return an ARC that kept theta_1, theta_2 of earlier runs of its machine (assumed); a PID unchanged."""
     if not isinstance(controller, OutputFeedbackArc):
         return controller
     first = controller.parameters

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from cogging._core import AxisParameters, DivergedError, EncoderParameters, OutputFeedbackArc, Plant, closed_loop
 from cogging.logs.log import Log
@@ -23,18 +24,8 @@ from cogging.plot.scales import scale_of
 from cogging.plot.series import look, marker
 from cogging.simulation.batch import closed_loop_batch
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-ROBUST_TERMS = (
-    "use_alpha_1s2",
-    "use_alpha_1s3",
-    "use_c_phi_1",
-    "use_c_theta_2",
-    "use_c_phi_2",
-    "use_u_s2",
-    "use_u_s3",
-)
+TERMS = ("alpha_1s2", "alpha_1s3", "c_phi_1", "c_theta_2", "c_phi_2", "u_s2", "u_s3")
+ROBUST_TERMS = tuple(f"use_{term}" for term in TERMS)
 ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
 HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))
@@ -99,10 +90,7 @@ def time_to_divergence(sample_rate: float, duration: float) -> Lasting:
 
 
 def one_count_table() -> Table:
-    """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate.
-
-    unstable_from: where K_2 along a run without them exceeds its limit.
-    """
+    """Tabulate the command due to one count, how long all terms last by rate, and where K_2 exceeds its limit."""
     name = "ARC, all terms"
     counts = {
         "one sample after the start": one_count(RESOLUTION, held=1),
@@ -160,8 +148,7 @@ def subsets_table(unknowns: Unknowns) -> Table:
 @drawn
 def figure_increment() -> Figure:
     """Draw the rms command increment against a common factor on the printed robust terms."""
-    figure = new_figure((7.2, 4.2))
-    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
+    figure = new_figure((7.2, 4.2), title="The printed robust terms times a factor; a line ends where the run diverges")
     axes = figure.subplots()
     for place, (rate, resolution) in enumerate(HARDWARE):
         values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]
