@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.decision import MINOR
+from cogging.diagnosis.balance.decision import NAMELESS
 from cogging.diagnosis.balance.evidence import LARGELY, Evidence
 from cogging.diagnosis.entries import SURE, Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
@@ -86,7 +86,7 @@ def named(
 def weighty(terms: Sequence[Term]) -> list[Term]:
     """Return the terms without minor generic forces, which a slightly wrong law of a named effect leaves."""
     most = max((t.accepted.score for t in terms if not t.accepted.found.name.startswith("~")), default=0.0)
-    return [t for t in terms if not t.accepted.found.name.startswith("~") or t.accepted.score > MINOR * most]
+    return [t for t in terms if not t.accepted.found.name.startswith("~") or t.accepted.score > NAMELESS * most]
 
 
 def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) -> dict[str, Value]:

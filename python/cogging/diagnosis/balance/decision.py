@@ -25,7 +25,8 @@ from cogging.resources import on_threads
 
 THRESHOLD = 20.0  # minimum score of an accepted candidate: above those of 36 drawn logs with nothing missing
 PREFERRED = 0.5  # of the gain of a force without a law: a law that explains more is accepted, the rest may follow
-MINOR = 0.05  # of the largest score: a smaller one comes from a law that is only nearly right
+MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
+NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
@@ -189,8 +190,10 @@ def search(
             contenders = [c for c in contenders if not c.is_contradicted]
         contenders = one_of_each_name(contenders)
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
-        least = max([THRESHOLD, *(MINOR * one.score for one in outcome.accepted)])
-        if not contenders or contenders[0].score < least:
+        if not contenders:
+            break
+        minor = MINOR if contenders[0].is_lawful else NAMELESS
+        if contenders[0].score < max([THRESHOLD, *(minor * one.score for one in outcome.accepted)]):
             break
 
         if contenders[0].found.name == LATE:
