@@ -527,13 +527,16 @@ def reading_error(
 def reading(s: Search) -> None:
     """Try a scale error of the reading; `waves` tries its periodic error."""
     limits, size = (-LARGEST_SCALE, LARGEST_SCALE), UNIT
-    for _ in range(SECANTS):  # the phase of known cogging is not linear in the scale
+
+    def scale(size: float) -> Shape:
         columns = accelerated(
-            lambda c, b, a, q=size: reading_error(c, b, a, lambda x: q * x, lambda x: q, lambda x: 0.0) / q
+            lambda c, b, a: reading_error(c, b, a, lambda x: size * x, lambda x: size, lambda x: 0.0) / size
         )
-        shape = Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
-        s.put("encoder_scale_error", shape, accept=within(limits))
-        size = float(np.clip(s.scored(shape)[1][0], *limits)) or UNIT
+        return Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
+
+    for _ in range(SECANTS):  # the phase of known cogging is not linear in the scale
+        s.put("encoder_scale_error", scale(size), accept=within(limits))
+        size = float(np.clip(s.scored(scale(size))[1][0], *limits)) or UNIT
 
 
 def motor_and_load(s: Search) -> None:
