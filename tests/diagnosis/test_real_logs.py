@@ -112,7 +112,7 @@ def test_the_detent_of_the_motor_is_named(motor):
     moving = complex(term["sine"].value, term["cosine"].value)
     turned = np.degrees(np.angle(moving / static))
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
-    # Seen: 0.11. The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness); half a sample more,
+    # Seen: 0.13. The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness); half a sample more,
     # as it is measured and not held.
     assert abs(moving / static - 1.0) < 0.15
     (late,) = re.findall(r"the command is logged (\S+) s after it acts", "\n".join(result.notes))

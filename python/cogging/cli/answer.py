@@ -1,4 +1,8 @@
-"""Results of commands: text for a person, the next command last, JSON and files; `--quiet` prints no text."""
+"""Results of commands: text for a person, JSON, files, and the next command.
+
+The text goes to standard output, the next command last. `--json -` prints the JSON result instead, and `--quiet` prints
+no text. Only errors go to standard error.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +46,11 @@ def print_result(
     written: Sequence[str] = (),
     next_command: str = "",
 ) -> None:
-    """Write the files of a command, all or none, and print its result, its `--json` document and the next command."""
+    """Write the files of a command, all or none, and print its result.
+
+    text: for a person; document, indent: for `--json`; files: content in pieces by path; written: files that exist
+    already and are named; next_command: see cogging.cli.next_command.
+    """
     target = getattr(arguments, "json", None)
     json = "" if target is None else to_json(document, indent=indent)
     content: dict[str, Iterable[bytes]] = {} if target in (None, STANDARD_OUTPUT) else {target: [json.encode()]}

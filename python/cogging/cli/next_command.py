@@ -105,8 +105,15 @@ def after_diagnose(arguments: argparse.Namespace, result: Diagnosis) -> NextStep
     """Return what cogging.diagnosis.next_step recommends, with the command in the words of this call."""
     from cogging.diagnosis.next_step import GivenFiles, next_step
 
-    same = {name: getattr(arguments, name) for name in ("logs", "model", "confirm", "empirical")}
-    step = next_step(result, GivenFiles(result=json_file(arguments) or "", patched=arguments.out or "", **same))
+    given = GivenFiles(
+        logs=arguments.logs,
+        model=arguments.model,
+        confirm=arguments.confirm,
+        result=json_file(arguments) or "",
+        patched=arguments.out or "",
+        empirical=arguments.empirical,
+    )
+    step = next_step(result, given)
     patched = {
         "out": arguments.out or free_name(arguments.model, "patched"),
         "empirical": arguments.empirical or "--empirical" in step.line.split(),
@@ -223,10 +230,16 @@ def with_model(path: AnyPath, model: Model, reference: AnyPath | None = None) ->
 
 def experiment_again(arguments: argparse.Namespace) -> str:
     """Return the same call."""
-    model = [*option("--model", arguments.model), *option("--result", arguments.result)]
-    logs = [*(["--logs", *files(arguments.logs)] if arguments.logs else []), *log_options(arguments)]
-    limits = [*option("--limits", arguments.limits), *(["--goal", arguments.goal] if arguments.goal else [])]
-    return command_line("experiment", model, logs, limits, option("--out", arguments.out))
+    return command_line(
+        "experiment",
+        option("--model", arguments.model),
+        option("--result", arguments.result),
+        ["--logs", *files(arguments.logs)] if arguments.logs else [],
+        log_options(arguments),
+        option("--limits", arguments.limits),
+        ["--goal", arguments.goal] if arguments.goal else [],
+        option("--out", arguments.out),
+    )
 
 
 def experiment(model: AnyPath, *words: str) -> str:

@@ -28,7 +28,10 @@ PATTERNS = (
 
 
 def print_text(text: str, *, plain: bool = False) -> None:
-    """Print a text on standard output, escaped, as far as it is read; `plain`: for a program, never coloured."""
+    """Print a text on standard output, with control characters and what the encoding lacks escaped.
+
+    If the reader has gone, as `head -1` does, the rest is discarded. `plain`: for a program, never coloured.
+    """
     out = sys.stdout
     encoding = getattr(out, "encoding", None) or "utf-8"
     safe = printable(text, keep="\n").encode(encoding, "backslashreplace").decode(encoding)
@@ -65,7 +68,11 @@ def _discard(stream: TextIO) -> None:
 
 
 def wants_colour(stream: TextIO) -> bool:
-    """Return whether text on a stream is coloured (no-color.org, force-color.org, bixense.com/clicolors)."""
+    """Return whether text on a stream is coloured.
+
+    NO_COLOR forbids it; FORCE_COLOR and CLICOLOR_FORCE demand it; otherwise the stream must be a capable terminal, and
+    CLICOLOR=0 forbids it (no-color.org, force-color.org, bixense.com/clicolors).
+    """
     wishes = os.environ
     if wishes.get("NO_COLOR"):
         return False

@@ -55,7 +55,12 @@ TRAVEL = 1.0  # m on either side, for an axis without ends
 
 
 def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -> tuple[Interval, float, list[str]]:
-    """Range of the summed force of effects and noise, V, over the motion; its initial estimate; effects left out."""
+    """Range of the summed force of effects and noise, V; its initial estimate; effects that it does not include.
+
+    Each effect's force (or friction level, times S(v) in [-1, 1]) is evaluated over the travel, |v| <= velocity_max
+    (m/s) and time; for each field with an interval come the largest changes from the value to the ends of it. Force
+    noise adds 1.96 rms. The estimate is the force in mid-travel at rest at t = 0.
+    """
     if not (np.isfinite(velocity_max) and velocity_max > 0):
         raise ValueError(f"velocity_max: must be finite and above 0, got {velocity_max!r}")
     low, high, guess, left_out = 0.0, 0.0, 0.0, []
@@ -142,10 +147,11 @@ NO_DISTURBANCE = (
 class Bounds(ByValue):
     """The bounds of an uncertain axis, and the controllers designed for them.
 
-    The bounds are 95 % intervals of each parameter alone; the model's values are the initial estimates and the
-    feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of 200 1/s, the k_1 of
-    the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as an override; they
-    raise ValueError for a value that breaks its rule.
+    The bounds are 95 % intervals of each parameter alone; the model's values, which lie within, are the initial
+    estimates and the feedforward. The methods that design parameters take a `bandwidth` w, 1/s (None: the smaller of
+    200 1/s, the k_1 of the X axis of Lu et al. 2008, and sample_rate / 25, its ratio), and any field of their struct as
+    an override; they raise ValueError for a value that breaks its rule. The sample rate is the one of the model's
+    controller, else the struct's default.
 
     Attributes:
         model: whose bounds they are.
@@ -230,9 +236,11 @@ class Bounds(ByValue):
     def adaptive_robust(self, *, bandwidth: float | None = None, **overrides: Any) -> AdaptiveRobustParameters:
         """Parameters of Arc and Dcarc: bounds, initial estimates, cogging and gains.
 
-        k_1 = w and k_s1 = 2 w M, as on the X axis of Lu et al. 2008, more where wide bounds need it for their matrix
-        (29) without slopes (see `condition`). Gamma of the disturbance is k_s1 w / 10; of cogging a tenth, of Coulomb
-        and viscous friction a hundredth and of mass a thousandth of it, the ratios of the paper. u_s2 is off.
+        k_1 = w and k_s1 = 2 w M, as on the X axis of Lu et al. 2008 (200 1/s, 400 M); more where the bounds are so wide
+        that the matrix (29) of the paper would not be positive even without friction and cogging slopes (`condition`
+        tells about those). Gamma of the disturbance is k_s1 w / 10, so that an offset is learnt ten times slower than
+        w; of cogging a tenth, of Coulomb and viscous friction a hundredth and of mass a thousandth of it: the ratios of
+        the paper (1000 to 100, 10, 10, 1 on the X axis). u_s2 is off, as its epsilon is not reported.
 
         Raises:
             ValueError: periods of the cogging that are no whole fractions of one pitch.
@@ -282,7 +290,8 @@ class Bounds(ByValue):
         """The design problem of the observer of Malaize and Levine 2009 (`design_observer`, extra `design`).
 
         The periods of the cogging, mu = B/M, omega = w and a pole radius of 1.5 w, at least 2.4 times the fastest
-        harmonic 2 pi velocity_max / P_n: the ratios of cogging.papers.comparison.
+        harmonic 2 pi velocity_max / P_n, which no smaller disk could hold: the ratios of the comparison of the papers
+        (cogging.papers.comparison), where lambda* is 1.25 times the nominal acceleration as in Table I of the paper.
 
         Args:
             velocity_min: of the reference velocities at which the cogging is cancelled, m/s, above 0.
@@ -328,8 +337,9 @@ class Bounds(ByValue):
     def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> OutputFeedbackArcParameters:
         """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.
 
-        Xu and Yao 2001, section 4.3, printed for w = 300 1/s and 1/M = 30, go with r = w / 300 and c = 1 / (30 M) as
-        the unit of each says. Robust terms are off (see papers/xu2001/epoxy_motor.py).
+        Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
+        gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
+        Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
         """
         axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)

@@ -48,7 +48,11 @@ class DrawnMachine(NamedTuple):
 def drawn_machines(
     intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
 ) -> tuple[list[DrawnMachine], list[str]]:
-    """Return machines drawn from intervals, jointly where `covariance` says so, and the parameters that are held."""
+    """Draw machines from the intervals of a model, and return them with the parameters that are held, in words.
+
+    Each parameter is normal around the model's value, those of `covariance`, paths (p) and matrix (p, p), jointly; an
+    invalid machine is drawn again. ValueError: an invalid covariance or interval, or hardly a valid machine.
+    """
     model = intervals.model
     joint, root = covariance_root(covariance or ((), np.empty((0, 0))), intervals.paths)
     spread, held = {}, []
@@ -232,7 +236,16 @@ class ErrorPrediction(ByValue):
         return entry_named(name, {controller.name: controller for controller in self.controllers}, "controller")
 
     def plot(self, index: str = "rms", *, units: Any = None, ax: Any = None) -> Figure:
-        """Draw the error that each controller would reach; return the figure (arguments: cogging.plot.prediction)."""
+        """Draw the error that each controller would reach (cogging.plot.prediction).
+
+        Args:
+            index: `rms`, `max` or `max_whole`.
+            units: labels of command and position (cogging.Units).
+            ax: axes; None: a new figure.
+
+        Returns:
+            The figure.
+        """
         return plot.prediction(self, index, units=units, ax=ax).figure.figure
 
     def table(self) -> dict[str, Any]:
@@ -311,8 +324,9 @@ def predict_error(
 ) -> ErrorPrediction:
     """Predict rms and largest tracking error of controllers on a reference, for the machine that a model describes.
 
-    Machines are drawn from the model's 95 % intervals: each parameter normal around the model's value, each side with
-    its own width. The same arguments give the same numbers. Effects that the model lacks are not predicted.
+    Machines are drawn from the model's 95 % intervals: each parameter normal around the model's value (each side with
+    its own width), or jointly normal where a covariance is given. All controllers run on the same machines. The same
+    arguments give the same numbers, whatever the threads. Effects that the model lacks are not predicted.
 
     Args:
         model: a Model, or the path of a model file.
@@ -325,7 +339,8 @@ def predict_error(
         duration: s; 0 = that of the reference file, or the motion's own end.
         threads: 0 = all cores.
         bandwidth: of the designed controllers, 1/s (see Bounds).
-        default: 95 % intervals for parameters without a finite one (see Bounds.of), which otherwise keep their value.
+        default: 95 % intervals for parameters without a finite one (see Bounds.of); without a default, a parameter
+            with an infinite interval keeps its value, and a note says that the interval of the error is unbounded.
         covariance: paths (p) and covariance (p, p) of parameters that are drawn jointly.
 
     Returns:

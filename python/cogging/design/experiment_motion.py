@@ -147,7 +147,11 @@ RECIPE = {strokes: 0.4, random_moves: 0.5, creep: 0.6, sweep: 1.0}
 def motion_within(
     limits: MotionLimits, rate: float, *, scale: float = 1.0, seed: int = 0
 ) -> tuple[Sampled, tuple[Element, ...]]:
-    """Return the motion of an experiment within complete limits, and its parts; rate: Hz; scale: of the speed."""
+    """Return the motion of an experiment, from rest to rest, and its parts.
+
+    `limits` have travel and jerk (MotionLimits.of), `rate` is that of the samples, Hz; a `scale` of speed, acceleration
+    and jerk below 1 is for a machine that would exceed its limits.
+    """
     track, random, elements = Track(limits, rate, scale), np.random.default_rng(seed), []
     for part, share in RECIPE.items():
         begun = track.used

@@ -181,9 +181,10 @@ def plan_experiment(
 ) -> ExperimentPlan:
     """Make a motion within a machine's limits that shows every effect, and compute what it is expected to show.
 
-    One recipe for all machines and goals, simulated in closed loop and slowed down until it keeps the limits.
-    `separate` and `detect` state the detection limits of `diagnose` with the simulated log, `separate` also which
-    motion distinguishes the alternatives of a result; `fit` states the intervals of the parameters.
+    The motion is one recipe for all machines and goals, simulated in closed loop and slowed down until it keeps the
+    limits. `separate` and `detect` state the detection limits that `diagnose` would reach with the simulated log,
+    `separate` also which motion distinguishes the alternatives of a result; `fit` states the intervals of the model's
+    parameters, given its `[bounds]`.
 
     Args:
         model: model that the result is of, or its file; effects that only the result has are not simulated. Without a

@@ -51,8 +51,8 @@ class HeldPlant(NamedTuple):
 def linear_plant(model: Model, *, speed: float | None = None, position: float | None = None) -> LinearPlant:
     """Linearise M x'' = gain u - friction(x, v) - F_cogging(x) + effects about a place (m) and a speed (m/s).
 
-    Without a speed only viscous friction counts, without a position only what is the same everywhere. ValueError: at
-    this speed friction has no slope.
+    Without a speed only viscous friction counts; without a position only springs and a scale of the encoder, which are
+    the same everywhere. ValueError: at this speed friction has no slope.
     """
     axis = model.axis
     known = [one.resolved(axis, model.cogging) for one in model.effects]
@@ -159,7 +159,12 @@ Polynomials = tuple[FloatArray, FloatArray]
 def modulus_margin(model: Model) -> float | None:
     """min over the frequency of |1 + L|, L = C(z) P(z) the loop of the model's own controller; 0 where it is unstable.
 
-    P is M x'' = u - B x' with the model's delays and current loop; C is linear_controller, None where that is None.
+    P is M x'' = u - B x' with the model's delays and current loop, its command held over a sample, exactly; friction
+    but the viscous, cogging and flexibility are left out. C is the part of the controller that is linear in the error
+    (see linear_controller).
+
+    Returns:
+        1, from 0 to 1, or None where the controller has no such part.
     """
     from scipy.signal import ss2tf
 

@@ -157,7 +157,11 @@ def draft_limits(model: Model, logs: Sequence[Log] = ()) -> str:
 
 
 def shares_of_limits(motion: Sampled, log: Log, limits: MotionLimits) -> dict[str, float]:
-    """Return the largest of each quantity of a reference and its run over its limit; x +- v^2 / (2 a) stays inside."""
+    """Largest of each quantity of a reference and a run along it, over its limit; above 1 the limit is exceeded.
+
+    The machine's acceleration is averaged over 20 ms; the jerk is the reference's alone. The axis must be able to stop
+    inside its travel: x +- v^2 / (2 a) counts.
+    """
     planned = motion.samples
     position = log.true_position if log.true_position is not None else log.position
     velocity = log.true_velocity if log.true_velocity is not None else np.gradient(position, log.time)

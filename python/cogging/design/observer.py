@@ -79,7 +79,8 @@ class ObserverProblem(ByValue):
         affine: let K grow with |nu*|.
 
     Raises:
-        ValueError: a number breaks its rule: no period, a velocity_min or decay_rate out of range.
+        ValueError: a period <= 0 or none, velocity_min <= 0 or >= velocity_max, decay_rate < 0 or not below omega's
+            slowest pole, another number that is not above 0.
 
     Example:
         >>> cogging.ObserverProblem(periods=[0.05, 0.025], velocity_min=0.05, velocity_max=0.4)
@@ -225,7 +226,11 @@ def _solve(problem: ObserverProblem) -> ObserverDesign | None:
 
 
 def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_square: Any, block: Any) -> list[Any]:
-    """Return the matrices of (15) and of the pole disk at both velocities, which must be negative."""
+    """The matrices of (15) and of the pole disk at both velocities, which must be negative.
+
+    `p`, `gains` (P K at both velocities) and `gamma_square` (in the time unit 1/r) are variables of cvxpy or arrays;
+    `block` makes a matrix of blocks of them (cvxpy.bmat or numpy.block).
+    """
     alpha, found = problem.decay_rate / problem.pole_radius, []
     for velocity, gain in zip((problem.velocity_min, problem.velocity_max), gains, strict=True):
         a, c, c_o, b_o = problem.matrices(velocity)

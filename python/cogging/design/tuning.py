@@ -78,7 +78,10 @@ class Gain(NamedTuple):
 
 
 def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Mapping[str, Any] | None) -> list[Gain]:
-    """Return the gains of the model's controller, or a user's function, from tables by path; None: the usual gains."""
+    """Return the gains of the model's controller, or of one that a user's function makes from them by keyword.
+
+    `ranges`: tables by path; None for the usual gains of the model's controller.
+    """
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
@@ -314,7 +317,11 @@ def optuna() -> Any:
 
 
 def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
-    """Let Optuna's TPE sampler with constraints propose gains, the present ones first, and judge them one by one."""
+    """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
+
+    The same arguments give the same trials. Trials read from `kept` are not run again; the sampler receives them like
+    any other, and continues as it would have.
+    """
     library, against = optuna(), judge.against
     other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
     study = library.create_study(sampler=library.samplers.TPESampler(seed=seed), directions=["minimize", *other])
@@ -423,10 +430,13 @@ def tune(
 ) -> Tuning:
     """Find the gains with the smallest rms error for a machine that is known within intervals.
 
-    Optuna's TPE sampler minimises the quantile of the rms error over drawn machines, the same in every trial, with the
-    excess of each limit as a constraint; the result is evaluated on machines held out. Delay and gain margins are
-    measured by a force pulse on each machine (docs/tune.md). With `out`, finished trials are stored beside it
-    (`OUT.trials`): after an interruption the same call continues, and the best gains so far are in `out`.
+    Minimises the quantile of the rms error over drawn machines, the same machines and noise in every trial, subject to
+    limits on every machine. Optuna's TPE sampler proposes the gains with the excess of each limit as a constraint; the
+    present gains come first. The result is evaluated on machines held out.
+
+    Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller
+    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an
+    interruption the same call continues, and the best gains so far are in `out`.
 
     Args:
         model: a Model, or the path of a model file; its controller is tuned.
@@ -439,7 +449,8 @@ def tune(
         limits: by name a number, or `{"present": 1.1}` for 1.1 times what the present gains reach; at most of
             error_max, command_max, command_rms, command_chatter, at least of delay_margin, gain_margin, modulus_margin.
         vary: how machines differ, as for `sweep`; "bounds": all parameters with [bounds] or an uncertainty.
-        machines, held_out: number of machines to tune with, and of further ones for the evaluation.
+        machines: number of machines to tune with.
+        held_out: number of further machines for the evaluation.
         quantile: of rms error over the machines, above 0 and at most 1.
         trials: how many.
         against: a second objective, by the name of a limit; the trials then spread along the trade-off of both.

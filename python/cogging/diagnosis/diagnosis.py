@@ -30,6 +30,7 @@ from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading import misreading
 from cogging.model.model import Model
+from cogging.model.parameters import renamed_path
 from cogging.model.units import Units
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread, require_rows
@@ -200,7 +201,7 @@ def _result(
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
     names = paths_without(whole, {terms[k].path for k in out})
     final = with_intervals(models[1], found.evidence, whole, names) if enters else nominal
-    terms = [replace(t, path=names.get(t.path, "" if t.path.startswith("effects.") else t.path)) for t in terms]
+    terms = [replace(term, path=renamed_path(term.path, names)) for term in terms]
     after, after_there = (given[1], confirm[1]) if enters else (before, before_there)
     ends = [(one, two) for one, two in ((before, after), (before_there, after_there)) if one and two]
     if any(two.rms**2 > CONTRADICTED * one.rms**2 for one, two in ends):

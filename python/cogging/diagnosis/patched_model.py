@@ -18,7 +18,7 @@ from cogging.diagnosis.physical import fields_with_role
 from cogging.diagnosis.places import empirical_term
 from cogging.effects.effect import Effect
 from cogging.model.model import Model
-from cogging.model.parameters import effect_paths, parameters_of
+from cogging.model.parameters import effect_paths, parameters_of, renamed_path
 
 NODES = (21, 81, 321)  # numbers of nodes of an empirical force, of which the smallest sufficient one is used
 FOLLOWED = 0.95  # minimum share of a force's power that a function of one coordinate reproduces
@@ -62,9 +62,7 @@ def with_intervals(model: Model, evidence: Evidence, whole: Model, names: Mappin
     known, fitted = parameters_of(model), parameters_of(evidence.model, together=True)
     intervals = {path: interval for path, interval in model.intervals.items() if path in known}
     for k, (path, own) in enumerate(zip(evidence.paths_in(whole), evidence.paths, strict=True)):
-        if path.startswith("effects."):
-            owner = next((one for one in names if path.startswith(one + ".")), "")
-            path = names[owner] + path[len(owner) :] if owner else ""
+        path = renamed_path(path, names)
         low, high = evidence.interval(k) if path in known else (-np.inf, np.inf)
         if np.isfinite(high - low):
             value = known[path].value
@@ -94,10 +92,7 @@ def merged(model: Model, stated: Model) -> tuple[Model, list[str]]:
             effects[k] = effects[k].replace(**sums)
             del effects[j]
     renamed = {paths[k]: path for k, (path, _) in zip(effects, effect_paths(effects.values()), strict=True)}
-    kept = {}
-    for path, ends in intervals.items():
-        owner = next((old for old in renamed if path.startswith(old + ".")), "")
-        kept[renamed.get(owner, "") + path[len(owner) :]] = ends
+    kept = {new: ends for path, ends in intervals.items() if (new := renamed_path(path, renamed))}
     return model.replace(effects=tuple(effects.values()), intervals=kept), notes
 
 

@@ -11,8 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray
-from cogging.design import linear_plant as linear
-from cogging.design.linear_plant import LOWEST, UNIT_CIRCLE, HeldPlant, Polynomials
+from cogging.design.linear_plant import (
+    LOWEST,
+    UNIT_CIRCLE,
+    HeldPlant,
+    Polynomials,
+    held,
+    linear_controller,
+    linear_plant,
+)
 from cogging.model.model import Model
 from cogging.shown import quoted
 from cogging.tables import library
@@ -32,15 +39,25 @@ NOT_LINEAR = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopMargins(ByValue):
-    """Stability margins of a loop; all 0 for an unstable one."""
+    """Stability margins of a loop; all 0 for an unstable one.
 
-    stable: bool  # whether the closed loop is
-    gain: float = 0.0  # smallest destabilising factor above 1 on the command; infinite if there is none
-    gain_down: float = 0.0  # largest destabilising factor below 1; 0 if there is none
-    phase: float = 0.0  # degrees, smallest destabilising phase lag over all crossings of |L| = 1
-    delay: float = 0.0  # s, smallest destabilising delay over all crossings
-    modulus: float = 0.0  # smallest distance of L from -1, 1 over the largest sensitivity
-    crossover: float = 0.0  # Hz, highest frequency with |L| = 1; 0 if there is none
+    Attributes:
+        stable: whether the closed loop is stable.
+        gain: smallest destabilising factor above 1 on the command; infinite if there is none.
+        gain_down: largest destabilising factor below 1; 0 if there is none.
+        phase: degrees, smallest destabilising phase lag over all crossings of |L| = 1.
+        delay: s, smallest destabilising delay over all crossings.
+        modulus: smallest distance of L from -1, 1 over the largest sensitivity.
+        crossover: Hz, highest frequency with |L| = 1; 0 if there is none.
+    """
+
+    stable: bool
+    gain: float = 0.0
+    gain_down: float = 0.0
+    phase: float = 0.0
+    delay: float = 0.0
+    modulus: float = 0.0
+    crossover: float = 0.0
 
     def _brief(self) -> str:
         return self.text().replace("\n", "; ")
@@ -60,25 +77,39 @@ class ControlLoop(ByValue):
     """The linear loop u = C (reference - reading), reading = P u, as python-control objects.
 
     Those with a sample time are exact at the samples for a held command and any delay. Signals are deviations from the
-    given position and speed, without feedforward. Without a controller its parts are None.
+    given position and speed, without feedforward.
+
+    Attributes:
+        plant: P(z), reading over command, m/V, StateSpace.
+        continuous: P(s), the same in continuous time, with the delay as a Pade approximation, StateSpace.
+        controller: C(z), command over error, V/m, TransferFunction; None for a model without a controller. Likewise
+            loop: L = C P; sensitivity: 1/(1 + L), reading over a disturbance of the reading; complementary:
+            L/(1 + L), reading over reference without feedforward.
+        left_out: nonlinear parts of the model that were left out.
+        sampled: the plant's matrices, without delay.
+        polynomials: of C(z), numerator and denominator.
     """
 
-    plant: Any  # P(z), reading over command, m/V, StateSpace
-    continuous: Any  # P(s), the same in continuous time, with the delay as a Pade approximation, StateSpace
-    controller: Any  # C(z), command over error, V/m, TransferFunction
-    loop: Any  # L = C P
-    sensitivity: Any  # 1/(1 + L), reading over a disturbance of the reading
-    complementary: Any  # L/(1 + L), reading over reference without feedforward
-    left_out: tuple[str, ...]  # nonlinear parts of the model that were left out
-    sampled: HeldPlant  # the plant's matrices, without delay
-    polynomials: Polynomials | None  # of C(z), numerator and denominator
+    plant: Any
+    continuous: Any
+    controller: Any
+    loop: Any
+    sensitivity: Any
+    complementary: Any
+    left_out: tuple[str, ...]
+    sampled: HeldPlant
+    polynomials: Polynomials | None
 
     def _brief(self) -> str:
         kind = "with a controller" if self.controller is not None else "no controller"
         return f"{1.0 / self.plant.dt:g} Hz, {self.plant.nstates} states of the plant, {kind}"
 
     def margins(self) -> LoopMargins:
-        """Return gain, phase, delay and modulus margins; ValueError: there is no controller."""
+        """Return gain, phase, delay and modulus margins.
+
+        Raises:
+            ValueError: there is no controller.
+        """
         if self.loop is None:
             raise ValueError("controller: must be given for margins, got a model without [controller]")
         stable = bool(np.abs(self.sensitivity.poles()).max(initial=0.0) < UNIT_CIRCLE)
@@ -86,7 +117,11 @@ class ControlLoop(ByValue):
         return _margins_of(self.response, 1.0 / self.plant.dt, poles) if stable else LoopMargins(False)
 
     def response(self, frequency: FloatArray) -> ComplexArray:
-        """Return L(e^(i 2 pi f Ts)) at frequencies (Hz, (n,)), or P for a model without a controller."""
+        """Return L(e^(i 2 pi f Ts)), or P for a model without a controller.
+
+        Args:
+            frequency: Hz, (n,).
+        """
         z = np.exp(2j * np.pi * np.asarray(frequency) * self.plant.dt)
         one = np.eye(self.sampled.transition.shape[0])
         into = self.sampled.now[None] + self.sampled.before[None] / z[:, None, None]
@@ -118,18 +153,18 @@ def to_control(
     for name, value in (("speed", speed), ("position", position)):
         if value is not None and not math.isfinite(value):
             raise ValueError(f"{name}: must be finite, got {quoted(value)}")
-    axis = linear.linear_plant(model, speed=speed, position=position)
+    linear = linear_plant(model, speed=speed, position=position)
     time = 1.0 / sample_rate
-    sampled = linear.held(axis, time)
+    sampled = held(linear, time)
     if sampled.whole > MOST_DELAY:
-        raise ValueError(f"command_delay: must be at most {MOST_DELAY} samples, got {axis.delay / time:g}")
+        raise ValueError(f"command_delay: must be at most {MOST_DELAY} samples, got {linear.delay / time:g}")
     plant = control.ss(*_with_delay(sampled), time)
-    continuous = control.ss(axis.a, axis.b, axis.c, 0.0)
-    if axis.delay > 0.0 and pade > 0:
-        continuous = continuous * control.tf2ss(*control.pade(axis.delay, pade))
+    continuous = control.ss(linear.a, linear.b, linear.c, 0.0)
+    if linear.delay > 0.0 and pade > 0:
+        continuous = continuous * control.tf2ss(*control.pade(linear.delay, pade))
     if own_rate is None:
-        return ControlLoop(plant, continuous, None, None, None, None, axis.left_out, sampled, None)
-    found = linear.linear_controller(model, speed=speed)
+        return ControlLoop(plant, continuous, None, None, None, None, linear.left_out, sampled, None)
+    found = linear_controller(model, speed=speed)
     if found is None:
         kind = str(model.controller_type)
         why = NOT_LINEAR.get(kind, "it is not linear in the error")
@@ -140,7 +175,7 @@ def to_control(
     controller = control.tf(*found, time)
     loop, one = plant * control.tf2ss(controller), control.ss([], [], [], [[1.0]], time)
     sensitivity, complementary = control.feedback(one, loop), control.feedback(loop, one)
-    return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, axis.left_out, sampled, found)
+    return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, linear.left_out, sampled, found)
 
 
 def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

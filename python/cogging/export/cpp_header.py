@@ -1,6 +1,8 @@
 """A controller with its gains as one C++ header that needs nothing but a C++20 compiler.
 
-It contains the headers of the core that the controller needs, in its own namespace; a step computes the same bits.
+The header contains the headers of the core that the controller needs, each once, after those it includes. A step
+computes the same bits as the library. Everything is in its own namespace, so that several such headers, or one and
+the library, do not conflict.
 """
 
 from __future__ import annotations
@@ -20,7 +22,6 @@ from cogging.model.model import CONTROLLERS, Model
 from cogging.shown import quoted
 
 WIDTH = 120
-ALWAYS = ("algorithm", "cstdlib", "limits", "span")  # standard headers of the wrapper
 OWN_INCLUDE = re.compile(r'^#include "(cogging/[^"]+)"\n', re.MULTILINE)
 LIBRARY_INCLUDE = re.compile(r"^#include <([^>]+)>\n", re.MULTILINE)
 DEFINED = re.compile(r"^#define (COGGING_\w+)", re.MULTILINE)
@@ -124,10 +125,14 @@ def make(model: Model, *, name: str = "axis") -> Exported:
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
     require_name(name)
-    kind, rate = model.controller_type, model.controller.sample_rate
-    text = _header(model, model.controller, CONTROLLERS[kind][1], name)
-    said = TEXT.format(type=kind, rate=rate, name=name, lines=text.count("\n"))
-    return Exported(text.encode(), said)
+    law = CONTROLLERS[model.controller_type][1]
+    text = _header(model, model.controller, law, name)
+    return Exported(
+        content=text.encode(),
+        text=TEXT.format(
+            type=model.controller_type, rate=model.controller.sample_rate, name=name, lines=text.count("\n")
+        ),
+    )
 
 
 def require_name(name: str) -> None:
@@ -182,11 +187,8 @@ def literal(value: Any) -> str:
 
 
 def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
-    units, folder = model.units, Path(get_include())
-    listed = OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8"))
-    defined = re.compile(rf"^(class|using) {law.__name__}\b", re.MULTILINE)
-    header = next(path for path in listed if defined.search((folder / path).read_text(encoding="utf-8")))
-    library, standard = inlined(header)
+    units = model.units
+    library, standard = inlined(_header_of(law.__name__))
     library = library.replace(REFUSED, NEVER_REFUSED)
     macros = sorted(set(DEFINED.findall(library)))
     library = re.sub(r"\bCOGGING_", f"{name.upper()}_COGGING_", library)
@@ -199,7 +201,9 @@ def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
         type=model.controller_type,
         version=importlib.metadata.version("cogging"),
         licence="\n".join(f"// {line}".rstrip() for line in licence().strip().splitlines()),
-        includes="\n".join(f"#include <{one}>" for one in sorted({*standard, *ALWAYS})),
+        includes="\n".join(
+            f"#include <{one}>" for one in sorted({*standard, "algorithm", "cstdlib", "limits", "span"})
+        ),
         name=name,
         library=library,
         comment="\n".join(f"/// {line}".rstrip() for line in comment.splitlines()),
@@ -212,6 +216,15 @@ def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
         assignments="\n".join(_assignment(field, value, model) for field, value in parameters.to_dict().items()),
         undefined="\n".join(f"#undef {name.upper()}_{macro}" for macro in macros),
     )
+
+
+def _header_of(law: str) -> str:
+    """Return the header of the core that defines a controller."""
+    folder = Path(get_include())
+    for path in OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8")):
+        if re.search(rf"^(class|using) {law}\b", (folder / path).read_text(encoding="utf-8"), re.MULTILINE):
+            return str(path)
+    raise InputError(f"{folder}: must hold a header with {law}, got none in cogging/control/list.hpp")
 
 
 def _assignment(field: str, value: Any, model: Model) -> str:

@@ -114,7 +114,11 @@ def frame_of(
     reverse: bool = False,
     turn: float | None = None,
 ) -> Frame:
-    """Return the map in a drive's position and unit (see Frame); scale None: the same units; turn None: 2 pi in rad."""
+    """Return the map of a model in the position and unit of a drive; options: see Frame.
+
+    scale: None if the units are the same; turn: None for 2 pi if the position is in rad, else a linear axis. Raises
+    ValueError for no map, one that is zero or does not close over a turn, another unit, or an option out of range.
+    """
     known = [one.resolved(model.axis, model.cogging) for one in model.effects]
     waves = tuple(one for one in known if isinstance(one, CoggingEffect))
     if model.cogging is None and not waves:
@@ -213,7 +217,10 @@ class Table:
 
 
 def table_of(frame: Frame, law: Law, *, quantum: float | None = 0.0, steps: int = 0) -> Table:
-    """Return a table whose entries are means over all spans of the motion; steps: entries are whole numbers."""
+    """Return a table of the map: each entry is the mean over all spans of the motion.
+
+    quantum: see Table; steps: for entries that are integers from -steps to steps times a 24-bit factor; 0 = others.
+    """
     values = folded(frame, law, law.places)
     if steps:
         quantum = float(np.float32(np.abs(values).max(initial=0.0) / steps)) or 1.0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.resources
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,7 +71,7 @@ def akd(model: Model, *, entries: int = 8192, between: str = "linear", quantum: 
         words = [f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in ends.items()]
         notes.append(f"set {' and '.join(words)}, in the drive's own unit")
     table = table_of(frame, law, quantum=_require_positive("quantum", quantum))
-    return _exported(model, "akd", table, "A", [f"{value:.9g}" for value in table.values.tolist()], *notes)
+    return _exported(model, "akd", table, "A", [f"{value:.9g}" for value in table.values.tolist()], notes)
 
 
 def sinamics(model: Model, *, between: str = "hold", pole_pair_width: float | None = None, **view: Any) -> Exported:
@@ -89,7 +90,7 @@ def sinamics(model: Model, *, between: str = "hold", pole_pair_width: float | No
         factor = span / _require_positive("pole_pair_width", width)
     table = table_of(frame, Law(entries, 0.0, span, True, between))
     rows = [f"p5260,{index},{_single(value)}" for index, value in enumerate(table.values.tolist())]
-    return _exported(model, "sinamics", table, unit, ["parameter,index,value", *rows], f"set p5253 to {factor:.9g}")
+    return _exported(model, "sinamics", table, unit, ["parameter,index,value", *rows], [f"set p5253 to {factor:.9g}"])
 
 
 def novanta(
@@ -117,7 +118,7 @@ def novanta(
         span = _require_positive("pole_pair_width", width)
     table = table_of(frame, Law(_require_entries(entries), 0.0, span, True, between))
     rows = [f"{index},{_single(value)}" for index, value in enumerate(table.values.tolist())]
-    return _exported(model, "novanta", table, "A", ["index,value", *rows], "set 0x2306 to 1, then store all")
+    return _exported(model, "novanta", table, "A", ["index,value", *rows], ["set 0x2306 to 1, then store all"])
 
 
 def odrive(model: Model, *, quantity: str = "torque", **view: Any) -> Exported:
@@ -189,21 +190,25 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
         cannot.append(f"cannot hold the mean, {mean:.3g} {unit}")
     listed = ", ".join(f"{one.times}" for one in kept) or "none"
     what = f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {listed}; "
-    return _written(model, "ax8000", frame, "Nm", lines, [what, *cannot], rest, [])
+    return _written(model, "ax8000", frame, "Nm", lines, what, rest, cannot)
 
 
 # The writer -----------------------------------------------------------------------------------------------------------
 
 
-def _exported(model: Model, name: str, table: Table, unit: str, lines: list[str], *notes: str) -> Exported:
+def _exported(
+    model: Model, name: str, table: Table, unit: str, lines: Iterable[str], notes: Iterable[str] = ()
+) -> Exported:
     """Return the file of a table from its lines, with text and summary; notes: what to set in the drive."""
     law, frame, units, rest = table.law, table.frame, model.units, table.rest
     bits = f"{53 if table.quantum is None else 24}-bit numbers in {unit}"
     entry = f"steps of {table.quantum:.6g} {unit}" if table.quantum else bits
     size = max(abs(float(table.values.max())), abs(float(table.values.min())))
-    range_ = f"over {law.span:.6g} {units.position} of the drive's own position, from {law.start:.6g}"
-    outside = "repeated" if law.wraps else "nothing outside"
-    what = f"{law.entries} entries, {entry}, largest {size:.6g} {unit}\n{range_}, {outside}; "
+    what = (
+        f"{law.entries} entries, {entry}, largest {size:.6g} {unit}\n"
+        f"over {law.span:.6g} {units.position} of the drive's own position, from {law.start:.6g}, "
+        f"{'repeated' if law.wraps else 'nothing outside'}; "
+    )
     cannot = []
     if rest.span > NEGLIGIBLE * rest.cogging and law.wraps:
         why = []
@@ -215,14 +220,22 @@ def _exported(model: Model, name: str, table: Table, unit: str, lines: list[str]
         cannot.append(f"cannot hold {rest.span:.3g} {units.command} rms: {'; '.join(why) or 'other spans differ'}")
     if rest.entries > NEGLIGIBLE * rest.cogging:
         cannot.append(f"leaves {rest.entries:.3g} {units.command} rms between its entries and in their last digit")
-    return _written(model, name, frame, unit, lines, [what, *cannot], rest, list(notes))
+    return _written(model, name, frame, unit, lines, what, rest, cannot, notes)
 
 
 def _written(
-    model: Model, name: str, frame: Frame, unit: str, lines: list[str], said: list[str], rest: Rest, notes: list[str]
+    model: Model,
+    name: str,
+    frame: Frame,
+    unit: str,
+    lines: Iterable[str],
+    what: str,
+    rest: Rest,
+    cannot: Iterable[str],
+    notes: Iterable[str] = (),
 ) -> Exported:
-    """Return a file with its summary: what it holds (first) and cannot hold, what it leaves, what is assumed."""
-    units, (what, *cannot) = model.units, said
+    """Return a file from its lines with its summary: what it holds, what it leaves, what is assumed."""
+    units = model.units
     way = "counts as the model does" if frame.direction > 0 else "counts and pushes the other way"
     sign = "adds the entry to its command" if frame.sign > 0 else "takes the entry off its command"
     scaled = frame.scale != 1.0 or unit != units.command

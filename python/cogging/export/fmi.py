@@ -36,8 +36,16 @@ MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 FIRST_PARAMETER = 16
 NAMESPACE = uuid.UUID("6a7d5c7e-5f0b-4d0a-9f0e-2f1c43b0a3d1")  # of the instantiation tokens, drawn once
 #: FMI's exponents of known units; others are labels.
-BASE_UNITS = {"s": {"s": 1}, "Hz": {"s": -1}, "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}}
-BASE_UNITS |= {"rad": {"rad": 1}, "rad/s": {"rad": 1, "s": -1}, "rad/s^2": {"rad": 1, "s": -2}}
+BASE_UNITS = {
+    "s": {"s": 1},
+    "Hz": {"s": -1},
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s^2": {"m": 1, "s": -2},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s^2": {"rad": 1, "s": -2},
+}
 TEXT = """\
 {name}: the axis as a unit of FMI 3.0 (co-simulation) for {system}, {size} kB.
 takes:  plant, {effects}, encoder and noise, to the bit; input `command` ({V}), held over each step;
@@ -84,10 +92,18 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
             entry = zipfile.ZipInfo(path)  # without the time: the same files give the same bytes
             entry.external_attr = (0o755 if path.startswith("binaries") else 0o644) << 16
             made.writestr(entry, content, zipfile.ZIP_DEFLATED)
-    content, many = archive.getvalue(), len(model.effects)
-    numbers_said = {"size": round(len(content) / 1000), "count": len(parameters), "step": 1.0 / rate}
-    words = {"system": platform_tuple(), "effects": f"{many} effect{'s' * (many != 1)}", "V": model.units.of("V")}
-    return Exported(content, TEXT.format(name=name, **numbers_said, **words))
+    return Exported(
+        content=archive.getvalue(),
+        text=TEXT.format(
+            name=name,
+            system=platform_tuple(),
+            size=round(len(archive.getvalue()) / 1000),
+            effects=f"{len(model.effects)} effects" if len(model.effects) != 1 else "1 effect",
+            V=model.units.of("V"),
+            count=len(parameters),
+            step=1.0 / rate,
+        ),
+    )
 
 
 def find_library() -> Path:
@@ -97,8 +113,10 @@ def find_library() -> Path:
     for path in (*(folder / file for folder in installed("share/fmi")), *reversed(built)):
         if path.is_file():
             return path
-    advice = f"install the package (pip install .), or build the target {LIBRARY} below build"
-    raise InputError(f"{SOURCES.parent}: must hold the library of a unit, got none: {advice}")
+    raise InputError(
+        f"{SOURCES.parent}: must hold the library of a unit, got none: install the package (pip install .), or build "
+        f"the target {LIBRARY} below build"
+    )
 
 
 def platform_tuple() -> str:

@@ -1,8 +1,11 @@
 """The forms of `cogging export`, by name.
 
-To add a form: a module in this folder with a function `make(model, **options) -> Exported`, which has the defaults and
-raises FieldError or ValueError, `name: rule, got value`; an entry of FORMS that names them, imported when it is used;
-and a test that reads the file back.
+To add a form: a module in this folder with a function `make(model, **options) -> Exported`, an entry of FORMS that
+names them, and a test that reads the file back. The command, its `--help` and `cogging.export.to` read the list; the
+module is imported when its form is used.
+
+Forms that share an option list the same Option. Defaults are in the signature of `make`: only given options are passed.
+`make` raises FieldError or ValueError, `name: rule, got value`; `to` adds the model's file.
 """
 
 from __future__ import annotations

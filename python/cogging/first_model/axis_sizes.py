@@ -65,7 +65,11 @@ class _Fit(NamedTuple):
 
 
 def sizes_of(log: Log, units: Units) -> Sizes:
-    """Estimate mass and friction by least squares of the command, beside a free force of position where possible."""
+    """Estimate mass and friction of an axis from a log in SI, without a prior model.
+
+    Least squares of the filtered command on mass, friction and a constant, once with a free force of position beside
+    them (cogging, springs) and once without, which is used where the former does not identify a size.
+    """
     balance = _balance(log)
     if balance is None:
         reason = "not identifiable: the log hardly moves"

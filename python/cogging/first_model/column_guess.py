@@ -11,8 +11,20 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.files import InputError
-from cogging.first_model import headers as of_header
-from cogging.first_model.headers import LIKELY, STATED, TRIED, UNKNOWN, Header, Unit, stated_unit
+from cogging.first_model.headers import (
+    LIKELY,
+    STATED,
+    TRIED,
+    UNKNOWN,
+    Header,
+    Unit,
+    header_of,
+    stated_unit,
+    turning,
+    unit_of_command,
+    unit_of_position,
+    unit_of_time,
+)
 from cogging.logs.columns import read_columns, survey_columns
 from cogging.logs.readers.column_request import is_si, listed, split_unit
 from cogging.model.units import UNIT_KEYS, Units
@@ -159,9 +171,12 @@ def guess_columns(
     rows: slice | None,
     units: Units | None,
 ) -> ColumnGuesses:
-    """Identify the columns and units of a log in any file; InputError: time, position or command cannot be found."""
+    """Identify the columns of a log in a file of any format, and their units, beside those that are given.
+
+    InputError: it cannot be read, or time, position or command cannot be identified.
+    """
     surveyed = survey_columns(path)
-    headers = {label: of_header.header_of(label, apart) for label, apart in surveyed}
+    headers = {label: header_of(label, apart) for label, apart in surveyed}
     labels = [label for label, _ in surveyed]
     table = numbers(path, [label for label in headers if labels.count(label) == 1 and label], rows)
     own = {name: _meant(path, label, headers) for name, label in columns.items()}
@@ -266,12 +281,12 @@ def _guess(
     """A column with its unit."""
     label, reason, sure = found[name]
     header = headers[label]
-    turns = of_header.turning(headers[found["position"][0]], headers[found["command"][0]])
+    turns = turning(headers[found["position"][0]], headers[found["command"][0]])
     stated = stated_unit(header)
     if name in scale:
         labels = {
             "time": "s",
-            "command": of_header.unit_of_command(header, turns).label,
+            "command": unit_of_command(header, turns).label,
             "position": "rad" if turns else "m",
         }
         in_log = getattr(units, name, labels[name] if stated is None or name == "time" else stated.label)
@@ -279,13 +294,13 @@ def _guess(
     elif units is not None and name in UNIT_KEYS and label == name:
         unit = Unit(1.0, getattr(units, name), "as the model beside the log says", STATED)
     elif name == "time":
-        unit = of_header.unit_of_time(header, table[label])
+        unit = unit_of_time(header, table[label])
     elif name == "command":
-        unit = of_header.unit_of_command(header, turns)
+        unit = unit_of_command(header, turns)
     else:
         time = table[found["time"][0]]
-        second = scale["time"] if "time" in scale else of_header.unit_of_time(headers[found["time"][0]], time).factor
-        unit = of_header.unit_of_position(header, time * second, table[label], turns)
+        second = scale["time"] if "time" in scale else unit_of_time(headers[found["time"][0]], time).factor
+        unit = unit_of_position(header, time * second, table[label], turns)
         if unit.sure != STATED:
             unit = _unit_by_reference(unit, headers, table, label)
     return placed(name, header, headers, unit, reason, sure)

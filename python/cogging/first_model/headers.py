@@ -14,23 +14,38 @@ from cogging.logs.readers.column_request import FACTORS, SPELLINGS, TIME_FACTORS
 
 #: Names by quantity, the most specific first, from English and German drives and loggers.
 NAMES = {
-    "reference_velocity": "reference_velocity velocity_reference v_ref vref v_soll sollgeschwindigkeit "
-    "velocity_demand velocity_setpoint target_velocity velocity_command",
-    "reference_acceleration": "reference_acceleration acceleration_reference a_ref aref a_soll sollbeschleunigung "
-    "acceleration_demand target_acceleration",
-    "reference": "reference position_reference reference_position position_setpoint setpoint_position position_demand "
-    "demand_position target_position position_target position_command pos_ref x_ref xref x_soll sollposition "
-    "position_soll lagesollwert sollwert x_cmd pos_cmd setpoint target soll qg xd x_d q_ref qref ref r theta_ref",
-    "velocity": "velocity velocity_actual actual_velocity speed geschwindigkeit istgeschwindigkeit drehzahl v_ist v "
-    "vel qd dq omega xdot dx",
+    "reference_velocity": (
+        "reference_velocity velocity_reference v_ref vref v_soll sollgeschwindigkeit "
+        "velocity_demand velocity_setpoint target_velocity velocity_command"
+    ),
+    "reference_acceleration": (
+        "reference_acceleration acceleration_reference a_ref aref a_soll sollbeschleunigung "
+        "acceleration_demand target_acceleration"
+    ),
+    "reference": (
+        "reference position_reference reference_position position_setpoint setpoint_position "
+        "position_demand demand_position target_position position_target position_command pos_ref "
+        "x_ref xref x_soll sollposition position_soll lagesollwert sollwert x_cmd pos_cmd setpoint "
+        "target soll qg xd x_d q_ref qref ref r theta_ref"
+    ),
+    "velocity": (
+        "velocity velocity_actual actual_velocity speed geschwindigkeit istgeschwindigkeit drehzahl "
+        "v_ist v vel qd dq omega xdot dx"
+    ),
     "acceleration": "acceleration beschleunigung acc a qdd ddx",
     "error": "error position_error following_error error_position schleppfehler lageabweichung err",
     "time": "time zeit timestamp time_stamp zeitstempel t sec elapsed clock ticks",
-    "position": "position actual_position position_actual istposition position_ist lageistwert lage pos encoder x_ist "
-    "weg x q qm x_m y pos_act angle theta winkel phi displacement encoder_position encoder_counts x_meas x_act istwert",
-    "command": "command iq current motor_current strom motorstrom i_q current_command iq_ref force force_command kraft "
-    "vir torque drehmoment moment u control control_output stellgrosse stellgröße stellgroesse voltage spannung dac "
-    "output effort tau f i cmd thrust iq_cmd sollstrom stromsollwert iq_actual current_setpoint current_actual",
+    "position": (
+        "position actual_position position_actual istposition position_ist lageistwert lage pos "
+        "encoder x_ist weg x q qm x_m y pos_act angle theta winkel phi displacement "
+        "encoder_position encoder_counts x_meas x_act istwert"
+    ),
+    "command": (
+        "command iq current motor_current strom motorstrom i_q current_command iq_ref force "
+        "force_command kraft vir torque drehmoment moment u control control_output stellgrosse "
+        "stellgröße stellgroesse voltage spannung dac output effort tau f i cmd thrust iq_cmd sollstrom "
+        "stromsollwert iq_actual current_setpoint current_actual"
+    ),
 }
 WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
 #: Factors to SI of units of position, time and command, and the label of the command's unit.
@@ -48,9 +63,11 @@ TORQUES = ("Nm", "mNm")
 #: A unit after a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
 LONGEST = 200  # characters of a name that is searched for a unit, in quadratic time
-#: Parts of a name that mean a rotary axis.
-TORQUE = re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)")
-ANGLE = re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)")
+#: Parts of a name that mean a rotary axis: a torque, an angle.
+TORQUE, ANGLE = (
+    re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)"),
+    re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)"),
+)
 RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNORECASE)
 
 
@@ -129,8 +146,9 @@ def _kind(bare: str) -> tuple[str, int]:
     """The quantity of a name, and its rank."""
     plain = _plain(bare)
     for kind, words in WORDS.items():
-        if name := next((one for one in (plain, plain.replace("_", "")) if one in words), None):
-            return kind, words.index(name)
+        if plain in words or plain.replace("_", "") in words:
+            place = words.index(plain) if plain in words else words.index(plain.replace("_", ""))
+            return kind, place
     parts = set(plain.split("_"))
     best = ("", 0)
     for kind, words in WORDS.items():
@@ -153,7 +171,10 @@ STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
 STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
 #: Ranges of travel, speed and acceleration of axes in m or rad, m/s, m/s^2 (assumed, from stages to gantries and from
 #: joints to spindles), and typical values.
-RANGES = {"m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)), "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5))}
+RANGES = {
+    "m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)),
+    "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5)),
+}
 USUAL = {"m": (0.2, 0.3, 5.0), "rad": (3.0, 5.0, 50.0)}
 TRIED = {"m": {"m": 1.0, "mm": 1e-3, "um": 1e-6}, "rad": {"rad": 1.0, "deg": math.pi / 180.0}}
 COUNT = 1e-6  # m or rad, assumed for an encoder count of unknown size
@@ -218,8 +239,9 @@ def unit_of_position(header: Header, time: FloatArray, position: FloatArray, tur
         reason = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
         return Unit(COUNT, label, reason, UNKNOWN)
     sizes = {unit: [max(factor * value, 1e-300) for value in motion] for unit, factor in tried.items()}
-    low, high = np.array(RANGES[label]).T
-    fitting = [unit for unit, found in sizes.items() if np.all((low <= found) & (found <= high))]
+    fitting = [
+        u for u, found in sizes.items() if all(a <= x <= b for x, (a, b) in zip(found, RANGES[label], strict=True))
+    ]
     if header.label == "position" and label in fitting:
         beside = " beside a torque or as an angle" * turns
         return Unit(1.0, label, f"in {label}, as a log of this name has it{beside}; give a factor if it is not", LIKELY)

@@ -357,7 +357,8 @@ def draft_model(
 ) -> ModelDraft:
     """Draft a model and a reference of the axis that made a log, in any of its user's formats.
 
-    Columns are identified by English or German names, or the behaviour of their numbers; units by header or motion.
+    Columns are identified by their names in English or German, or by the behaviour of their numbers; units by the
+    header or by plausible motion. Each guess is reported with its reason, and so is what is unknown.
 
     Args:
         log: a Log, or a file of any format that logs have (see read_log), with columns of any names.

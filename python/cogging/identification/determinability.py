@@ -53,7 +53,11 @@ def determinability(
     simulate: Sequence[Simulator | None],
     sources: Callable[[], Sequence[Residuals]] = tuple,
 ) -> Determinability:
-    """Predict from a linearised fit, on the noise-free motion of `simulate`, which parameters the logs determine."""
+    """Predict from a linearised fit which parameters the logs determine.
+
+    Where `simulate` has a run for a log its noise-free motion is used: noise in the measured motion is no excitation.
+    `sources` makes the output errors of the logs, used where the force balance does not depend on a parameter.
+    """
     known = parameters_of(model)
     parameters = [known[path] for path in paths]
     sizes = np.array([size_of(model, parameter, scales) for parameter in parameters])

@@ -46,13 +46,17 @@ def identify(
 ) -> Identification:
     """Fit the parameters of a model to one or several logs together. Rows that several of them share count once.
 
-    Inverse dynamics with instruments from a simulated run is reported; the whitened output error of the closed-loop
-    replay (else of the one-step prediction) is the check, and is reported where the force balance lacks a parameter.
+    Two estimators are used. Inverse dynamics with instruments from a simulated run is reported: it is robust against
+    model errors. The whitened output error of the closed-loop replay (else of the one-step prediction) is the check; it
+    is reported instead where a second mass, a friction state or a free parameter is outside the force balance.
 
     A parameter that the logs do not determine (1-sigma above a fifth of its size with all others free) keeps its prior
-    and gets an infinite interval. Where unmodelled forces exceed 5 % of the command, or the residual four times the
-    noise, or the two estimators contradict each other, a parameter keeps its prior unless all answers exclude it, and
-    its interval covers all of them: `cogging diagnose` is the next step.
+    and gets an infinite interval; the intervals of the others allow for it. Where unmodelled forces exceed 5 % of the
+    command, or the residual four times the noise, or the two estimators contradict each other, a parameter keeps its
+    prior unless all answers exclude it, and its interval covers those of both estimators, those beside unmodelled
+    forces, and those with the residual as coloured noise. `cogging diagnose` is the next step.
+
+    Jittering time stamps are replaced by an even clock if the readings are smoother on it.
 
     Args:
         logs: one or several, or their files.

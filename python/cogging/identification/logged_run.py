@@ -69,7 +69,10 @@ class LoggedRun:
 
     @classmethod
     def of(cls, log: Log, model: Model, name: str, added_command: npt.ArrayLike | None = None) -> LoggedRun:
-        """Audit a log, check its controller; added_command: V, (n,); InputError: units that cannot be the model's."""
+        """Audit a log and check the controller that made it; InputError: units that cannot be those of the model.
+
+        `added_command`: what was added to the controller's command, V, (n,).
+        """
         added = None if added_command is None else real_array("added_command", added_command)
         check_against_model(log, model, name)
         own = log if added is None else Log.of({**log.columns(), "command": log.command - added})
@@ -113,7 +116,11 @@ class LoggedRun:
         return lambda model: noise_free
 
     def relative_errors(self, model: Model) -> dict[str, float]:
-        """Relative errors of the replay in position, velocity and command; empty without one; DivergedError."""
+        """Relative error of the replay in position, velocity and command (norms); empty without a replay.
+
+        Both velocities are differences of positions low-pass filtered at 400 Hz at most. DivergedError: the replay
+        diverged.
+        """
         if self.replay is None:
             return {}
         run = self.replay.log_of(model)

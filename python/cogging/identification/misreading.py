@@ -141,9 +141,11 @@ class Misreading:
 def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = None) -> Misreading | None:
     """Find the simple misreading that would explain logs which a model does not explain; None where none is clear.
 
-    The evidence is the columns themselves, the stated controller, and the force balance, which decides only where the
-    log as read is excluded even with mass and friction far from the model's. The result is that of the first log that
-    has one, and of all that share it.
+    Tried for each log by itself: the sign of command, position or reference; units; swapped columns; a velocity, or the
+    reference, in place of the position; a command that is rows too late or far too early. The evidence is the columns
+    themselves, the stated controller, and the force balance, which decides only where the log as read is excluded even
+    with mass and friction far from the model's, and the other reading fits. The result is the misreading of the first
+    log that has one, and of all that share it.
     """
     called = list(names) if names is not None else [f"log {i + 1}" for i in range(len(logs))]
     clean = [repaired(log, spikes(log.position), spikes(log.command))[0] for log in logs]
@@ -294,7 +296,10 @@ def _is_whole(position: FloatArray) -> bool:
 
 
 def misread_by_controller(log: Log, model: Model) -> list[Reading]:
-    """The readings with which the stated controller reproduces the command; two for a unit it cannot tell apart."""
+    """The reading whose command the stated controller reproduces, where it does not reproduce the log as read.
+
+    Two for a unit: the controller cannot tell whether the command is in another one, or all positions are.
+    """
     if log.reference is None or model.controller is None:
         return []
     check = check_controller(log, model)

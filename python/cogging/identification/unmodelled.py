@@ -112,8 +112,9 @@ def other_answers(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Moves of parameters beside unmodelled forces, half intervals there, and those with the residual as noise, (p,).
 
-    Each force has a prior of 0 +- ALLOWED times the structured residual (Kennedy and O'Hagan 2001). As noise: a force
-    biases the parameters as much as coloured noise of its size and bandwidth could.
+    Beside forces: least squares with those of `left` beside the model's own columns, each with a prior of 0 +- ALLOWED
+    times the structured residual (Kennedy and O'Hagan 2001). As noise: an unmodelled force biases the parameters as
+    much as coloured noise of its size and bandwidth could.
     """
     p = len(parameters)
     prior = np.diag(1.0 / loose**2)

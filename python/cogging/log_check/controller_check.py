@@ -148,7 +148,10 @@ def root_mean_square(values: FloatArray) -> float:
 def linear_regressors(
     kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
 ) -> dict[str, FloatArray]:
-    """The command at a gain of 1, (n,), for each gain of a `pid` or `cascade` (kv and `kp kv`), by its name."""
+    """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
+
+    A `cascade` has kv and `kp kv`, in which it is linear.
+    """
     make = CONTROLLERS[kind][1]
     gains = {"pid": ("kp", "ki", "kd"), "cascade": ("kp", "kv")}[kind] + ("mass", "viscous", "coulomb")
     bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
@@ -173,7 +176,10 @@ def fit_columns(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[
 def fit_samples(
     samples: Samples, columns: Mapping[str, FloatArray], rows: Mask, integral: bool
 ) -> tuple[dict[str, float], float, Mask]:
-    """Coefficients of columns (m,) that fit the commands, the rms of what is left, and the rows that counted."""
+    """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
+
+    With an `integral` the rows after each gap have their own constant. Spikes that the fit does not have are left out.
+    """
     target = samples.command
     if integral and samples.segment[-1]:
         target = samples.without_means(target, rows)
@@ -272,9 +278,10 @@ class ControllerCheck(ByValue):
 def check_controller(log: Log, model: Model) -> ControllerCheck | None:
     """Compare a log with the controller of a model; None where the model states none.
 
-    The controller is run on the logged references and readings, with Ts = 1/`sample_rate` even where the time jitters;
-    the gains of `pid` and `cascade` are fitted by least squares. Rows whose command depends on missing samples are not
-    compared; after a gap the integral is another constant. Spikes are left out if they explain the difference.
+    `pid` and `cascade` are recomputed as their equations say (Pid, Cascade), with Ts = 1/`sample_rate` even where the
+    time jitters, and their gains are fitted by least squares; every other type is run on the logged references and
+    readings (replay_controller). A few missing samples are interpolated, and rows whose command depends on them are not
+    compared; after a longer gap the integral is another constant. Spikes are left out if they explain the difference.
 
     Args:
         log: with a reference.
@@ -380,7 +387,10 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
-    """The log with its missing samples filled, and a remark, if the model's controller made the log."""
+    """The log with rows for missing samples between two rows, and a remark, if the model's controller made the log.
+
+    Readings are interpolated by cubics and commands computed: a command held over the gap would look like an effect.
+    """
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:
         return log, ""

@@ -30,7 +30,10 @@ NEGLIGIBLE = 1e-3  # of the rms command: contribution below which a gain is set 
 
 
 class RecoveredController(NamedTuple):
-    """Type and parameters of a controller that reproduces a log's command, the rms residual, V, and the log's units."""
+    """Type and parameters of a controller that reproduces a log's command, and the rms residual, V.
+
+    `units` are the labels of the log's units.
+    """
 
     type: str
     parameters: PidParameters | CascadeParameters
@@ -47,9 +50,11 @@ class RecoveredController(NamedTuple):
 def recover_controller(log: Log) -> RecoveredController | None:
     """Find the `cascade` or `pid` that made a log's command, or None if neither did.
 
-    Least squares of the command on the regressors of the gains, with S(v) of a width that is searched for. Accepted if
-    the residual is at most 0.5 % of the rms command and no gain is negative; gains that contribute less than 0.1 % are
-    zero. The simpler of two equal fits is returned. Missing rows and spikes are handled as in check_controller.
+    Least squares of the command on the regressors of the gains: error, its sum and backward difference
+    (`pid`), or error and the reading's backward difference (`cascade`), with the reference's derivatives and S(v) of a
+    width that is searched for. Accepted if the residual is at most 0.5 % of the rms command and no gain is negative;
+    gains that contribute less than 0.1 % are set to zero. The simpler of two equal fits is returned. Missing rows and
+    spikes are handled as in check_controller.
 
     Args:
         log: with a reference, of at least 200 rows.

@@ -101,7 +101,10 @@ EVEN = 0.01  # of the step: more even time stamps are kept
 
 
 def on_its_clock(log: Log) -> tuple[Log, str]:
-    """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and ""."""
+    """The log on an even clock if its readings are smoother there, with a remark; else the log as it is and "".
+
+    Along the true times each reading is close to the cubic through its two neighbours on either side.
+    """
     if len(log) < 5:
         return log, ""
     step = float(np.median(np.diff(log.time)))

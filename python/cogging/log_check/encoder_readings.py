@@ -13,7 +13,10 @@ PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
 
 
 def encoder_quantum(position: npt.ArrayLike) -> float:
-    """The step (m) of which readings (n,) are multiples, or the file's last digit if that is coarser; 0 if none."""
+    """The step (m) of which readings (n,) are multiples, within a tenth for 99 % of neighbouring levels; 0 if none is.
+
+    It is the resolution of the file if that is coarser than the encoder.
+    """
     readings = np.asarray(position, dtype=np.float64)[:READINGS]
     levels = np.unique(readings)
     differences = np.diff(levels)

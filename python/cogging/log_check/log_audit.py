@@ -267,7 +267,10 @@ TIME_UNITS = {1e-3: "ms", 1e-6: "us"}
 
 @check_arguments(log=LOG, model=MODEL_ALONE)
 def check_against_model(log: Log, model: Model, name: str = "log") -> None:
-    """Refuse a log whose units, by travel, reference or sample rate, cannot be those of the model.
+    """Refuse a log whose units cannot be those of the model.
+
+    The readings must fit into the model's travel and span about as much as the reference, and the time step must not
+    differ from the controller's by a factor of a thousand.
 
     Args:
         log: the log.

@@ -39,20 +39,25 @@ def read_columns(
     progress: bool = True,
     notes: list[str] | None = None,
 ) -> dict[str, FloatArray]:
-    """Return columns, (n,), by name of a text table (CSV), MATLAB, ASAM MDF or Parquet file, as its first bytes say.
+    """Read named columns of a text table (CSV), MATLAB, ASAM MDF or Parquet file.
 
-    A text table has a header row, possibly below other lines, and commas, semicolons, tabs or blanks between columns.
-    All numbers have a decimal point, or a decimal comma if columns are separated otherwise or numbers are quoted. A
-    unit may follow a name, `position [mm]`: one that is not SI (or V, A, N) is refused unless `scale` gives a factor.
+    The first bytes of the file determine the format. A text table has a header row, possibly below other lines, and
+    commas, semicolons, tabs or blanks between columns. All numbers have a decimal point, or a decimal comma if columns
+    are separated otherwise or numbers are quoted. A unit may follow a name, `position [mm]`: one that is not SI (or V,
+    A, N) is refused unless `scale` gives a factor.
 
     Args:
         path: the file.
-        names, optional: columns that must, and that may be there.
+        names: columns that must be there.
+        optional: columns that may be there.
         columns: names in the file by name here (`{"position": "qm"}`).
         scale: factors by name here.
         rows: the data rows to read, counted from 0.
         progress: show a progress bar for a large text table.
         notes: extended by notes on the numbers of the file: decimal commas.
+
+    Returns:
+        The columns by name, each (n,).
     """
     columns, scale, rows = dict(columns or {}), dict(scale or {}), rows or slice(0, None)
     known, start, stop = (*names, *optional), rows.start or 0, rows.stop

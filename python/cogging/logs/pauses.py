@@ -16,7 +16,10 @@ SPARSEST = 20.0  # rows of an even grid for each row, with pauses cut, above whi
 
 
 def running_time(time: FloatArray) -> FloatArray:
-    """Return the time of rows (s) with pauses cut to CUT if they exceed SPARSE times the rows; else `time` itself."""
+    """Return the time of rows with pauses cut to CUT, s, (n,); `time` itself if pauses do not matter.
+
+    They matter if rows at the median step would be more than SPARSE times as many: a pause of a day.
+    """
     steps = np.diff(time)
     step = float(np.median(steps))
     if float(time[-1] - time[0]) <= SPARSE * time.size * step:

@@ -23,7 +23,11 @@ NEWTON_STEPS = 8  # to the shift in time
 
 
 def repeated(log: Log, other: Log) -> Mask:
-    """Return which rows, (n,), are in another log, whatever their time, units and zero, half left out, or resampled."""
+    """Return which rows of a log, (n,), are in another one: equal position and command over STRETCH rows.
+
+    Time and references are ignored for equal rows. Up to about half of the rows may have been left out, or the rows
+    interpolated at other times; units and the zero of the position may differ.
+    """
     none = np.zeros(len(log), dtype=bool)
     if min(len(log), len(other)) < STRETCH:
         return none
@@ -43,7 +47,11 @@ def repeated(log: Log, other: Log) -> Mask:
 def counted_once(
     logs: Sequence[Log], names: Sequence[str], fewest: int
 ) -> tuple[list[Log], list[Mask], tuple[str, ...]]:
-    """Return logs without rows of a longer or earlier one, which rows count, and messages; `fewest`: rows to remain."""
+    """Return logs without the rows that a longer or earlier log contains.
+
+    `fewest`: rows that must remain; a log with fewer is left out. Also returned: which rows (n,) of each given log
+    count, and messages that use the `names`.
+    """
     order = sorted(range(len(logs)), key=lambda i: -len(logs[i]))
     kept = [np.ones(len(log), dtype=bool) for log in logs]
     said: dict[int, str] = {}

@@ -72,7 +72,10 @@ def fit_splines(
 def cross_validate(
     fit: SplineFit, position: FloatArray, force: FloatArray, nuisance: FloatArray, block: float
 ) -> tuple[float, float]:
-    """Rms of the errors (V) with which parts of the scan are predicted from the rest, and its standard error."""
+    """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
+
+    Of each eight neighbouring blocks (m) of the travel one, at random, is in each of eight folds.
+    """
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
     groups = int(blocks.max()) // FOLDS + 1
     tiles = np.tile(np.arange(FOLDS), (groups, 1))
@@ -121,7 +124,10 @@ def rows_of(basis: SplineHarmonics, coefficients: FloatArray) -> tuple[FloatArra
 def normal_equations(
     basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)], span by span."""
+    """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)].
+
+    Span by span, since few control points act in each.
+    """
     p = 0 if basis is None else basis.coefficients
     normal = np.zeros((p + nuisance.shape[1],) * 2)
     right = np.zeros(len(normal))
@@ -236,14 +242,22 @@ class HarmonicSpectrum:
         return level, 2.0 * np.log(2.0) ** 2 * window
 
     def false_alarm(self, ratio: float, degrees: float) -> float:
-        """Probability that noise alone lifts any line to `ratio` times its level, by F(2, degrees), at most 1."""
+        """The probability that noise alone lifts any line of the spectrum to `ratio` times its level.
+
+        lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution.
+        """
         tail = float(np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees)))
         return min(1.0, float(self.present.sum()) * tail)
 
     def find(
         self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
     ) -> list[Line]:
-        """The significant lines of a force (V, (n,)) in the order found, each harmonic once, without `taken` lines."""
+        """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
+
+        The strongest line is removed with its modulation and the `nuisance` columns (n, q), and the rest searched
+        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded from
+        the start.
+        """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
         arithmetic = FLOOR**2 * float(np.mean(rest**2)) or 1.0

@@ -66,7 +66,8 @@ def tracking_spectrum(
     """Find the spatial periods in the tracking error of a log.
 
     On every stretch of constant speed the error is fitted by a constant and a sine and cosine of each frequency against
-    position; the powers of the stretches are averaged. The strongest line is removed, and the rest searched again.
+    position (least squares). The powers of the stretches are averaged, since the phase differs with direction. The
+    strongest line is removed from every stretch, and the rest searched again.
 
     Args:
         log: with a reference.

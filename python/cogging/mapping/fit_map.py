@@ -257,13 +257,17 @@ def fit_map(
 
     force = F_cogging(x) + offset + trend (x - centre) + direction (coulomb + g(x)), with (Lu et al. 2008, eq. 3 to 5)
     F_cogging(x) = sum_i (f_Si(x) sin(2 pi i x / pitch) + f_Ci(x) cos(2 pi i x / pitch)), f constant or B-splines on
-    knots one pitch apart from `origin` over the travel. Least squares on averaged points, with a weak prior by which a
-    control point that the scan does not reach continues its neighbour (`unexcited`). Friction is separated from the
-    offset if the scan goes there and back over one pitch or more. g(x), also periodic, is what else changes its sign
-    with the direction: friction ripple, hysteresis; it is not part of the map.
+    knots one pitch apart from `origin` over the travel. Least squares on points averaged over small cells, with a weak
+    prior: neighbouring control points differ by 0 +- the standard deviation of the scan's force. So a control point
+    that the scan does not reach continues its neighbour; it is listed in `unexcited`.
 
-    Harmonics are found in the least-squares spectrum. Periodic and orders 1 to 4 are compared by 8-fold
-    cross-validation; the one with the fewest coefficients within one standard error of the best is chosen.
+    Friction is separated from the offset if the scan goes there and back over one pitch or more. g(x), also periodic,
+    is what else changes its sign with the direction: friction ripple, hysteresis; it is not part of the map.
+
+    Harmonics are found in the least-squares spectrum (HarmonicSpectrum.find). Periodic and orders 1 to 4 are compared
+    by 8-fold cross-validation on blocks of an eighth of a pitch, both directions together; the one with the fewest
+    coefficients within one standard error of the best is chosen. Standard errors use the residual's spectrum at a
+    harmonic's own frequency, and at least the residual's mean square.
 
     Args:
         position: m, (n,), in the order of measurement, irregular and repeated at will.
@@ -281,8 +285,9 @@ def fit_map(
         The cogging model with its standard errors and how it was chosen.
 
     Raises:
-        ValueError: fewer than 10 points, NaN, lengths that differ, a travel below one pitch, points too far apart, a
-            harmonic that they do not resolve, more coefficients than points.
+        ValueError: names the field, the rule and the value: fewer than 10 points, NaN, lengths that differ, a travel
+            below one pitch (less the last spacing of a closed turn), points too far apart, a harmonic that they do not
+            resolve, more coefficients than points.
 
     Example:
         >>> x = np.linspace(0.0, 0.4, 2001)

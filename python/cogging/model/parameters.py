@@ -151,6 +151,14 @@ def effect_paths(effects: Iterable[Effect]) -> list[tuple[str, Effect]]:
     return [(f"effects.{effect.NAME}{place}", effect) for effect, place in zip(effects, places, strict=True)]
 
 
+def renamed_path(path: str, names: Mapping[str, str]) -> str:
+    """Return the path of a parameter whose effect has another path, by `names`; "" if its effect is not among them."""
+    if not path.startswith("effects."):
+        return path
+    owner = next((one for one in names if path == one or path.startswith(one + ".")), None)
+    return "" if owner is None else names[owner] + path[len(owner) :]
+
+
 def effect_at(model: Model, path: str) -> Effect:
     """Return the effect of a path `effects.name.field`, `effects.name[i].field` or `effects.name.field[j]`."""
     prefix, _, leaf = path.rpartition(".")

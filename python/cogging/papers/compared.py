@@ -33,7 +33,10 @@ class Trace(NamedTuple):
 def compared(
     title: str, traces: Sequence[Trace], *, zoom: tuple[float, float] | None = None, limit: float | None = None
 ) -> Figure:
-    """Return a figure of errors, one panel each; dashed lines mark printed values; zoom: s; limit: of the scale, m."""
+    """Return a figure of errors, a panel each; dashed lines mark the printed values.
+
+    zoom: start and end (s) of a second column; limit: end of the scale, m.
+    """
     sizes = [np.nanmax(np.abs(trace.error)) for trace in traces]
     sizes += [trace.printed for trace in traces if trace.printed is not None]
     scale, over = scale_of("m", sizes), scale_of("s", *(trace.time for trace in traces))

@@ -99,7 +99,10 @@ def at_equal_margin(axis: GantryAxis) -> dict[str, ListedController]:
 def scaled(
     name: str, axis: GantryAxis, factor: float = 1.0, observer_gain: Sequence[float] | None = None
 ) -> ListedController:
-    """Return a controller tuned by its paper's rule, its poles times a factor; observer_gain: None designs it here."""
+    """Return a controller of SCALED or OWN tuned by its paper's rule for an axis, all poles times a factor.
+
+    observer_gain: of observer_based at this factor; None: designed here (extra `design`).
+    """
     if name == "pid":
         kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
         friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}

@@ -20,17 +20,34 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@functools.cache
+def shipped_toml(package: str, name: str) -> dict[str, Any]:
+    """Return the content of a TOML file, of values that the studies calibrated, of a package of papers."""
+    return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))
+
+
 @dataclass(frozen=True)
 class Row:
-    """One number of a table."""
+    """One number of a table.
 
-    controller: str  # as the paper calls it
-    index: str  # its name in the result files
-    unit: str  # SI
-    paper: float | None  # the printed number
+    Attributes:
+        controller: as the paper calls it.
+        index: name of the index in the result files.
+        unit: SI.
+        paper: the printed number, or None.
+        simulated: ours.
+        status: "calibrated" (the setup was fitted to it), "predicted", "derived" (follows from others of the same
+            table, not counted) or "exploratory".
+        labels: further columns of the result file, such as the set or the motor.
+    """
+
+    controller: str
+    index: str
+    unit: str
+    paper: float | None
     simulated: float
-    status: str  # calibrated, predicted, derived (from others of the table, not counted) or exploratory
-    labels: Mapping[str, str] = field(default_factory=dict)  # further columns, such as the set or the motor
+    status: str
+    labels: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -49,12 +66,6 @@ class Row:
         return {**fields, **labels}
 
 
-@functools.cache
-def shipped_toml(package: str, name: str) -> dict[str, Any]:
-    """Return the content of a TOML file, of values that the studies calibrated, of a package of papers."""
-    return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))
-
-
 def explored(controller: str, index: str, unit: str, value: float, **labels: str) -> Row:
     """Return an exploratory row: a number that the paper does not print."""
     return Row(controller, index, unit, None, float(value), "exploratory", labels)
@@ -66,14 +77,23 @@ WITHIN = (0.05, 0.15, 0.40)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Table(ByValue):
-    """A table of the paper beside the simulated one."""
+    """A table of the paper beside the simulated one.
 
-    id: str  # its name in the result file
-    title: str  # for the screen
+    Attributes:
+        id: its name in the result file.
+        title: for the screen.
+        rows: its numbers.
+        free: names of the calibrated parameters; empty: no counts are shown.
+        before: other values of the same numbers, shown beside them; None: there are none.
+        beside: heading of those values.
+    """
+
+    id: str
+    title: str
     rows: Sequence[Row]
-    free: Sequence[str] = ()  # names of the calibrated parameters; without any no counts are shown
-    before: Table | None = None  # other values of the same numbers, shown beside them
-    beside: str = "before"  # heading of those values
+    free: Sequence[str] = ()
+    before: Table | None = None
+    beside: str = "before"
 
     def counts(self) -> dict[str, Any]:
         """Return how many printed numbers are calibrated, predicted, and near, as in the result file."""
@@ -85,9 +105,9 @@ class Table(ByValue):
             {f"{100 * share:.0f}": sum(error <= share for error in errors) for share in WITHIN}
             for errors in (calibrated + predicted, predicted)
         )
-        numbers = {"numbers": len(calibrated + predicted), "calibrated": len(calibrated), "predicted": len(predicted)}
-        near = {"within": within, "predicted_within": predicted_within}
-        return {**numbers, **near, "free_parameters": len(self.free)}
+        found: dict[str, Any] = {"numbers": len(calibrated) + len(predicted), "calibrated": len(calibrated)}
+        found |= {"predicted": len(predicted), "within": within, "predicted_within": predicted_within}
+        return {**found, "free_parameters": len(self.free)}
 
     def _counts_text(self) -> str:
         found = self.counts()
@@ -108,7 +128,11 @@ class Table(ByValue):
         return f"{self.id}, {len(self.rows)} rows"
 
     def to_frame(self) -> Any:
-        """Return the rows as a pandas DataFrame, each with its unit; ImportError names the extra that is missing."""
+        """Return the rows as a pandas DataFrame, each with its unit.
+
+        Raises:
+            ImportError: pandas is not installed; names the extra that brings it.
+        """
         return frame_of([row.to_dict() for row in self.rows], {}, title=self.title)
 
     def text(self) -> str:
@@ -116,8 +140,10 @@ class Table(ByValue):
         width = max([15, *(len(row.name) + 2 for row in self.rows)])
         earlier = {(row.name, row.index): row for row in self.before.rows} if self.before else {}
         head = f"{self.beside:>12}{'ratio':>8}" if earlier else ""
-        titles = f"{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  "
-        lines = [self.title, f"{'':4}{titles}"]
+        lines = [
+            self.title,
+            f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ",
+        ]
         for row in self.rows:
             before = ""
             if earlier:
@@ -145,12 +171,19 @@ def _ratio(row: Row | None) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reproduction(ByValue):
-    """Tables and figures of one paper."""
+    """Tables and figures of one paper.
 
-    paper: str  # its name, such as "lu2008"
-    tables: Sequence[Table]  # the paper's, and further ones
-    figures: Mapping[str, Figure]  # by file name without ending
-    notes: Sequence[str] = ()  # sentences for the screen
+    Attributes:
+        paper: its name, such as "lu2008".
+        tables: one Table for each of the paper's, and further ones.
+        figures: matplotlib figures by file name without ending.
+        notes: sentences for the screen.
+    """
+
+    paper: str
+    tables: Sequence[Table]
+    figures: Mapping[str, Figure]
+    notes: Sequence[str] = ()
 
     def _brief(self) -> str:
         return f"{self.paper}: {len(self.tables)} tables, {len(self.figures)} figures"
@@ -160,19 +193,33 @@ class Reproduction(ByValue):
         return {"paper": self.paper, "tables": [table.to_dict() for table in self.tables]}
 
     def to_frame(self) -> Any:
-        """Return the rows of all tables as a pandas DataFrame; ImportError names the extra that is missing."""
+        """Return the rows of all tables as a pandas DataFrame, each with its unit.
+
+        Raises:
+            ImportError: pandas is not installed; names the extra that brings it.
+        """
         rows = [{"table": table.id, **row.to_dict()} for table in self.tables for row in table.rows]
         return frame_of(rows, {}, paper=self.paper)
 
     def text(self, every: bool = True) -> str:
-        """Return tables and notes for the screen; every: False lists tables that are in no paper by their titles."""
+        """Return tables and notes for the screen.
+
+        Args:
+            every: False lists the tables without a number of the paper by their titles alone.
+        """
         shown = [table for table in self.tables if every or any(row.status != "exploratory" for row in table.rows)]
         named = [f"    {table.title} ({len(table.rows)} numbers)" for table in self.tables if table not in shown]
         further = ["\n".join(["Further tables, in no paper (--all shows them):", *named])] if shown and named else []
         return "\n\n".join([*(table.text() for table in shown or self.tables), *further, *self.notes])
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write `<paper>.json` and a PNG of each figure into a folder, all or none; return the paths.
+        """Write `<paper>.json` and a PNG of each figure into a folder, all or none; other files stay.
+
+        Args:
+            folder: is made if it does not exist.
+
+        Returns:
+            The paths.
 
         Raises:
             InputError: a file cannot be written; nothing has changed.

@@ -79,7 +79,7 @@ def plot_method(draw: Callable[..., Any], doc: str, axes: str) -> Callable[..., 
     return plot
 
 
-def new_figure(size: tuple[float, float] | None = None, *, title: str = "", window: bool = False) -> Figure:
+def new_figure(size: tuple[float, float] | None = None, *, window: bool = False) -> Figure:
     """Return an empty figure of a size (inches); with `window`, one that `plt.show()` of a script in a window shows."""
     from cogging.plot.shown_figure import ShownFigure
 
@@ -87,12 +87,9 @@ def new_figure(size: tuple[float, float] | None = None, *, title: str = "", wind
     if window and pyplot is not None and threading.current_thread() is threading.main_thread():
         backend = str(pyplot.get_backend()).lower()
         if backend not in WINDOWLESS and not backend.startswith("module://"):
-            shown: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
-            return shown
-    figure = ShownFigure(figsize=size, layout="constrained")
-    if title:
-        figure.suptitle(title)
-    return figure
+            figure: Figure = pyplot.figure(figsize=size, layout="constrained", FigureClass=ShownFigure)
+            return figure
+    return ShownFigure(figsize=size, layout="constrained")
 
 
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:

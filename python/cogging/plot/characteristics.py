@@ -39,8 +39,9 @@ def cogging_map(
 ) -> Axes:
     """Plot a cogging force over position, with its 95 % band if its uncertainty is known.
 
-    The band of a MapFit follows from its standard errors and their correlation in the scan; that of a Model from its
-    `[bounds]`. For a MapFit the points of the scan are plotted too, without offset, trend and friction.
+    The band of a MapFit follows from the standard errors of its amplitudes and their correlation in the scan; that of a
+    Model from its `[bounds]`, taken as independent. For a MapFit the points of the scan are plotted too, without
+    offset, trend and friction.
 
     Args:
         cogging: a MapFit, a Model or a CoggingModel; or positions (m, (n,)) where `force` is given.

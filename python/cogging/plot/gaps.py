@@ -172,7 +172,10 @@ def _of_result(found: Any) -> dict[str, Rows]:
 
 
 def shares(diagnosis: Any) -> list[tuple[str, str, float]]:
-    """Return name, kind (KINDS) and share in power of each part of a diagnosis' gap; together they are 1."""
+    """Return name, kind and share of each part of a diagnosis' gap, in power, which add up to 1.
+
+    The whole is the larger gap of the given and the re-tuned model. Kinds: see KINDS; a negative share enlarged it.
+    """
     gap, steps = getattr(diagnosis, "gap", None), getattr(diagnosis, "ledger", None)
     if gap is None or steps is None:
         raise TypeError(f"diagnosis: must be a Diagnosis, got {described(diagnosis)}")

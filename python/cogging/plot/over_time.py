@@ -125,6 +125,9 @@ def adaptation(
 ) -> Panels:
     """Plot the estimates of an adaptive controller over time, one panel each, with their bounds.
 
+    The true value of an estimate at its bound may be outside: the bound is too narrow, or the controller's model does
+    not describe the machine.
+
     Args:
         log: a Log with estimates (simulate(..., record_estimates=True)), of p columns.
         bounds: the controller or its parameters; a Model with one; low and high by name; an array (p, 2); None: of the

@@ -155,8 +155,9 @@ def closed_loop_batch(
 ) -> Batch:
     """Simulate many plants under their controllers along one reference, and keep indexes of each run.
 
-    Each run gives the indexes of `performance`, equal to those of its closed_loop. A run that diverges is reported with
-    its reason and time; the others complete.
+    Each run gives the indexes of `performance`, equal to those of its closed_loop and computed while it runs: memory
+    grows with what is recorded, not with rows. A run that diverges is reported with its reason and time; the others
+    complete.
 
     Further reductions, by name, of `error` (reading minus reference, m), `command` (V) and `true_error` (m):
     `error_max` and `error_rms` of its magnitude, `error_final` (the last value), `error_quantile(0.95)` of its
@@ -164,13 +165,15 @@ def closed_loop_batch(
     along the travel (m), both by least squares with an offset. Quantiles are exact up to 65,536 rows and within 0.07 %
     beyond, from a histogram.
 
-    Similar runs with smooth friction share the lanes of the processor's vector unit (`in_lanes` of the result). The
-    environment variable COGGING_INSTRUCTIONS selects the instructions: v2, v3, v4 (x86-64 with SSE4.2, AVX2, AVX-512),
-    neon, or none. No result depends on it.
+    Similar runs share the lanes of the processor's vector unit (`in_lanes` of the result): fresh controllers of one
+    type and rate with equal lists, bounds and limits, and machines with the same travel, knots of the cogging and kinds
+    of effects, with smooth friction. Other runs are computed one by one. The environment variable COGGING_INSTRUCTIONS
+    selects the instructions: v2, v3, v4 (x86-64 with SSE4.2, AVX2, AVX-512), neon, or none. No result depends on it.
 
     Args:
         plants: one for each run.
-        controllers: one for each plant; they are copied. Those in Python run one at a time, others in parallel.
+        controllers: one for each plant; they are copied. Those in Python run one at a time, while runs with controllers
+            of the core and compiled ones run in parallel.
         reference: the motion of all runs.
         duration: s; 0 = the end of the reference.
         seeds: of force and encoder noise, one for each plant; empty: 0 for all.
@@ -222,8 +225,14 @@ def closed_loop_batch(
             parts.append(kept)
             failures += [failure._replace(run=failure.run + first) for failure in kept.failures]
             step(f"{min(first + size, count)} of {count} runs")
-    indexes = dict(zip(names_of(reductions), np.concatenate([part.values for part in parts]).T, strict=True))
-    recorded = {name: tuple(run for part in parts for run in part.columns[name]) for name in columns}
-    seeds, in_lanes = tuple(seeds) or (0,) * count, tuple(flag for part in parts for flag in part.in_lanes)
-    machines, laws = tuple(plants), tuple(controllers)
-    return Batch(indexes, tuple(failures), recorded, machines, laws, seeds, in_lanes, logs, units or Units())
+    return Batch(
+        dict(zip(names_of(reductions), np.concatenate([part.values for part in parts]).T, strict=True)),
+        tuple(failures),
+        {name: tuple(run for part in parts for run in part.columns[name]) for name in columns},
+        tuple(plants),
+        tuple(controllers),
+        tuple(seeds) or (0,) * len(plants),
+        tuple(flag for part in parts for flag in part.in_lanes),
+        logs,
+        units or Units(),
+    )

@@ -1,4 +1,8 @@
-"""Sweeps: many runs of one model, each with other numbers, in pieces that are kept until the whole is written."""
+"""Sweeps: many runs of one model, each with other numbers.
+
+Runs are computed in pieces, by threads of this process or by the workers of an executor. Finished pieces are stored in
+a folder beside the output until the whole table is written, so that an interrupted sweep continues where it was.
+"""
 
 from __future__ import annotations
 
@@ -93,8 +97,9 @@ class SweepRuns(RunsTable):
     def influence(self, index: str = "error_rms") -> dict[str, float]:
         """Return by path how much of the spread of an index each varied number explains alone, the largest first.
 
-        The adjusted correlation ratio of the ranks of the index: their variance between groups of runs with (nearly)
-        the same number over that of all completed runs; 0 for a number that explains no more than chance would.
+        The share is the adjusted correlation ratio of the ranks of the index, so that a few large values do not decide:
+        the variance between groups of runs with (nearly) the same number over the variance of all completed runs. It is
+        0 for a number that explains no more than chance would.
         """
         values = np.asarray(self.table[index], dtype=np.float64)
         good = np.isfinite(values)
@@ -182,9 +187,11 @@ def sweep(
     `reference.velocity`, `seed`.
 
     Run i has noise with the seed `seed` + i, unless `seed` is varied. A run that diverges, or whose numbers break a
-    rule, is a row with its reason. The same arguments give the same table, whatever the executor. With `out`, finished
-    pieces are stored beside it (`OUT.pieces`) until the whole is written, from which the same call continues after an
-    interruption, unless the model has a custom effect, whose law cannot be compared.
+    rule, is a row with its reason; the others complete. The same arguments give the same table, whatever the executor.
+
+    With `out`, finished pieces are stored in a folder beside it (`OUT.pieces`) until the whole is written: after an
+    interruption, a crash or a full disk the same call continues where it was. A model with a custom effect, whose law
+    cannot be compared, stores no pieces.
 
     Args:
         model: a Model, or the path of a model file.
@@ -372,7 +379,10 @@ PIECE = re.compile(r"[0-9a-f]{64}-[0-9]{9}-[0-9a-f]{64}\.npz")  # digest of the 
 
 
 class Pieces:
-    """Finished pieces of a sweep in a folder, from which it continues; damaged ones are computed again."""
+    """Finished pieces of a sweep in a folder, from which an interrupted sweep continues.
+
+    A piece with another checksum than its name says was damaged and is computed again. No other file is ever removed.
+    """
 
     def __init__(self, out: AnyPath, digest: str) -> None:
         """Create the folder beside an output; raise InputError if it holds pieces of another sweep."""

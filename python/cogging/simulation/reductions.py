@@ -21,11 +21,19 @@ QUANTITIES = ("true_error", "error", "command")
 PLAIN = ("max", "rms", "final")
 NUMBERED = ("quantile", "tone", "wave")
 NAMED = re.compile(rf"({'|'.join(QUANTITIES)})_(?:({'|'.join(PLAIN)})|({'|'.join(NUMBERED)})\(([^()]+)\))")
-COLUMNS: tuple[str, ...] = ("time", "position", "command", "reference", "reference_velocity", "reference_acceleration")
-COLUMNS += ("true_position", "true_velocity")
+COLUMNS = (
+    *("time", "position", "command", "reference", "reference_velocity", "reference_acceleration"),
+    *("true_position", "true_velocity"),
+)
 #: Units by name; every other reduction has the unit of its quantity.
-UNITS = {"time": "s", "failed_at": "s", "reference_velocity": "m/s", "true_velocity": "m/s"}
-UNITS |= {"reference_acceleration": "m/s^2", "command_chatter": "1"}
+UNITS = {
+    "time": "s",
+    "reference_velocity": "m/s",
+    "reference_acceleration": "m/s^2",
+    "true_velocity": "m/s",
+    "command_chatter": "1",
+    "failed_at": "s",
+}
 
 
 class Failed(NamedTuple):
@@ -100,10 +108,17 @@ def kept_of_runs(
     for all; `keeps_refused` reports a run that cannot start as a failure; memory must suffice for `runs_in_all` runs.
     """
     start, stop, final_window = window
-    options = {"threads": 0, "every": 1, "keeps_refused": False, "columns": list(columns), **options}
-    options |= {"reductions": [reduction(name) for name in names_of(reductions)[len(INDEXES) :]]}
-    options |= {"start": start, "stop": stop, "final_window": final_window}
-    kept: dict[str, Any] = _core.closed_loop_records(plants, controllers, references, **options)
+    kept: dict[str, Any] = _core.closed_loop_records(
+        plants,
+        controllers,
+        references,
+        start=start,
+        stop=stop,
+        final_window=final_window,
+        reductions=[reduction(name) for name in names_of(reductions)[len(INDEXES) :]],
+        columns=list(columns),
+        **{"threads": 0, "every": 1, "keeps_refused": False, **options},
+    )
     failures = tuple(Failed(*failure) for failure in kept["failures"])
     by_column = dict(zip(columns, kept["columns"], strict=True))
     return Kept(kept["values"], failures, by_column, tuple(kept["in_lanes"]))

@@ -110,11 +110,16 @@ def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
     elif len(fields) > 1:
         raise FieldError("", "file", f"must be given without samples, got {', '.join(fields)}")
     else:
-        table = read_columns(folder / file, SAMPLED_KEYS[1:3], optional=SAMPLED_KEYS[3:])
+        optional = ("reference_velocity", "reference_acceleration")
+        table = read_columns(folder / file, ("time", "reference"), optional=optional)
         source = f"{file}: "
-    columns: Any = (table.get(name) for name in SAMPLED_KEYS[1:])
     try:
-        return Sampled(*columns)
+        return Sampled(
+            table["time"],
+            table["reference"],
+            table.get("reference_velocity"),
+            table.get("reference_acceleration"),
+        )
     except ValueError as error:
         raise FieldError("", "file" if source else "time", f"{source}{error}") from None
 

@@ -36,8 +36,9 @@ def simulate(
 ) -> Log:
     """Simulate a model in closed loop: reference -> controller -> axis -> encoder -> log.
 
-    The same arguments give the same bits. The command is held between samples. Runge-Kutta steps of fourth order keep
-    their error below 1e-6 of the motion; with coulomb_width = 0 the axis sticks and slips.
+    A pure function: the same arguments give the same bits. The command is held between samples. Runge-Kutta steps of
+    fourth order integrate the axis, as many as keep their error below 1e-6 of the motion; with coulomb_width = 0 the
+    axis sticks and slips.
 
     Args:
         model: a Model, or the path of a model file.

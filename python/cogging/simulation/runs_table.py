@@ -29,7 +29,11 @@ class RunsTable(ByValue):
         return {}
 
     def to_pandas(self) -> Any:
-        """Return the table as a pandas DataFrame (extra `frames`), indexed by `run`, with units in `attrs["units"]`."""
+        """Return the table as a pandas DataFrame with `run` as its index and the units in `attrs["units"]`.
+
+        Raises:
+            ImportError: pandas is not installed; names the extra.
+        """
         table, units = self._rows()
         return frame_of(table, _with_known_units(table, units)).set_index("run")
 

@@ -526,7 +526,7 @@ def reading_error(
 
 def reading(s: Search) -> None:
     """Try a scale error of the reading; `waves` tries its periodic error."""
-    limits, size = (-LARGEST_SCALE, LARGEST_SCALE), UNIT
+    size = UNIT
 
     def scale(size: float) -> Shape:
         columns = accelerated(
@@ -535,8 +535,10 @@ def reading(s: Search) -> None:
         return Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
 
     for _ in range(SECANTS):  # the phase of known cogging is not linear in the scale
-        s.put("encoder_scale_error", scale(size), accept=within(limits))
-        size = float(np.clip(s.scored(scale(size))[1][0], *limits)) or UNIT
+        s.put("encoder_scale_error", scale(size), accept=within((-LARGEST_SCALE, LARGEST_SCALE)))
+        if "encoder_scale_error" not in s.found:
+            return
+        size = float(s.found["encoder_scale_error"].amplitudes[0]) or UNIT
 
 
 def motor_and_load(s: Search) -> None:

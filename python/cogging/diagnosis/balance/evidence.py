@@ -24,7 +24,7 @@ from cogging.diagnosis.balance.differenced_balance import ROWS_PER_CORNER, Diffe
 from cogging.diagnosis.balance.nuisances import ROUNDING, instruments_of, nuisances_of
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
-from cogging.model.parameters import effect_paths, parameters_of, with_values
+from cogging.model.parameters import effect_paths, parameters_of, renamed_path, with_values
 
 # Noise
 FEWEST = 60  # minimum number of valid rows, about two for each fitted parameter
@@ -510,9 +510,8 @@ class Evidence:
     def paths_in(self, model: Model) -> list[str]:
         """Return `paths` as named in a model with further effects: effects of one name are numbered."""
         own, other = ([path for path, _ in effect_paths(m.effects)] for m in (self.model, model))
-        renamed = {old: new for old, new in zip(own, other, strict=False) if old != new}
-        owners = [next((old for old in renamed if path.startswith(old + ".")), "") for path in self.paths]
-        return [renamed.get(old, "") + path[len(old) :] for path, old in zip(self.paths, owners, strict=True)]
+        names = dict(zip(own, other, strict=False))
+        return [renamed_path(path, names) for path in self.paths]
 
     def moved(self, model: Model, steps: Mapping[str, float]) -> Model:
         """Return a model with parameters moved by steps and clipped to their bounds."""

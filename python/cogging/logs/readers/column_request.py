@@ -78,7 +78,11 @@ class Request:
         return self.columns.get(name, name)
 
     def choose(self, present: Sequence[str], place: str, units: Sequence[str] | None = None) -> dict[str, int]:
-        """Return the index of each column by its name, with or without its unit; `units`: those stated separately."""
+        """Return the index of each column among those of the file.
+
+        A name matches a column's whole text or the part before its unit, `position [mm]`. `units` are those that the
+        file states separately. If several columns match, or differ only by case or unit, `columns` must select one.
+        """
         if self.survey is not None:
             stated_apart = units or [""] * len(present)
             self.survey.extend((name.strip(), unit.strip()) for name, unit in zip(present, stated_apart, strict=True))
@@ -132,7 +136,10 @@ def is_si(name: str, unit: str) -> bool:
 
 
 def bracketed(text: str) -> tuple[str, str, str]:
-    """Return a name, the text in brackets behind it and the opening bracket, in linear time; all empty without."""
+    """Return a name, the text in brackets behind it, and the opening bracket; all empty without brackets.
+
+    Parsed by hand: a regular expression takes the square of the length of a name of blanks.
+    """
     whole = text.strip()
     opening = {"]": "[", ")": "("}.get(whole[-1:], "")
     at = whole.find(opening, whole.rfind(whole[-1], 0, -1) + 1) if opening else -1

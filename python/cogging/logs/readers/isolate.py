@@ -130,7 +130,10 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
 
 
 def import_paths(beside: str) -> list[str]:
-    """Return the search path without relative entries, the current folder, and that of a file (unless of libraries)."""
+    """Return the search path of this process without the current folder, that of a file, and relative entries.
+
+    The folder from which numpy was imported counts as one of installed libraries.
+    """
     libraries = Path(np.__file__).parents[1]
     user = [folder for folder in (os.curdir, os.path.dirname(os.path.abspath(beside))) if os.path.exists(folder)]
     entries = []

@@ -57,7 +57,10 @@ def _fields(name: str, value: Any) -> dict[str, Any]:
 
 
 def read_hdf5(request: Request) -> dict[str, Any]:
-    """Return variables of a version 7.3 file or another HDF5 file; groups are structs, links to other files refused."""
+    """Return variables of a version 7.3 file, or datasets of another HDF5 file; groups are structs.
+
+    The format can refer to other files, whose content would pass as the log's: such links are refused.
+    """
     import h5py
 
     with h5py.File(request.path, "r") as file:

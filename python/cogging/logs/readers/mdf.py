@@ -19,7 +19,10 @@ OF_TIME = (65535, 0)  # conversions that the library applies to the time of vers
 
 
 class Formulas:
-    """Keeps asammdf, imported later, from evaluating a file's formulas, which numexpr and sympy run as Python."""
+    """Prevents asammdf, imported later, from evaluating formulas of a file.
+
+    It passes formulas to numexpr and sympy, which run them as Python. Only its own formulas are evaluated.
+    """
 
     def __init__(self) -> None:
         self.refused: list[str] = []  # formulas that were not evaluated
@@ -44,7 +47,10 @@ class Formulas:
 
 
 def read(request: Request) -> dict[str, Any]:
-    """Return channels of one group, named `GROUP.CHANNEL` if in several; `time` may be the group's master channel."""
+    """Return channels of one channel group; `time` is its master channel unless a channel has that name.
+
+    A channel that occurs in several groups is named `GROUP.CHANNEL`, with the number of the group.
+    """
     formulas = Formulas()  # before asammdf imports numexpr
     from asammdf import MDF
 

@@ -76,7 +76,10 @@ def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) ->
 
 
 def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
-    """Tabulate the harmonics in the scan of an axis's map, those that the rule keeps, and whose own line exceeds it."""
+    """Tabulate the harmonics in the scan of an axis's map, which of them the rule keeps, and whose own line exceeds it.
+
+    A harmonic whose amplitude changes its sign along the travel has a line on either side and none between.
+    """
     kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
     listed = sorted({*HARMONICS, *kept})
     words = {harmonic: "kept" if harmonic in kept else "hidden" for harmonic in listed}

@@ -178,7 +178,10 @@ def plant(axis: GantryAxis, cogging: CoggingModel | None, effects: Sequence[Any]
 def controller_parameters(
     axis: GantryAxis, name: str, *, periodic: Sequence[int] = (), **changes: Any
 ) -> AdaptiveRobustParameters:
-    """Return the printed parameters of C1 (no map), C2 (periodic) or C3 (B-spline); assumed: no u_s2, nominal start."""
+    """Return the parameters of C1 (no cogging compensation), C2 (periodic) or C3 (B-spline), all printed numbers.
+
+    Not reported, assumed: k_s1 alone (no u_s2), nominal initial estimates, harmonics of C2 as of C3 unless `periodic`.
+    """
     fields: dict[str, Any] = {name: getattr(axis, name) for name in ("error_gain", "feedback_gain", *ESTIMATED[:3])}
     for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):
         fields |= {f"{estimate}_bounds": list(bound), f"{estimate}_adaptation": rate}

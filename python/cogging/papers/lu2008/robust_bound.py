@@ -123,7 +123,10 @@ class Trial:
 
 
 def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH, **gains: Any) -> Trial:
-    """Draw a machine within or at the printed bounds, with d~ within delta_d; width: of S_f, m/s; gains: k_1, k_s1."""
+    """Draw a machine inside the printed bounds or at their corners, estimates within them, d~ within delta_d.
+
+    width: of S_f, in machine and controller, m/s; gains: error_gain (1/s), feedback_gain (V/(m/s)) for the printed.
+    """
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
     estimates: dict[str, Any] = {}
@@ -159,7 +162,10 @@ def rate_of(axis: GantryAxis, law: Law, parameters: AdaptiveRobustParameters) ->
 
 
 def growth_at_rest(axis: GantryAxis, **gains: Any) -> float:
-    """Return the largest V of DCARC over its first one at rest, from the (p, e) with the smallest z^T Q z."""
+    """Return the largest V of DCARC over its first one at rest with exact parameters and no d~.
+
+    The start is the (p, e) with the smallest z^T Q z at 0.1 mm/s; where (29) is positive, V only falls.
+    """
     masses, viscous, coulomb, _ = axis.bounds
     values: dict[str, Any] = {"mass": masses[0], "viscous": viscous[1], "coulomb": coulomb[1]}
     held: dict[str, Any] = {f"{name}_adaptation": 0.0 for name in (*ESTIMATED, "cogging")}
@@ -187,7 +193,11 @@ def groups(axis: GantryAxis) -> tuple[tuple[Law, str, dict[str, float]], ...]:
 
 
 def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) -> Table:
-    """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains."""
+    """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains.
+
+    held: share of machines whose V stays below its bound; v_settled: largest V over epsilon / lambda after the start;
+    e_bound, e_inf: what (23) says of |e| then, and |e|. The last rows: C3 on `machine` with its printed gains and u_s2.
+    """
     rows: list[Row] = []
 
     def row(law: Law, gains: str, case: str, index: str, unit: str, value: float) -> None:
@@ -233,7 +243,10 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
 def errors_by_period(
     axis: GantryAxis, sample_rate: float, periods: int, *, faster: float = 1.0, **gains: float
 ) -> FloatArray:
-    """Return DCARC's rms error (m) in each move on a drawn machine with d~ = 0; faster: factor on adaptation rates."""
+    """Return the rms error (m) of DCARC in each move there and back on a random machine with d~ = 0, (periods,).
+
+    faster: factor on all printed adaptation rates; gains: as of `draw`.
+    """
     trial, motion = draw(axis, 0, Dcarc), gantry.reference(axis, repeats=periods)
     printed = controller_parameters(axis, "C3")
     names = [f"{name}_adaptation" for name in (*ESTIMATED, "cogging")]

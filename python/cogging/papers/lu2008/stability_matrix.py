@@ -31,7 +31,10 @@ def steepest(axis: GantryAxis) -> tuple[float, float]:
 
 
 def matrix_condition(axis: GantryAxis, friction_slope: float, share: float = 1.0, **gains: Any) -> tuple[float, float]:
-    """Return the least eigenvalue of (29) over the bounds and its decay rate (1/s); share: of the largest slope."""
+    """Return the smallest eigenvalue of (29) over the printed bounds, in SI units, and its decay rate, 1/s.
+
+    friction_slope: the largest g_f, 1/(m/s); share: of the largest |theta_4b^T g_r|; gains: in place of the printed.
+    """
     parameters, slope = gantry.controller_parameters(axis, "C3", **gains), share * steepest(axis)[1]
     return _core.desired_compensation_condition(parameters, friction_slope=friction_slope, cogging_slope=slope)
 

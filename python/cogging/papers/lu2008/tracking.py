@@ -45,7 +45,10 @@ def table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
 
 
 def held_out_table(split: str) -> Table:
-    """Return the predictions of a fit to a part of the numbers, beside a guess from the other table's ratios."""
+    """Return the predictions of a fit to a part of the numbers, beside a guess without a model.
+
+    The guess takes maxima as rms times the other table's ratio of the two, and C3 as C2.
+    """
     said, seen = SPLITS[split]
     rows, guesses = [], []
     for axis in AXES.values():

@@ -4,20 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 from cogging.papers.compared import Trace, compared, set_ticks
-from cogging.papers.malaize2009 import causes, linear_motors
+from cogging.papers.malaize2009 import causes
 from cogging.papers.malaize2009.causes import LINES, Cause, Conditions, Explanation, drawn_accuracies, other
-from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Calibrated, Motor, shipped, true_error
+from cogging.papers.malaize2009.linear_motors import (
+    CONTROLLERS,
+    MOTORS,
+    Calibrated,
+    Motor,
+    controllers,
+    reference,
+    run,
+    shipped,
+    true_error,
+)
 from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure
 from cogging.plot.series import GREY, LIMIT, look, marker
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 AMPLITUDES_AND_RADII = tuple(f"{what} of {motor}" for motor in MOTORS for what in ("amplitude", "pole radius"))
 
@@ -33,13 +46,17 @@ RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 def logs_under(motor: Motor, gains: Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
     """Run PID and observer with a cogging of gains.amplitude for the first strokes; 0: all."""
     plant = causes.machine(motor, gains.amplitude, conditions)
-    laws = linear_motors.controllers(motor, gains, 1.0 + conditions.thrust)
-    return {name: linear_motors.run(plant, law, motor, strokes=strokes) for name, law in laws.items()}
+    laws = controllers(motor, gains, 1.0 + conditions.thrust)
+    return {name: run(plant, law, motor, strokes=strokes) for name, law in laws.items()}
 
 
 def logs_of_table_1() -> dict[str, dict[str, Log]]:
     """Run Table I with the first draw of the lines and phases; logs by motor and controller."""
-    return {name: logs_under(motor, *causes.shipped_table_1(motor)[::-1]) for name, motor in MOTORS.items()}
+    found = {}
+    for motor in MOTORS.values():
+        conditions, gains = causes.shipped_table_1(motor)
+        found[motor.name] = logs_under(motor, gains, conditions)
+    return found
 
 
 def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArray]]:
@@ -47,8 +64,9 @@ def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArra
     found = {}
     for motor in MOTORS.values():
         conditions, gains = causes.shipped_table_1(motor, cause)
-        pair = {name: drawn_accuracies(motor, gains, conditions, name, cause.draws) for name in CONTROLLERS}
-        found[motor.name] = pair
+        found[motor.name] = {
+            name: drawn_accuracies(motor, gains, conditions, name, cause.draws) for name in CONTROLLERS
+        }
     return found
 
 
@@ -61,7 +79,10 @@ def accuracies_as_believed() -> dict[str, dict[str, FloatArray]]:
 
 
 def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
-    """Return Table I under a cause of one size: accuracy after the first stroke, mean over the draws, and lambda*."""
+    """Return Table I under a cause of one size: accuracy after the first stroke, mean over the draws, and lambda*.
+
+    found: accuracies_of_table_1, fitted; believed: accuracies_as_believed, where the observer row was predicted.
+    """
     labels = {
         (motor, name): {f"of {cause.draws} draws": f"{1e6 * each.min():.3g} to {1e6 * each.max():.3g} um"}
         for motor, pair in found.items()
@@ -123,7 +144,7 @@ def what_else(found: Sequence[Explanation]) -> Table:
         logs = logs_under(motor, gains, conditions, strokes=causes.DRAWN_STROKES)
         log = logs["observer"]
         error, speed = np.abs(true_error(log)), _speed(log)
-        later, fast = log.time >= 0.5 * linear_motors.reference(motor).period, speed >= CRUISE * motor.velocity
+        later, fast = log.time >= 0.5 * reference(motor).period, speed >= CRUISE * motor.velocity
         periods = [period / (1.0 + conditions.period_error) for period in motor.periods]
         (pid_lines, beside), (own_lines, _) = (lines_at_speed(logs[name], motor, periods) for name in CONTROLLERS)
         ramps = error[later & ~fast & (speed > 0.0)].max()
@@ -143,7 +164,7 @@ def _speed(log: Log) -> FloatArray:
 
 def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[FloatArray, float]:
     """Return the rms amplitude of lines of some periods (m) in the error at constant speed, and its other share."""
-    half = 0.5 * linear_motors.reference(motor).period
+    half = 0.5 * reference(motor).period
     powers, left, all_ = [], 0.0, 0.0
     for stroke in range(1, round(log.time[-1] / half)):
         at_speed = (np.floor(log.time / half) == stroke) & (_speed(log) >= CRUISE * motor.velocity)
@@ -181,9 +202,10 @@ def spectra_of(logs: Logs) -> dict[str, dict[str, TrackingSpectrum]]:
 @drawn
 def figure_velocity() -> Figure:
     """Draw Fig. 2: the reference velocities."""
-    figure = new_figure((8.0, 5.5), title="Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
+    figure = new_figure((8.0, 5.5))
+    figure.suptitle("Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
-        motion = linear_motors.reference(motor)
+        motion = reference(motor)
         time = np.linspace(0.0, motion.period, 2001)
         axes.plot(time, 1e3 * motion.sample(time)[1], **look(0))
         axes.set(ylabel=f"{motor.name} (mm/s)", xlabel="time (s)", ylim=(-450, 450))
@@ -194,7 +216,8 @@ def figure_velocity() -> Figure:
 @drawn
 def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Figure:
     """Draw Fig. 3: the tracking errors against spatial period; triangles: the periods that the observer cancels."""
-    figure = new_figure((8.0, 6.0), title="Fig. 3: spectrum of the tracking error, with unmodelled lines")
+    figure = new_figure((8.0, 6.0))
+    figure.suptitle("Fig. 3: spectrum of the tracking error, with unmodelled lines")
     panels = figure.subplots(len(MOTORS), 1, sharex=True, sharey=True)
     for axes, motor in zip(panels, MOTORS.values(), strict=True):
         for place, name in enumerate(CONTROLLERS):
@@ -216,7 +239,7 @@ def figure_errors(logs: Logs, motor: Motor) -> Figure:
         Trace(name, log.time, true_error(log), printed)
         for (name, log), printed in zip(logs[motor.name].items(), motor.accuracy, strict=True)
     ]
-    period = linear_motors.reference(motor).period
+    period = reference(motor).period
     return compared(f"Fig. 4, {motor.name}: tracking error", traces, zoom=(period, 1.5 * period))
 
 

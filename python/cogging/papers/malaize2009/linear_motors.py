@@ -122,7 +122,10 @@ def plant(
     resolution: float | None = None,
     friction: float | None = None,
 ) -> Plant:
-    """Return the machine (1), (2); amplitude: of the first period, m/s^2; ripples: periods (m) and amplitudes."""
+    """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
+
+    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2).
+    """
     phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
     listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
@@ -211,7 +214,10 @@ def batch_errors(
     strokes: int = 0,
     reduction: str = "true_error_max",
 ) -> FloatArray:
-    """Return the accuracy, or another reduction, of each machine under its controller, (n,); infinite if diverged."""
+    """Return the accuracy, or the rms error, of each machine under its controller, m, (n,); infinite if it diverged.
+
+    The number of a machine is the seed of its encoder noise; strokes: how many, from the start; 0: all.
+    """
     period = reference(motor).period
     found = closed_loop_batch(
         machines,

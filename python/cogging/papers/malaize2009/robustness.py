@@ -112,7 +112,8 @@ def ripple_ratio(motor: Motor, periods: FloatArray) -> FloatArray:
 @drawn
 def figure_ripple() -> Figure:
     """Draw the ratio observer / PID of the error due to one unmodelled ripple, against its period."""
-    figure = new_figure((8.0, 5.5), title="Unmodelled ripple: the observer's rms error over the PID's")
+    figure = new_figure((8.0, 5.5))
+    figure.suptitle("Unmodelled ripple: the observer's rms error over the PID's")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
         periods = np.geomspace(3e-3, 0.06, 60)
         axes.semilogx(1e3 * periods, ripple_ratio(motor, periods), **look(0))
@@ -142,7 +143,8 @@ def figure_robustness() -> Figure:
         ),
     }
     thrusts = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0]
-    figure = new_figure((8.0, 10.0), title="Accuracy where something is not as believed; dotted: printed in Table I")
+    figure = new_figure((8.0, 10.0))
+    figure.suptitle("Accuracy where something is not as believed; dotted: printed in Table I")
     panels = figure.subplots(1 + len(sweeps), len(MOTORS), sharey="col")
     for motor, column in zip(MOTORS.values(), panels.T, strict=True):
         gains = shipped(motor)

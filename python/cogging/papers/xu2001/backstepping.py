@@ -194,7 +194,10 @@ def run(
 
 
 def deterministic_law(factor: float = 1.0, **changes: Any) -> OutputFeedbackArcParameters:
-    """Return a law of Remark 3 without adaptation, with assumed bounds: g_i times the factor, the epsilons over it."""
+    """Return a law without adaptation that meets (33), (35), (46) and can run at 200 kHz, as in Remark 3.
+
+    Bounds and epsilons are assumed, milder than the printed; g_i times the factor, the epsilons over it.
+    """
     fields: dict[str, Any] = {
         "sample_rate": 200_000.0,
         "coulomb": 0.0,

@@ -202,7 +202,10 @@ def run(unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, e
 
 
 def after_earlier_runs(machine: Plant, controller: ListedController, earlier_runs: int, seed: int) -> ListedController:
-    """Return an ARC that kept theta_1, theta_2 of earlier runs of its machine (assumed); a PID unchanged."""
+    """Return the controller at the start of the run after some runs of the same machine; a PID is unchanged.
+
+    Each next run keeps the estimates of theta_1 and theta_2, of motor and payload; assumed, the paper does not say it.
+    """
     if not isinstance(controller, OutputFeedbackArc):
         return controller
     first = controller.parameters

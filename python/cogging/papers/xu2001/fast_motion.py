@@ -79,7 +79,8 @@ def figure_reference() -> Figure:
     """Draw Fig. 5: the fast point-to-point motion; dashed: the printed largest velocity and acceleration."""
     motion = fast_reference()
     time = np.linspace(0.0, motion.end, 4001)
-    figure = new_figure((8.0, 5.4), title="Fig. 5: fast point-to-point motion (stroke and rests assumed)")
+    figure = new_figure((8.0, 5.4))
+    figure.suptitle("Fig. 5: fast point-to-point motion (stroke and rests assumed)")
     quantities = (("position", "m", 0.0), ("velocity", "m/s", 1.0), ("acceleration", "m/s^2", 12.0))
     panels = figure.subplots(3, 1, sharex=True)
     for axes, values, (name, unit, largest) in zip(panels, motion.sample(time), quantities, strict=True):
@@ -98,7 +99,8 @@ def figure_fast(logs: Mapping[str, Log]) -> Figure:
     motion = fast_reference()
     rest = (motion.move_time, motion.period / 2.0)
     scale = scale_of("m", *(logs[name].error for name in CONTROLLERS))
-    figure = new_figure((8.0, 4.7), title="Fig. 6: fast point-to-point motion, and its first rest")
+    figure = new_figure((8.0, 4.7))
+    figure.suptitle("Fig. 6: fast point-to-point motion, and its first rest")
     panels = figure.subplots(2, 2, sharex="col", sharey="col")
     for row, name in zip(panels, CONTROLLERS, strict=True):
         log = logs[name]

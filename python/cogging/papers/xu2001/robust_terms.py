@@ -90,7 +90,10 @@ def time_to_divergence(sample_rate: float, duration: float) -> Lasting:
 
 
 def one_count_table() -> Table:
-    """Tabulate the command due to one count, how long all terms last by rate, and where K_2 exceeds its limit."""
+    """Tabulate the command due to one count of 1 um, and how long all robust terms last at a sampling rate.
+
+    unstable_from: where K_2 along a run without them exceeds its limit.
+    """
     name = "ARC, all terms"
     counts = {
         "one sample after the start": one_count(RESOLUTION, held=1),
@@ -148,7 +151,8 @@ def subsets_table(unknowns: Unknowns) -> Table:
 @drawn
 def figure_increment() -> Figure:
     """Draw the rms command increment against a common factor on the printed robust terms."""
-    figure = new_figure((7.2, 4.2), title="The printed robust terms times a factor; a line ends where the run diverges")
+    figure = new_figure((7.2, 4.2))
+    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
     axes = figure.subplots()
     for place, (rate, resolution) in enumerate(HARDWARE):
         values = [increment(factor, rate, resolution) for factor in FACTORS[1:]]

@@ -5,10 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
@@ -16,16 +15,37 @@ from cogging.logs.log import Log
 from cogging.papers.compared import Trace, compared
 from cogging.papers.result import Row, Table, explored
 from cogging.papers.xu2001 import epoxy_motor
-from cogging.papers.xu2001.epoxy_motor import CONTROLLERS, FITTED, INDEXES, SETS, TABLE_1, Conditions
+from cogging.papers.xu2001.epoxy_motor import (
+    CONTROLLERS,
+    DISTURBANCE,
+    DURATION,
+    FITTED,
+    HELD_OUT,
+    INDEXES,
+    JOINT_LAW,
+    PERIOD,
+    PID,
+    SEEDS,
+    SETS,
+    TABLE_1,
+    Conditions,
+    Unknowns,
+    arc_parameters,
+    indexes,
+    shipped_file,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 OTHER_SEEDS = tuple(range(100, 900, 100))  # that took part in no fit
 #: The guess without a model, by split.
 GUESS = {"set_2": "set 2 equals set 1", "arc_sets_2_3": "the PID's number times ARC over PID in set 1"}
 #: Number and title of the figure of each set, and the part (s) of the run in its second column.
 OF_SET = {
-    "1": (2, "without load", (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)),
-    "2": (3, "with load (cut off, as in the paper)", (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)),
-    "3": (4, "with disturbance", (epoxy_motor.DISTURBANCE[1] - 0.2, epoxy_motor.DISTURBANCE[1] + 0.8)),
+    "1": (2, "without load", (DURATION - PERIOD, DURATION)),
+    "2": (3, "with load (cut off, as in the paper)", (DURATION - PERIOD, DURATION)),
+    "3": (4, "with disturbance", (DISTURBANCE[1] - 0.2, DISTURBANCE[1] + 0.8)),
 }
 #: m: where Fig. 3 is cut off. The paper says that it is, but not where; assumed: the scale of Fig. 2.
 CUT_OFF = 60e-6
@@ -34,7 +54,7 @@ CUT_OFF = 60e-6
 def table_1(
     found: Mapping[str, FloatArray],
     *,
-    fitted: Mapping[str, Sequence[str]] = epoxy_motor.PID,
+    fitted: Mapping[str, Sequence[str]] = PID,
     free: Sequence[str] = (),
     before: Table | None = None,
 ) -> Table:
@@ -47,7 +67,7 @@ def table_1(
             for index, unit, paper, value in zip(INDEXES, epoxy_motor.UNITS, printed, values, strict=True):
                 status = seen if index in FITTED else "derived"
                 rows.append(Row(controller, index, unit, paper, value, status, {"set": name}))
-    title = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(epoxy_motor.SEEDS)} seeds of the encoder noise"
+    title = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(SEEDS)} seeds of the encoder noise"
     return Table("table1", title, rows, free=free, before=before)
 
 
@@ -60,7 +80,7 @@ def rms_log_error(rows: Iterable[Row]) -> float:
 def seeds_table(joint: Conditions) -> Table:
     """Tabulate how near Table 1 is at single seeds of the encoder noise, those of the fit and others."""
     rows = []
-    for words, seeds in (("fitted", epoxy_motor.SEEDS), ("others", OTHER_SEEDS)):
+    for words, seeds in (("fitted", SEEDS), ("others", OTHER_SEEDS)):
         runs = {name: joint.by_seed(name, seeds=seeds) for name in CONTROLLERS}
         tables = [table_1({name: runs[name][:, place] for name in CONTROLLERS}) for place in range(len(seeds))]
         near = [float(table.counts()["within"]["15"]) for table in tables]
@@ -88,9 +108,7 @@ def joint_note(table: Table) -> str:
     early = [row.ratio for row in (table.before or table).rows if row.controller == "ARC" and row.ratio]
     factor, runs, near = joint.adaptation_factor, joint.earlier_runs, counts["within"]
     smaller, left = sum(share < 1.0 for share in shares), rms_log_error(table.rows)
-    others = " and ".join(
-        f"{part['adaptation_factor']:.3g}" for part in epoxy_motor.shipped_file()["held_out"].values()
-    )
+    others = " and ".join(f"{part['adaptation_factor']:.3g}" for part in shipped_file()["held_out"].values())
     return textwrap.fill(
         f"Two assumptions bring the ARC columns near the printed ones: adaptation rates {factor:.3g} times those "
         f"printed, and estimates of theta_1 and theta_2 kept from {runs} earlier runs of each set, where the paper "
@@ -108,7 +126,7 @@ def joint_note(table: Table) -> str:
 def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
     """Return what the paper's fitted numbers say of a withheld set without a model, by index (GUESS)."""
     guess = np.array(TABLE_1[controller]["1"])
-    if len(epoxy_motor.HELD_OUT[split][controller]) == 1:
+    if len(HELD_OUT[split][controller]) == 1:
         other = next(name for name in CONTROLLERS if name != controller)
         guess *= np.divide(TABLE_1[other][set_name], TABLE_1[other]["1"])
     return dict(zip(INDEXES, guess.tolist(), strict=True))
@@ -116,18 +134,16 @@ def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
 
 def held_out_table(split: str) -> Table:
     """Return the predictions of a fit to a part of the table, beside the trivial guess."""
-    conditions, seen = (
-        epoxy_motor.conditions_of(epoxy_motor.shipped_file()["held_out"][split]),
-        epoxy_motor.HELD_OUT[split],
-    )
+    conditions, seen = epoxy_motor.conditions_of(shipped_file()["held_out"][split]), HELD_OUT[split]
     rows = [
         row
         for row in table_1(conditions.table(), fitted=seen).rows
         if row.status == "calibrated" or row.labels["set"] not in seen[row.controller]
     ]
     predicted = [row for row in rows if row.status == "predicted"]
-    trivials = [trivial(split, row.controller, row.labels["set"])[row.index] for row in predicted]
-    guesses = [replace(row, simulated=value) for row, value in zip(predicted, trivials, strict=True)]
+    guesses = [
+        replace(row, simulated=trivial(split, row.controller, row.labels["set"])[row.index]) for row in predicted
+    ]
     before = Table(f"held_out_{split}_trivial", "", guesses)
     took = ", ".join(f"{controller} sets {' '.join(sets)}" for controller, sets in seen.items())
     factor, runs = conditions.adaptation_factor, conditions.earlier_runs
@@ -144,19 +160,20 @@ def held_out_table(split: str) -> Table:
 
 def conditions_table() -> Table:
     """Tabulate the errors of the fits to all numbers under other conditions, as the calibration found them."""
-    file = epoxy_motor.shipped_file()
-    joint = file["joint"][epoxy_motor.JOINT_LAW]
+    file = shipped_file()
+    joint = file["joint"][JOINT_LAW]
     runs = {**file["earlier_runs"], str(joint["earlier_runs"]): joint}
     parts = {f"plant {law}": part for law, part in file["joint"].items()}
     parts |= {f"earlier runs: {number}": runs[number] for number in sorted(runs)} | file["readings"]
-    errors = {name: part["rms_log_error"] for name, part in parts.items()}
-    rows = [explored("both", "rms_log_error", "1", error, conditions=name) for name, error in errors.items()]
+    rows = [
+        explored("both", "rms_log_error", "1", part["rms_log_error"], conditions=name) for name, part in parts.items()
+    ]
     return Table("conditions", "Rms log-ratio of all 30 fitted numbers to the paper's, by what else is assumed", rows)
 
 
 def columns(logs: Mapping[str, Log]) -> FloatArray:
     """Return the fitted indexes of the logs of the three sets, (3, 5)."""
-    return np.array([[epoxy_motor.indexes(logs[name])[index] for index in FITTED] for name in SETS])
+    return np.array([[indexes(logs[name])[index] for index in FITTED] for name in SETS])
 
 
 def gap(found: FloatArray) -> float:
@@ -167,7 +184,7 @@ def gap(found: FloatArray) -> float:
 
 def changes() -> dict[str, dict[str, Any]]:
     """Return the tried changes of the ARC's numbers, each alone and some together."""
-    base = epoxy_motor.arc_parameters()
+    base = arc_parameters()
 
     def adaptation(factor: float) -> dict[str, Any]:
         return {"adaptation": [factor * rate for rate in base.adaptation]}
@@ -195,14 +212,12 @@ def changes() -> dict[str, dict[str, Any]]:
     }
 
 
-def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
+def exploration_table(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
     """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
     gaps = {}
     for name, change in changes().items():
         try:
-            gaps[name] = gap(
-                columns(epoxy_motor.run(unknowns, OutputFeedbackArc(epoxy_motor.arc_parameters(**change))))
-            )
+            gaps[name] = gap(columns(epoxy_motor.run(unknowns, OutputFeedbackArc(arc_parameters(**change)))))
         except DivergedError:
             gaps[name] = float("inf")
     runs, factor = joint.earlier_runs, joint.adaptation_factor
@@ -222,6 +237,6 @@ def figure_errors(logs: Mapping[str, Mapping[str, Log]], set_name: str) -> Figur
     traces = []
     for name in CONTROLLERS:
         log, printed = logs[name][set_name], TABLE_1[name][set_name][0]
-        largest = f"{name}: largest {1e6 * epoxy_motor.indexes(log)['e_M']:.3g} µm, the paper's {1e6 * printed:.3g} µm"
+        largest = f"{name}: largest {1e6 * indexes(log)['e_M']:.3g} µm, the paper's {1e6 * printed:.3g} µm"
         traces.append(Trace(largest if cut else name, log.time, log.error, printed=None if cut else printed))
     return compared(f"Fig. {number}: sinusoidal motion {words}", traces, zoom=part, limit=CUT_OFF if cut else None)
