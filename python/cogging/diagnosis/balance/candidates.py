@@ -270,12 +270,19 @@ def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
 
 def direction(b: DifferencedBalance) -> FloatArray:
     """Return the sign of the speed, linear within its noise, (n,)."""
-    return np.asarray(np.sign(b.velocity) * np.minimum(np.abs(b.velocity) / max(b.speed_noise, 1e-12) / 3, 1.0))
+    return np.asarray(np.clip(b.velocity / max(b.speed_noise, 1e-12) / 3, -1.0, 1.0))
 
 
-def speed_hats(b: DifferencedBalance, speeds: FloatArray) -> FloatArray:
-    """Return hat functions of the logarithm of the speed, (k, n)."""
-    return hats(np.log(np.maximum(np.abs(b.velocity), speeds[0])), np.log(speeds))
+def friction_hats(b: DifferencedBalance, speeds: FloatArray) -> FloatArray:
+    """Return friction laws that are hat functions of the logarithm of the speed, averaged as the known law is, (k, n)."""
+    v = b.fine.velocity
+    sign = np.clip(v / max(b.speed_noise, 1e-12) / 3, -1.0, 1.0)
+    return b.averaged(hats(np.log(np.maximum(np.abs(v), speeds[0])), np.log(speeds)) * sign)
+
+
+def contrast(table: FloatArray) -> FloatArray:
+    """Return basis functions (k, n) that sum to 1, without their constant: re-tuning absorbs it, (k - 1, n)."""
+    return np.asarray(table[:-1] - 1.0 / len(table))
 
 
 def sharpen(f: Callable[[float], float], x: float, step: float, rounds: int = 7) -> float:
@@ -410,7 +417,7 @@ def friction(s: Search) -> None:
             excess = {"static_excess": small}
             s.law("stribeck_friction", fields, excess, 16, label, vary="velocity", accept=lambda a: bool(a[0] > 0))
     slow = top * np.geomspace(2e-3, 0.2, 5)
-    falling = along(lambda b: speed_hats(b, slow)[:-1] * direction(b))
+    falling = along(lambda b: friction_hats(b, slow)[:-1])
     s.put("stribeck_friction", Shape("other shape", falling), accept=lambda a: bool(np.sum(a) < 0))
     for count in (3, 5, 8):
         s.put("position_dependent_friction", friction_profile(s, count, small), 3)
@@ -922,15 +929,14 @@ def unnamed(s: Search) -> None:
     knots = np.linspace(0, duration, 12)
     cells = {
         "~gain of speed": driven(lambda b, d: np.vstack([d * np.abs(b.velocity) / top, d * (b.velocity / top) ** 2])),
-        "~viscous along travel": along(lambda b: splines(b.position, low, high, 6) * b.velocity),
-        "~viscous in time": along(lambda b: hats(b.time, np.linspace(0, duration, 5)) * b.velocity),
-        "~friction in time": along(lambda b: hats(b.time, knots) * direction(b)),
+        "~viscous along travel": along(lambda b: contrast(splines(b.position, low, high, 6)) * b.velocity),
+        "~viscous in time": along(lambda b: contrast(hats(b.time, np.linspace(0, duration, 5))) * b.velocity),
+        "~friction in time": along(lambda b: contrast(hats(b.time, knots)) * direction(b)),
         "~force in time": along(lambda b: hats(b.time, knots)),
         "~force along travel": along(lambda b: splines(b.position, low, high, 14)),
-        # less a constant gain, which mass and friction absorb
-        "~gain along travel": driven(lambda b, d: (splines(b.position, low, high, 8)[:-1] - 1.0 / 8.0) * d),
+        "~gain along travel": driven(lambda b, d: contrast(splines(b.position, low, high, 8)) * d),
         "~command": driven(lambda b, d: np.vstack([d * np.abs(d), d**3, d**2])),
-        "~friction over speed": along(lambda b: speed_hats(b, speeds) * direction(b)),
+        "~friction over speed": along(lambda b: friction_hats(b, speeds)),
     }
     for name, columns in cells.items():
         s.put(name, Shape("", columns))
