@@ -274,7 +274,7 @@ def direction(b: DifferencedBalance) -> FloatArray:
 
 
 def friction_hats(b: DifferencedBalance, speeds: FloatArray) -> FloatArray:
-    """Return friction laws that are hat functions of the logarithm of the speed, averaged as the known law is, (k, n)."""
+    """Return friction laws that are hats of the logarithm of the speed, averaged as the known law is, (k, n)."""
     v = b.fine.velocity
     sign = np.clip(v / max(b.speed_noise, 1e-12) / 3, -1.0, 1.0)
     return b.averaged(hats(np.log(np.maximum(np.abs(v), speeds[0])), np.log(speeds)) * sign)

@@ -37,6 +37,8 @@ SURVIVORS = 24  # candidates of a round that are pre-selected for all logs
 CLOSE = 8  # of these, candidates that are fitted with whitening filters of their own
 FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum number of shapes of one name
 FAINT = 0.1  # of the largest T: smaller candidates are skipped
+RETUNED = 3  # maximum number of Gauss-Newton steps of a candidate
+CURVED = 4.0  # 2 ln likelihood: minimum error of the linear fit of a candidate that is re-tuned so
 SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
 LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
 REPEATED = (  # may occur several times, with another period, frequency or time
@@ -165,7 +167,7 @@ def search(
         extra = with_amplitudes(extra, evidence)
         same: dict[str, Any] = {"extra": list(extra), "uniform": outcome.nominal.largely}
         if others:
-            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
+            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
         if step == ROUNDS - 1:
             break
 
@@ -181,7 +183,7 @@ def search(
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
                 others = [b.moved(outcome.shift) for b in others]
-                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
+                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
                 contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
@@ -313,8 +315,9 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         blocks = np.add.reduceat(by_row, edges)
         return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), evidence.alike, blocks)
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
-    ratio = (best.none.cost - best.cost) / best.inflation
-    by_row = (best.none.by_row() - best.by_row()) / best.inflation
+    cost, cost_by_row = retuned_with(evidence, f, best)
+    ratio = (best.none.cost - cost) / best.inflation
+    by_row = (best.none.by_row() - cost_by_row) / best.inflation
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
@@ -328,6 +331,30 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         (float(of_log[:first].sum()), float(of_log[first:].sum())),
         (float(expected[:first].sum()), float(expected[first:].sum())),
     )
+
+
+def retuned_with(evidence: Evidence, f: Found, best: Maximum) -> tuple[float, FloatArray]:
+    """Return -2 ln likelihood of all rows and by row, (n,), of the model with a candidate, re-tuned from a linear fit.
+
+    The columns are slopes at the model without the candidate, which may be far from the model with it: a scale error
+    that the model lacks turns and shrinks its known cogging.
+    """
+    extra, free = list(evidence.extra), list(evidence.free)
+    own = replace(f, amplitudes=best.theta[-len(f.amplitudes) :])
+    model = added_to(evidence.model, own, extra, free)
+    moved = evidence.moved(model, dict(zip(evidence.paths, map(float, best.theta), strict=False)))
+    law = f.columns(evidence) if len(extra) == len(evidence.extra) else []
+    cost, by_row = best.cost, best.by_row()
+    if evidence.curvature(best, moved, law) < CURVED:
+        return cost, by_row
+    for _ in range(RETUNED):
+        other = replace(evidence, model=moved, extra=extra)
+        other.levels = evidence.levels
+        other.make()
+        if other.largely != evidence.largely or other.null.cost >= cost:
+            break
+        cost, by_row, moved = other.null.cost, other.null.by_row(), other.retuned()
+    return cost, by_row
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:

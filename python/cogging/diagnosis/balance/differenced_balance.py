@@ -326,15 +326,10 @@ class DifferencedBalance:
             def error_at(x: FloatArray) -> FloatArray:
                 return np.asarray(np.sum([e.reading_at(x) - x for e in wrong], axis=0))
 
-            def twice(x: FloatArray) -> FloatArray:
-                return np.asarray(np.gradient(np.gradient(x, self.step), self.step))
-
-            error = error_at(self.fine.position)
-            a = a - twice(error[self.fine.rows])
-            if acceleration is not None:
-                by = SLOPE_STEP * float(np.ptp(self.position))
-                slope = (error_at(self.position + by) - error_at(self.position - by)) / (2.0 * by)
-                a = a + slope * (twice(self.position) - acceleration)
+            error, by = error_at(self.fine.position), SLOPE_STEP * float(np.ptp(self.position))
+            before, at, after = (error_at(self.position + step) for step in (-by, 0.0, by))
+            slope, bend = (after - before) / (2.0 * by), (after - 2.0 * at + before) / by**2
+            a = a - slope * (a if acceleration is None else acceleration) - bend * self.velocity**2
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
         # the plant's force is that of sliding friction: a bristle has a state

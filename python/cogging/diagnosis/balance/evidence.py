@@ -273,6 +273,26 @@ class Evidence:
         own = slope[has] - beside @ slope[~has]
         return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
 
+    def curvature(self, fit: Maximum, model: Model, law: Sequence[FloatArray]) -> float:
+        """Return the part of a step's effect on the residual that is not linear, as -2 ln likelihood.
+
+        Args:
+            fit: linear fit, whose nuisance parameters have moved the model.
+            model: model after the step, possibly with a further law.
+            law: columns (k, n) of that law for each log, whose amplitudes stand last in `fit`; empty without one.
+        """
+        known = parameters_of(self.model, together=True)
+        theta = np.array([t if p in known else 0.0 for p, t in zip(self.paths, fit.theta, strict=False)])
+        bent = []
+        for i, b in enumerate(self.balances):
+            drive, a = self.drives[i], None if b.reference is None else self.accelerations[i]
+            change = b.rows(b.residual(model, drive, a) - b.residual(self.model, drive, a))[0]
+            change += theta @ self.nuisances[i][: len(theta)]
+            if len(law):
+                change += fit.theta[-len(law[i]) :] @ b.rows(law[i])
+            bent.append(change[None])
+        return float(fit.weight @ self.filtered(bent, fit.taps)[0] ** 2 / fit.variance)
+
     def make(self) -> None:
         """Make residuals and columns under the model, and fit the nuisance parameters.
 

@@ -177,12 +177,13 @@ def friction_laws(
         widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, last, WIDTHS))]
     laws = []
     for b in balances:
-        if b.cache.get("friction", (None,))[0] != (width, widths):
+        known = b.cache.get("friction")  # threads re-tune models of other widths
+        if known is None or known[0] != (width, widths):
             v = b.fine.velocity
             table = [np.arctan(v / width) * 2 / np.pi if width > 0 else np.sign(v)]
             table += [np.clip(v / w, -1.0, 1.0) for w in widths]
-            b.cache["friction"] = (width, widths), b.averaged(np.array(table))
-        laws.append(b.cache["friction"][1])
+            known = b.cache["friction"] = (width, widths), b.averaged(np.array(table))
+        laws.append(known[1])
     return laws, widths
 
 
