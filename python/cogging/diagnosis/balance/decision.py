@@ -315,9 +315,9 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         blocks = np.add.reduceat(by_row, edges)
         return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), evidence.alike, blocks)
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
-    cost, cost_by_row = retuned_with(evidence, f, best)
-    ratio = (best.none.cost - cost) / best.inflation
-    by_row = (best.none.by_row() - cost_by_row) / best.inflation
+    retuned = retuned_with(evidence, f, best)
+    ratio = (retuned.none.cost - retuned.cost) / best.inflation
+    by_row = (retuned.none.by_row() - retuned.by_row()) / best.inflation
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
@@ -333,28 +333,37 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
     )
 
 
-def retuned_with(evidence: Evidence, f: Found, best: Maximum) -> tuple[float, FloatArray]:
-    """Return -2 ln likelihood of all rows and by row, (n,), of the model with a candidate, re-tuned from a linear fit.
+def retuned_with(evidence: Evidence, f: Found, best: Maximum) -> Maximum:
+    """Return the fit of the model with a candidate, re-tuned from a linear fit by Gauss-Newton steps.
 
     The columns are slopes at the model without the candidate, which may be far from the model with it: a scale error
-    that the model lacks turns and shrinks its known cogging.
+    that the model lacks turns and shrinks its known cogging. All fits have the noise of the linear one, since a smaller
+    mass would have less, and each filter is one that the fit without the candidate may have, too.
     """
-    extra, free = list(evidence.extra), list(evidence.free)
+    extra = list(evidence.extra)
     own = replace(f, amplitudes=best.theta[-len(f.amplitudes) :])
-    model = added_to(evidence.model, own, extra, free)
-    moved = evidence.moved(model, dict(zip(evidence.paths, map(float, best.theta), strict=False)))
+    model = added_to(evidence.model, own, extra, [])
     law = f.columns(evidence) if len(extra) == len(evidence.extra) else []
-    cost, by_row = best.cost, best.by_row()
+    moved = evidence.moved(model, dict(zip(evidence.paths, map(float, best.theta), strict=False)))
     if evidence.curvature(best, moved, law) < CURVED:
-        return cost, by_row
+        return best
+    none, taps = best.none, best.taps
     for _ in range(RETUNED):
-        other = replace(evidence, model=moved, extra=extra)
+        other = replace(evidence, model=moved, extra=extra, base=evidence)
         other.levels = evidence.levels
         other.make()
-        if other.largely != evidence.largely or other.null.cost >= cost:
+        if other.largely != evidence.largely:
             break
-        cost, by_row, moved = other.null.cost, other.null.by_row(), other.retuned()
-    return cost, by_row
+        fit = other.fitted(taps)
+        fit.none, taps = none, other.taps_of(fit.theta)
+        again = other.fitted(taps)
+        if again.cost < fit.cost:
+            fit, again.none = again, min(none, evidence.fitted(taps), key=lambda one: one.cost)
+        if fit.cost - fit.none.cost >= best.cost - best.none.cost:
+            break
+        best, none, taps = fit, fit.none, fit.taps
+        moved = other.moved(moved, dict(zip(other.paths, map(float, fit.theta), strict=False)))
+    return best
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:

@@ -314,12 +314,11 @@ class DifferencedBalance:
         Args:
             model: model.
             command: V, (n,); default: the logged command.
-            acceleration: acceleration (m/s^2, (n,)) of which an error of the reading makes a part; default: the
-                measured one. The measured one has the noise of the residual, which the derivative by a parameter of
-                the error must not have.
+            acceleration: m/s^2, (n,); default: the measured one. It has the noise of the residual, which the change of
+                the residual with a parameter must not have.
         """
         command = self.command if command is None else command
-        a, error = self.acceleration, None
+        a, error = self.acceleration if acceleration is None else acceleration, None
         wrong = [laws_of(e) for e in model.effects if "reading" in e.HOOKS]
         if wrong:
 
@@ -329,7 +328,7 @@ class DifferencedBalance:
             error, by = error_at(self.fine.position), SLOPE_STEP * float(np.ptp(self.position))
             before, at, after = (error_at(self.position + step) for step in (-by, 0.0, by))
             slope, bend = (after - before) / (2.0 * by), (after - 2.0 * at + before) / by**2
-            a = a - slope * (a if acceleration is None else acceleration) - bend * self.velocity**2
+            a = (1.0 - slope) * a - bend * self.velocity**2
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
         # the plant's force is that of sliding friction: a bristle has a state

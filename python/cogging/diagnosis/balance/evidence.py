@@ -21,7 +21,7 @@ from scipy.optimize import brentq, minimize_scalar, nnls
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import ROWS_PER_CORNER, DifferencedBalance
-from cogging.diagnosis.balance.nuisances import ROUNDING, instruments_of, nuisances_of
+from cogging.diagnosis.balance.nuisances import ROUNDING, Instruments, instruments_of, nuisances_of
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, renamed_path, with_values
@@ -190,8 +190,8 @@ class Evidence:
         free: paths of the axis without a prior.
         plainly: whether to skip whitening whatever the size of the residual.
         uniform: whether all rows have the same noise level, as where a given model lacks most of the command.
-        drives: part of the command that the reference motion explains, V, (n,) of each log (see `Instruments`).
-        accelerations: m/s^2, likewise.
+        base: evidence of the model whose noise the residual has (see `Instruments.change`); None for the model's own.
+        instruments: of each log.
         largely: whether the residual is too large a share of the command to be treated as noise.
         alike: number of rows that count as one independent row; 1 for noise.
         paths: paths of the p nuisance parameters, before the columns of `extra`.
@@ -215,8 +215,8 @@ class Evidence:
     free: tuple[str, ...] = ()
     plainly: bool = False
     uniform: bool = False
-    drives: list[FloatArray] = field(init=False, repr=False)
-    accelerations: list[FloatArray] = field(init=False, repr=False)
+    base: Evidence | None = field(default=None, repr=False)
+    instruments: list[Instruments] = field(init=False, repr=False)
     largely: bool = field(init=False, repr=False, default=False)
     alike: float = field(init=False, repr=False, default=1.0)
     paths: list[str] = field(init=False, repr=False)
@@ -284,14 +284,27 @@ class Evidence:
         known = parameters_of(self.model, together=True)
         theta = np.array([t if p in known else 0.0 for p, t in zip(self.paths, fit.theta, strict=False)])
         bent = []
-        for i, b in enumerate(self.balances):
-            drive, a = self.drives[i], None if b.reference is None else self.accelerations[i]
-            change = b.rows(b.residual(model, drive, a) - b.residual(self.model, drive, a))[0]
-            change += theta @ self.nuisances[i][: len(theta)]
+        for i, (b, raw) in enumerate(zip(self.balances, self.raw_of(model), strict=True)):
+            change = b.rows(raw - self.raw[i])[0] + theta @ self.nuisances[i][: len(theta)]
             if len(law):
                 change += fit.theta[-len(law[i]) :] @ b.rows(law[i])
             bent.append(change[None])
         return float(fit.weight @ self.filtered(bent, fit.taps)[0] ** 2 / fit.variance)
+
+    @property
+    def drives(self) -> list[FloatArray]:
+        """Part of the command that the reference motion explains, V, (n,) of each log (see `Instruments`)."""
+        return [one.drive for one in self.instruments]
+
+    @property
+    def accelerations(self) -> list[FloatArray]:
+        """Accelerations of the drives, m/s^2, (n,) of each log."""
+        return [one.acceleration for one in self.instruments]
+
+    def raw_of(self, model: Model) -> list[FloatArray]:
+        """Return the residual of each log under another model, with the noise that it has under this one, V, (n,)."""
+        parts = zip(self.balances, self.raw, self.instruments, strict=True)
+        return [raw + one.change(b, self.model, model) for b, raw, one in parts]
 
     def make(self) -> None:
         """Make residuals and columns under the model, and fit the nuisance parameters.
@@ -299,10 +312,8 @@ class Evidence:
         Raises:
             TooLittleMotion: fewer than FEWEST rows are valid.
         """
-        instruments = [instruments_of(b, self.model) for b in self.balances]
-        self.drives = [one.drive for one in instruments]
-        self.accelerations = [one.acceleration for one in instruments]
-        known = nuisances_of(self.model, self.given, self.balances, instruments, self.free)
+        self.instruments = [instruments_of(b, self.model) for b in self.balances]
+        known = nuisances_of(self.model, self.given, self.balances, self.instruments, self.free)
         self.paths, self.limits = known.paths, known.limits
         more = [s.columns(self) for s in self.extra]
         tables = [
@@ -312,7 +323,9 @@ class Evidence:
         count = len(tables[0]) - len(self.paths)
         self.prior_sigma = np.array(known.sigma + [np.inf] * count)
         self.prior_offset = np.array(known.offset + [0.0] * count)
-        self.raw = [b.residual(self.model) for b in self.balances]
+        self.raw = (
+            [b.residual(self.model) for b in self.balances] if self.base is None else self.base.raw_of(self.model)
+        )
         self.masks = [b.mask for b in self.balances]
         self.counted = [b.counted for b in self.balances]
         if (count := sum(int(m.sum()) for m in self.counted)) < FEWEST:
@@ -335,6 +348,7 @@ class Evidence:
         taps = self.taps_of(theta)
         if stale:
             self.levels = self.local_levels(taps)
+            taps = self.taps_of(self.fitted(self.plain, rounds=1).theta)
         self.keep_positive(taps)
         self.start, self.fit = taps, self.fitted(taps)
         self.theta = self.fit.theta

@@ -51,6 +51,12 @@ class Instruments(NamedTuple):
     acceleration: FloatArray
     blur: FloatArray
 
+    def change(self, b: DifferencedBalance, old: Model, new: Model) -> FloatArray:
+        """Return the residual of a balance under a new model less that under an old one, without noise, V, (n,)."""
+        # without a reference, the acceleration that is known without noise lacks the fast motion
+        a = None if b.reference is None else self.acceleration
+        return b.residual(new, self.drive, a) - b.residual(old, self.drive, a)
+
 
 def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     """Return the instruments of a log under a model."""
@@ -237,16 +243,9 @@ def add_parameter(
         sigma = sizes.get(quantity, 0.3 * abs(value))
     if sigma == 0.0:
         return
-    # without a reference, the acceleration that is known without noise lacks the fast motion
-    accelerations = [
-        None if b.reference is None else one.acceleration for b, one in zip(balances, instruments, strict=True)
-    ]
     try:
         pair = [with_values(model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
-        rows = [
-            -(b.residual(pair[0], one.drive, a) - b.residual(pair[1], one.drive, a)) / (2e-2 * sigma)
-            for b, one, a in zip(balances, instruments, accelerations, strict=True)
-        ]
+        rows = [one.change(b, *pair) / (2e-2 * sigma) for b, one in zip(balances, instruments, strict=True)]
     except ValueError:  # the effect rejects the value
         return
     columns.add(path, sigma, rows)
