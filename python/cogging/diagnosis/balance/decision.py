@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, Maximum
+from cogging.diagnosis.balance.evidence import CURVED, Evidence, Maximum
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -38,7 +38,6 @@ CLOSE = 8  # of these, candidates that are fitted with whitening filters of thei
 FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum number of shapes of one name
 FAINT = 0.1  # of the largest T: smaller candidates are skipped
 RETUNED = 3  # maximum number of Gauss-Newton steps of a candidate
-CURVED = 4.0  # 2 ln likelihood: minimum error of the linear fit of a candidate that is re-tuned so
 SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
 LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
 REPEATED = (  # may occur several times, with another period, frequency or time
@@ -343,26 +342,24 @@ def retuned_with(evidence: Evidence, f: Found, best: Maximum) -> Maximum:
     extra = list(evidence.extra)
     own = replace(f, amplitudes=best.theta[-len(f.amplitudes) :])
     model = added_to(evidence.model, own, extra, [])
-    law = f.columns(evidence) if len(extra) == len(evidence.extra) else []
-    moved = evidence.moved(model, dict(zip(evidence.paths, map(float, best.theta), strict=False)))
-    if evidence.curvature(best, moved, law) < CURVED:
-        return best
-    none, taps = best.none, best.taps
+    at, fit, law = evidence, best, f.columns(evidence) if len(extra) == len(evidence.extra) else []
     for _ in range(RETUNED):
-        other = replace(evidence, model=moved, extra=extra, base=evidence)
-        other.levels = evidence.levels
-        other.make()
-        if other.largely != evidence.largely:
+        model = at.moved(model, dict(zip(at.paths, map(float, fit.theta), strict=False)))
+        if at.curvature(fit, model, law) < CURVED:
             break
-        fit = other.fitted(taps)
-        fit.none, taps = none, other.taps_of(fit.theta)
-        again = other.fitted(taps)
+        at, law = replace(evidence, model=model, extra=extra, base=evidence), []
+        at.levels = evidence.levels
+        at.make()
+        if at.largely != evidence.largely:
+            break
+        fit = at.fitted(best.taps)
+        fit.none, taps = best.none, at.taps_of(fit.theta)
+        again = at.fitted(taps)
         if again.cost < fit.cost:
-            fit, again.none = again, min(none, evidence.fitted(taps), key=lambda one: one.cost)
+            fit, again.none = again, min(best.none, evidence.fitted(taps), key=lambda one: one.cost)
         if fit.cost - fit.none.cost >= best.cost - best.none.cost:
             break
-        best, none, taps = fit, fit.none, fit.taps
-        moved = other.moved(moved, dict(zip(other.paths, map(float, fit.theta), strict=False)))
+        best = fit
     return best
 
 

@@ -42,6 +42,7 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
+CURVED = 4.0  # 2 ln likelihood: a step that is less nonlinear is the last one
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
 
@@ -246,6 +247,10 @@ class Evidence:
                 for b, r in zip(self.balances, self.raw, strict=True):
                     b.set_corner(r, self.model.axis.mass, self.largely)
                 self.make()
+            model = self.retuned()
+            if self.curvature(self.fit, model, []) < CURVED:
+                self.model = model
+                break
             before = self.decrement(self.model)
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
