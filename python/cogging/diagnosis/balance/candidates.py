@@ -777,7 +777,8 @@ def waves(s: Search) -> None:
         same = plain is not None and plain.period is not None and abs(1.0 / plain.period - kappa) < 1.0 / length
         constant = plain.T if same and plain is not None else 0.0  # the score with a constant amplitude
         trials = max(1, len(known)) if kappa in known else 3000
-        for count in MODULATIONS if kappa * length > 2.5 else ():
+        # an envelope of n splines changes its sign up to n - 1 times, a carrier more often
+        for count in (n for n in MODULATIONS if kappa * length > n - 1):
             modulated = modulated_wave(s, kappa, count)
             if constant < NESTED * s.scored(modulated)[0]:
                 s.put("cogging_modulation", modulated, len(MODULATIONS) * trials)

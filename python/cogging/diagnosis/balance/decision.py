@@ -166,7 +166,7 @@ def search(
         extra = with_amplitudes(extra, evidence)
         same: dict[str, Any] = {"extra": list(extra), "uniform": outcome.nominal.largely}
         if others:
-            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
+            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(2)
         if step == ROUNDS - 1:
             break
 
@@ -182,7 +182,7 @@ def search(
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
                 others = [b.moved(outcome.shift) for b in others]
-                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
+                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(2)
                 contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)

@@ -251,32 +251,26 @@ class Evidence:
             if self.curvature(self.fit, model, []) < CURVED:
                 self.model = model
                 break
-            before = self.decrement(self.model)
-            for share in SHARES_OF_A_STEP:
-                model = self.retuned(share)
-                if self.decrement(model) <= before:
-                    self.model = model
-                    break
+            own = self.model.axis.coulomb_width
+            models = [self.retuned(share) for share in SHARES_OF_A_STEP]
+            models += [with_values(one, {"axis.coulomb_width": own}) for one in models]
+            costs = [self.cost_of(one) for one in models]
+            if min(costs) > self.fit.cost + CURVED:
+                break
+            self.model = models[int(np.argmin(costs))]
         self.levels = []
         self.make()
         return self
 
-    def decrement(self, model: Model) -> float:
-        """Return the Newton decrement of a re-tuned model: the gain in 2 ln likelihood that its parameters still allow.
-
-        The residual power is a weaker criterion: unlike the columns, it contains the noise of the readings.
-        """
+    def cost_of(self, model: Model) -> float:
+        """Return -2 ln likelihood of a re-tuned model, with the columns, filters and noise of this one."""
         fit, known = self.fit, parameters_of(model, together=True)
         old = parameters_of(self.model, together=True)
-        has = np.array([p in known for p in self.paths] + [False] * (len(fit.w) - len(self.paths)))
         moved = [known[p].value - old[p].value if p in known else 0.0 for p in self.paths]
         sigma, target = fit.prior
-        target = np.where(has, target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size, target)
-        left = self.filtered([b.rows(b.residual(model)) for b in self.balances], fit.taps)[0]
-        slope = fit.x @ (fit.weight * left) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
-        beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
-        own = slope[has] - beside @ slope[~has]
-        return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
+        target = target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size
+        left = self.filtered([b.rows(r) for b, r in zip(self.balances, self.raw_of(model), strict=True)], fit.taps)[0]
+        return float(likeliest(fit.x, left, sigma, target).cost + fit.unit.sum())
 
     def curvature(self, fit: Maximum, model: Model, law: Sequence[FloatArray]) -> float:
         """Return the part of a step's effect on the residual that is not linear, as -2 ln likelihood.
@@ -531,7 +525,7 @@ class Evidence:
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
         moved, gap, least = np.where(beside, 0.0, moved), self.unfiltered, np.inf
         best = model
-        width = self.model.axis.coulomb_width
+        width = self.likeliest_width()
         for factor in WIDER if width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0 else (1.0,):
             wider = with_values(self.model, {"axis.coulomb_width": factor * width})
             left = self.filtered([b.rows(b.residual(wider)) for b in self.balances], gap.taps)[0]
