@@ -141,7 +141,7 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
-    """Return the ARC as printed (section 4.3) without robust terms, which cannot run (robust_terms.py)."""
+    """Return the ARC as printed (section 4.3) without robust terms, which cannot run (backstepping.py)."""
     fields = {
         "sample_rate": SAMPLE_RATE,
         "observer_gain_1": 400.0,
