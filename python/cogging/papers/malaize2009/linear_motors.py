@@ -117,25 +117,30 @@ def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem
 def plant(
     motor: Motor,
     amplitude: float,
+    more: Sequence[Any] = (),
     *,
-    ripples: Sequence[tuple[float, float]] = (),
-    resolution: float | None = None,
+    phases: FloatArray | None = None,
     friction: float | None = None,
+    width: float = 0.0,
+    delay: float = DELAY,
+    resolution: float | None = None,
+    noise: float = 0.0,
 ) -> Plant:
     """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
 
-    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2).
+    amplitude: of the first period, m/s^2; more: effects that the controllers do not know; phases: rad, (periods,);
+    width: of the friction's change of sign, m/s; noise: of the encoder, m rms.
     """
-    phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
+    phases = np.arange(len(motor.periods), dtype=np.float64) if phases is None else phases
+    sizes = -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
-    listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
-    listed += [effects.CoggingHarmonic(period=period, sine=size) for period, size in ripples]
     coulomb, travel = motor.friction if friction is None else friction, [-0.1, motor.stroke + 0.1]
+    step = motor.resolution if resolution is None else resolution
     return Plant(
-        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, travel=travel),
+        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=travel),
         cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
-        effects=listed,
-        encoder=_core.EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
+        effects=[effects.CommandDelay(delay=delay), *more],
+        encoder=_core.EncoderParameters(resolution=step, noise=noise),
     )
 
 
