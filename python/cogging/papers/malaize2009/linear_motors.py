@@ -21,7 +21,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.result import shipped_toml
+from cogging.papers.result import shipped_toml, with_tuples
 from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.
@@ -55,31 +55,10 @@ class Motor:
     lambda_star: float  # m/s^2 (Table I)
 
 
+#: The motors by name (motors.toml).
 MOTORS = {
-    "ironcore": Motor(
-        name="ironcore",
-        periods=(0.024, 0.016, 0.012),
-        shape=(1.0, 0.6, 0.4),
-        friction=0.1,
-        resolution=1e-7,
-        velocity=0.4,
-        acceleration=4.0,
-        stroke=0.4,
-        accuracy=(10e-6, 0.5e-6),
-        lambda_star=5.0,
-    ),
-    "ironless": Motor(
-        name="ironless",
-        periods=(0.042, 0.021),
-        shape=(1.0, 0.5),
-        friction=0.005,
-        resolution=1e-8,
-        velocity=0.25,
-        acceleration=2.5,
-        stroke=0.4,
-        accuracy=(0.5e-6, 0.05e-6),
-        lambda_star=3.5,
-    ),
+    name: Motor(name=name, **with_tuples(fields))
+    for name, fields in shipped_toml("cogging.papers.malaize2009", "motors.toml").items()
 }
 
 
@@ -95,8 +74,7 @@ class Calibrated:
 
 def shipped(motor: Motor) -> Calibrated:
     """Return the calibrated values that come with the package (by studies.malaize2009.calibration)."""
-    part = shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]
-    return Calibrated(**{**part, "observer_gain": tuple(part["observer_gain"])})
+    return Calibrated(**with_tuples(shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]))
 
 
 def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem:
