@@ -21,7 +21,7 @@ from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, machines_of, push_of, variations_of
 from cogging.design.tuning_result import MARGINS, ROWS, Reached, Setting, Tuning
 from cogging.file_schema import TUNE, TUNE_INDEXES, TUNE_NEEDED
-from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
+from cogging.files import FieldError, InputError, errors_of, read_toml, refuse_unknown_keys
 from cogging.model.controller import AnyController
 from cogging.model.model import Model, is_number
 from cogging.model.units import Units
@@ -30,7 +30,7 @@ from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.parameter_sweep import digest_of, require_keys, run_job
+from cogging.simulation.parameter_sweep import digest_of, require_keys
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
@@ -639,14 +639,7 @@ def _require_numbers(counts: Mapping[str, int], seed: int, quantile: float, agai
 def read_tune(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return what a tune file holds: the arguments of `tune`, with paths relative to the working directory."""
     document = read_toml(path)
-    try:
+    with errors_of(path):
         require_keys(document, TUNE, TUNE_NEEDED)
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
     folder = Path(path).parent
     return {**document, **{key: folder / document[key] for key in ("model", "reference")}}
-
-
-def run_tune(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> Tuning:
-    """Return the result of `tune` with what read_tune returns; InputError names the file, and the line of the value."""
-    return run_job(path, tune, arguments, options)

@@ -18,7 +18,16 @@ from cogging._core import AxisParameters, CoggingModel, EncoderParameters, Noise
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import LARGEST, FieldError, parse_toml, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
+from cogging.files import (
+    LARGEST,
+    FieldError,
+    errors_of,
+    parse_toml,
+    read_text,
+    read_toml,
+    refuse_mistyped,
+    refuse_unknown_keys,
+)
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
@@ -225,11 +234,8 @@ class Model(ByValue):
         Raises:
             InputError: the file is invalid; names file, line, field, rule and value.
         """
-        document = read_toml(path)
-        try:
-            return cls.from_dict(document, effects=effects)
-        except FieldError as error:
-            raise error.in_file(path, read_text(path)) from None
+        with errors_of(path):
+            return cls.from_dict(read_toml(path), effects=effects)
 
     def write(self, path: str | os.PathLike[str], *, like: str | os.PathLike[str] | None = None) -> None:
         """Write a model file (TOML), without loss.

@@ -21,7 +21,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
 from cogging.effects.custom import Custom
-from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
+from cogging.files import FieldError, InputError, errors_of, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
 from cogging.progress import Progress, steps
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Table = dict[str, Any]
-Result = TypeVar("Result")
 PIECES = 100  # pieces of a sweep, or more
 PIECE_MOST = 256  # runs of a piece, or as many as fill all threads once
 LANES = 8  # runs that one thread may compute at once
@@ -515,7 +514,7 @@ def read_sweep(path: AnyPath) -> dict[str, Any]:
     """Return the arguments of `sweep` from a sweep file; paths of other files are relative to it."""
     document = read_toml(path)
     folder = Path(path).parent
-    try:
+    with errors_of(path):
         require_keys(document, KEYS, NEEDED)
         for key in ("model", "reference"):
             if not (folder / document[key]).is_file():
@@ -528,8 +527,6 @@ def read_sweep(path: AnyPath) -> dict[str, Any]:
                     got = f"{quoted(vary[number])} and {quoted(stated)}"
                     raise FieldError("vary", number, f"must be given once, got {got}")
                 vary[number] = stated
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
     return {**document, **{key: folder / document[key] for key in ("model", "reference")}, "vary": vary}
 
 
@@ -559,17 +556,3 @@ def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str
 def files_of_job(arguments: Mapping[str, Any], path: AnyPath) -> list[AnyPath]:
     """Return all files that a sweep or tune file reads: itself, its model, its reference and the samples of that."""
     return [path, arguments["model"], *files_of_reference(arguments["reference"])]
-
-
-def run_job(
-    path: AnyPath, work: Callable[..., Result], arguments: Mapping[str, Any], options: Mapping[str, Any]
-) -> Result:
-    """Return work(**arguments, **options); an InputError names the file and, if possible, the line."""
-    try:
-        return work(**{**arguments, **options})
-    except InputError:
-        raise
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
