@@ -291,6 +291,12 @@ class Model(ByValue):
         if not isinstance(steps, int) or isinstance(steps, bool) or not 1 <= steps <= STEPS_MAX:
             rule = f"must be a whole number from 1 to {STEPS_MAX}"
             raise FieldError("simulation", "steps_per_sample", f"{rule}, got {quoted(steps)}")
+        intervals = {}
+        for path, ends in _table(document, "bounds").items():
+            good = isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))
+            if not good or not ends[0] <= ends[1]:
+                raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {quoted(ends)}")
+            intervals[path] = (float(ends[0]), float(ends[1]))
         return cls(
             axis=axis,
             cogging=_cogging_from(_table(document, "cogging")) if "cogging" in document else None,
@@ -300,7 +306,7 @@ class Model(ByValue):
             controller=controller,
             controller_type=controller_type,
             uncertainty={key: float(value) for key, value in uncertainty.items()},
-            intervals=_intervals_from(_table(document, "bounds")),
+            intervals=intervals,
             steps_per_sample=steps,
             units=Units.from_dict(_table(document, "units")),
         )
@@ -469,13 +475,3 @@ def _controller_from(
         # The controller's width defaults to that of the axis when the file is read, and is independent from then on.
         section.setdefault("coulomb_width", axis.coulomb_width)
     return kind, parameters_from(struct, section, "controller")
-
-
-def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    intervals = {}
-    for path, interval in section.items():
-        good = isinstance(interval, list) and len(interval) == 2 and all(map(is_number, interval))
-        if not good or not interval[0] <= interval[1]:
-            raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {quoted(interval)}")
-        intervals[path] = (float(interval[0]), float(interval[1]))
-    return intervals
