@@ -60,7 +60,13 @@ def make(model: Model, *, name: str = "axis") -> Exported:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
     require_name(name)
     units, parameters, law = model.units, model.controller, CONTROLLERS[model.controller_type][1]
-    library, standard = inlined(_header_of(law.__name__))
+    folder = Path(get_include())
+    headers = OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8"))
+    defines = re.compile(rf"^(class|using) {law.__name__}\b", re.MULTILINE)
+    header = next((one for one in headers if defines.search((folder / one).read_text(encoding="utf-8"))), None)
+    if header is None:
+        raise InputError(f"{folder}: must hold a header with {law.__name__}, got none in cogging/control/list.hpp")
+    library, standard = inlined(header)
     library = library.replace(REFUSED, NEVER_REFUSED)
     macros = sorted(set(DEFINED.findall(library)))
     library = re.sub(r"\bCOGGING_", f"{name.upper()}_COGGING_", library)
@@ -68,6 +74,13 @@ def make(model: Model, *, name: str = "axis") -> Exported:
     ahead = preview is not None
     shown = {"V": units.of("V"), "m": units.of("m")}
     comment = "\n\n".join((law.__doc__ or "").split("\n\n")[:2]).strip()
+    assignments = []
+    for field, value in parameters.to_dict().items():
+        unit, meaning = type(parameters).FIELDS[field]
+        label = f"{units.of(unit)}: " if unit not in ("", "1") else ""
+        statement = f"    q.{field} = {literal(value)};"
+        broken = textwrap.wrap(statement, WIDTH, subsequent_indent="        ", break_long_words=False)
+        assignments += [f"    // {label}{meaning}", *(broken if len(statement) > WIDTH else [statement])]
     text = HEADER.substitute(
         **shown,
         type=model.controller_type,
@@ -85,7 +98,7 @@ def make(model: Model, *, name: str = "axis") -> Exported:
         preview=f"  static constexpr double preview = {preview!r};  // s, how far ahead `ahead` is\n" if ahead else "",
         command=string.Template(COMMAND_AHEAD if ahead else COMMAND).substitute(shown).rstrip("\n"),
         law=law.__name__,
-        assignments="\n".join(_assignment(field, value, model) for field, value in parameters.to_dict().items()),
+        assignments="\n".join(assignments),
         undefined="\n".join(f"#undef {name.upper()}_{macro}" for macro in macros),
     )
     return Exported(
@@ -143,22 +156,3 @@ def literal(value: Any) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return ("-" if value < 0 else "") + "std::numeric_limits<double>::infinity()"
     return repr(value)
-
-
-def _header_of(law: str) -> str:
-    """Return the header of the core that defines a controller."""
-    folder = Path(get_include())
-    for path in OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8")):
-        if re.search(rf"^(class|using) {law}\b", (folder / path).read_text(encoding="utf-8"), re.MULTILINE):
-            return str(path)
-    raise InputError(f"{folder}: must hold a header with {law}, got none in cogging/control/list.hpp")
-
-
-def _assignment(field: str, value: Any, model: Model) -> str:
-    assert model.controller is not None
-    unit, meaning = type(model.controller).FIELDS[field]
-    unit = model.units.of(unit) if unit not in ("", "1") else ""
-    comment = f"    // {unit + ': ' if unit else ''}{meaning}"
-    statement = f"    q.{field} = {literal(value)};"
-    broken = textwrap.wrap(statement, WIDTH, initial_indent="", subsequent_indent="        ", break_long_words=False)
-    return "\n".join([comment, *(broken if len(statement) > WIDTH else [statement])])
