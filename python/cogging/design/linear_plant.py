@@ -60,7 +60,7 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     def friction(effects: list[Effect], x: float, v: float) -> FloatArray:
         """Return the force that opposes the motion, V."""
         own = axis.viscous * v + axis.coulomb * smooth_sign(v, width)
-        return own + steady_friction(effects, v, width=width, position=x)
+        return np.asarray(own + steady_friction(effects, v, width=width, position=x))
 
     if speed is not None and width == 0.0 and speed == 0.0:
         raise ValueError("speed: must be other than 0 where coulomb_width is 0: sticking has no slope, got 0")
