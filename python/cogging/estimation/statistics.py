@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cogging.arrays import FloatArray, IntArray
-from cogging.estimation.whitening import Whitened
+from cogging.estimation.residuals import Whitened
 
 
 def student(freedom: float, confidence: float = 0.95) -> float:
