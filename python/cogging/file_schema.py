@@ -112,21 +112,6 @@ def schema() -> dict[str, Any]:
         >>> sorted(cogging.schema())
         ['$defs', '$schema', 'oneOf', 'title']
     """
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "cogging: model, reference, limits, sweep and tune files (TOML; SI, V stands for the command unit)",
-        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in ("model", "reference", "limits", "sweep", "tune")],
-        "$defs": {
-            "model": _model(),
-            "reference": _reference(),
-            "limits": _section("what a machine may do: limits file", _described(LIMITS), list(LIMITS_NEEDED)),
-            "sweep": _sweep(),
-            "tune": _tune(),
-        },
-    }
-
-
-def _model() -> dict[str, Any]:
     axis = _section("M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects", _fields(AxisParameters), ["mass"])
     axis["properties"]["uncertainty"] = _section(
         "relative 1-sigma of each, 0 = exact",
@@ -137,7 +122,7 @@ def _model() -> dict[str, Any]:
     ]
     effects = [_tagged("name", name, kind.LAW, _fields(kind)) for name, kind in _core.EFFECTS.items()]
     bound = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
-    return _section(
+    model = _section(
         "an axis: model file",
         {
             "axis": axis,
@@ -157,26 +142,50 @@ def _model() -> dict[str, Any]:
         ["axis"],
     )
 
-
-def _reference() -> dict[str, Any]:
     duration = {"type": "number", "minimum": 0, "unit": "s", "description": "of the run; 0 = the motion's own end"}
-    kinds = []
+    motions = []
     for kind, (struct, made) in REFERENCES.items():
         entry = _tagged("type", kind, made.__doc__ or "", _fields(struct) | {"duration": duration})
         if not math.isfinite(made(struct()).end):
             entry["required"].append("duration")
-        kinds.append(entry)
-    kinds.append(_tagged("type", "sampled", "a motion given by samples", _described(SAMPLED) | {"duration": duration}))
-    return {"oneOf": kinds, "description": "a motion: reference file"}
+        motions.append(entry)
+    motions.append(
+        _tagged("type", "sampled", "a motion given by samples", _described(SAMPLED) | {"duration": duration})
+    )
 
+    sweep = _job(SWEEP) | {"vary": _vary(SWEEP["vary"][1])}
+    sweep["method"]["enum"] = list(METHODS)
 
-def _sweep() -> dict[str, Any]:
-    properties = {
-        key: {**SWEEP_TYPES[kind], "description": meaning} for key, (kind, meaning) in SWEEP.items() if key != "vary"
+    tune = _job(TUNE)
+    tune["against"]["enum"] = list(TUNE_INDEXES)
+    scale = {"scale": {"enum": ["linear", "log"]}}
+    ends = _section("its ends", {**dict.fromkeys(("from", "to", "start"), NUMBER), **scale}, ["from", "to"])
+    present = _section("times what the present gains reach", {"present": ABOVE_ZERO}, ["present"])
+    limits = {
+        name: {"oneOf": [ABOVE_ZERO, present], "unit": unit, "description": meaning}
+        for name, (unit, _, meaning) in TUNE_INDEXES.items()
     }
-    properties["method"]["enum"] = list(METHODS)
-    properties["vary"] = _vary(SWEEP["vary"][1])
-    return _section("many runs with other numbers: sweep file", properties, list(SWEEP_NEEDED))
+    tune |= {
+        "gains": {"type": "object", "additionalProperties": ends, "description": TUNE["gains"][1]},
+        "limits": _section(TUNE["limits"][1], limits),
+        "vary": _vary(TUNE["vary"][1]),
+    }
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "cogging: model, reference, limits, sweep and tune files (TOML; SI, V stands for the command unit)",
+        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in ("model", "reference", "limits", "sweep", "tune")],
+        "$defs": {
+            "model": model,
+            "reference": {"oneOf": motions, "description": "a motion: reference file"},
+            "limits": _section("what a machine may do: limits file", _described(LIMITS), list(LIMITS_NEEDED)),
+            "sweep": _section("many runs with other numbers: sweep file", sweep, list(SWEEP_NEEDED)),
+            "tune": _section("gains for an uncertain machine: tune file", tune, list(TUNE_NEEDED)),
+        },
+    }
+
+
+def _job(keys: Mapping[str, tuple[type, str]]) -> dict[str, Any]:
+    return {key: {**SWEEP_TYPES[kind], "description": text} for key, (kind, text) in keys.items() if kind is not dict}
 
 
 def _vary(meaning: str) -> dict[str, Any]:
@@ -191,24 +200,6 @@ def _vary(meaning: str) -> dict[str, Any]:
             {"type": "object", "additionalProperties": {"oneOf": [values, table, {"const": "bounds"}]}},
         ],
     }
-
-
-def _tune() -> dict[str, Any]:
-    properties = {
-        key: {**SWEEP_TYPES[kind], "description": meaning} for key, (kind, meaning) in TUNE.items() if kind is not dict
-    }
-    properties["against"]["enum"] = list(TUNE_INDEXES)
-    scale = {"scale": {"enum": ["linear", "log"]}}
-    ends = _section("its ends", {**dict.fromkeys(("from", "to", "start"), NUMBER), **scale}, ["from", "to"])
-    properties["gains"] = {"type": "object", "additionalProperties": ends, "description": TUNE["gains"][1]}
-    present = _section("times what the present gains reach", {"present": ABOVE_ZERO}, ["present"])
-    limits = {
-        name: {"oneOf": [ABOVE_ZERO, present], "unit": unit, "description": meaning}
-        for name, (unit, _, meaning) in TUNE_INDEXES.items()
-    }
-    properties["limits"] = _section(TUNE["limits"][1], limits)
-    properties["vary"] = _vary(TUNE["vary"][1])
-    return _section("gains for an uncertain machine: tune file", properties, list(TUNE_NEEDED))
 
 
 def _section(description: str, properties: Mapping[str, Any], required: list[str] | None = None) -> dict[str, Any]:

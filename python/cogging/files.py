@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import re
 import stat
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from cogging.calls import did_you_mean
@@ -42,6 +43,22 @@ class FieldError(ValueError):
         line = line_of(text, self.section, self.key, self.occurrence)
         place = f"{path}: line {line}" if line else f"{path}"
         return InputError(f"{place}: {self}")
+
+
+@contextlib.contextmanager
+def errors_of(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Let the errors of a block be InputErrors that name a file, and the line of a field if it can be found."""
+    try:
+        yield
+    except InputError:
+        raise
+    except FieldError as error:
+        text = ""
+        with contextlib.suppress(InputError):  # a file that is no text has no lines
+            text = read_text(path)
+        raise error.in_file(path, text) from None
+    except ValueError as error:
+        raise InputError(f"{os.fspath(path)}: {error}") from None
 
 
 def require_file(path: str | os.PathLike[str], called: str = "") -> int:

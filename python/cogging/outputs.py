@@ -280,15 +280,10 @@ def _updated(text: str, document: Mapping[str, Any]) -> str:
             written += rows
             last = len(written)
     end_section()
-    return "\n".join([*written, *_further(left)]) + "\n"
-
-
-def _further(left: Mapping[tuple[str, int], Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the lines of the sections that the earlier text lacks."""
-    for (name, _), values in left.items():
-        if values:
-            yield from ("", f"[[{name}]]" if name == "effects" else f"[{name}]")
-            yield from map(_toml_line, values, values.values())
+    for (name, _), values in left.items():  # sections that the earlier text lacks
+        head = ("", f"[[{name}]]" if name == "effects" else f"[{name}]") if values else ()
+        written += [*head, *map(_toml_line, values, values.values())]
+    return "\n".join(written) + "\n"
 
 
 def _toml_line(key: str, value: Any) -> str:

@@ -34,8 +34,8 @@ from cogging.papers.lu2008.gantry import (
     run,
     shipped_amplitudes,
 )
-from cogging.papers.lu2008.random_maps import KINDS, claim_table, errors_on_maps
-from cogging.papers.lu2008.stability_matrix import matrix_condition
+from cogging.papers.lu2008.theorem_1 import matrix_condition
+from cogging.papers.lu2008.tracking import KINDS, claim_table, errors_on_maps
 from studies.command import run_study
 
 MANY_MAPS = 40  # an axis and kind

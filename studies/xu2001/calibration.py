@@ -29,7 +29,6 @@ from cogging.papers.xu2001.epoxy_motor import (
     HELD_OUT,
     INDEXES,
     JOINT_LAW,
-    LAWS,
     PID,
     SEED,
     SEEDS,
@@ -80,6 +79,14 @@ READINGS: dict[str, tuple[float, Mapping[str, Any]]] = {
 }
 MOST_EARLIER_RUNS = 3
 BRIEFLY = (1, 0)  # iterations of the fits that begin where another ended
+#: Models of the plant and their fixed values; 0 removes an effect. A model is nested in those that fix less.
+LAWS: dict[str, dict[str, float]] = {
+    "smooth_stribeck": {},
+    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
+    "smooth_coulomb_without_offset": {"static_excess": 0.0, "stribeck_velocity": 0.01, "offset": 0.0},
+    "exact_stribeck": {"coulomb_width": 0.0},
+    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
+}
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,15 @@ from cogging._core import (
 )
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
+from cogging.papers.xu2001.backstepping import (
+    HARDWARE,
+    TERM_FACTORS,
+    increment,
+    rigid,
+    subsets,
+    time_to_divergence,
+    which_run,
+)
 from cogging.papers.xu2001.epoxy_motor import (
     DURATION,
     MASSES,
@@ -42,17 +51,8 @@ from cogging.papers.xu2001.epoxy_motor import (
     run,
     shipped_unknowns,
 )
+from cogging.papers.xu2001.motion_cases import columns, gap
 from cogging.papers.xu2001.pid_poles import FREQUENCIES, just_below, load_limit, simulated
-from cogging.papers.xu2001.robust_terms import (
-    FACTORS,
-    HARDWARE,
-    increment,
-    rigid,
-    subsets,
-    time_to_divergence,
-    which_run,
-)
-from cogging.papers.xu2001.sinusoidal_motion import columns, gap
 from studies.command import run_study
 
 #: Hz: below and above what the printed robust terms need. The last takes minutes.
@@ -162,9 +162,9 @@ def _limits(unknowns: Unknowns, show: Callable[[str], None]) -> None:
 
 def _robust_terms(show: Callable[[str], None]) -> None:
     show("Rms command increment (V) with the printed robust terms times a factor; inf = diverges")
-    show(f"{'':4}{'hardware':<24}" + _numbers(FACTORS))
+    show(f"{'':4}{'hardware':<24}" + _numbers(TERM_FACTORS))
     for rate, resolution in HARDWARE:
-        values = [increment(factor, rate, resolution) for factor in FACTORS]
+        values = [increment(factor, rate, resolution) for factor in TERM_FACTORS]
         show(f"{'':4}{f'{rate / 1000:g} kHz, {1e9 * resolution:g} nm':<24}" + _numbers(values))
     show("All printed robust terms with an ideal encoder, for one period of the sine at most, by sampling rate")
     for rate in LONG_RATES:

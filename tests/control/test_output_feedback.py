@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 import cogging
 from cogging.papers.xu2001 import epoxy_motor as xu2001_setup
-from cogging.papers.xu2001.robust_terms import ROBUST_TERMS
+from cogging.papers.xu2001.backstepping import ROBUST_TERMS
 
 SWITCHES = [{}, *({name: True} for name in ROBUST_TERMS), dict.fromkeys(ROBUST_TERMS, True)]
 

@@ -46,11 +46,11 @@ FIELDS = {
 @pytest.fixture(scope="module")
 def tuning(tmp_path_factory):
     """A tuning by the command, and the folder in which it wrote its files."""
-    folder, found, plain = tmp_path_factory.mktemp("tune"), [], tuning_module.run_tune
+    folder, found, plain = tmp_path_factory.mktemp("tune"), [], tuning_module.tune
     path = write_files(folder, trials=30, machines=3, held_out=3, seed=3)
     written = {"--out": folder / "tuned.toml", "--json": folder / "out.json", "--figure": folder / "trade_off.png"}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning_module, "run_tune", lambda *a, **k: found.append(plain(*a, **k)) or found[-1])
+        patch.setattr(tuning_module, "tune", lambda *a, **k: found.append(plain(*a, **k)) or found[-1])
         assert main(["tune", str(path), *(str(word) for pair in written.items() for word in pair)]) == 0
     return found[0], folder
 

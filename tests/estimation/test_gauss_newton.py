@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from cogging.estimation.residuals import Whitened
 from cogging.estimation.statistics import jackknife, spread_of
-from cogging.estimation.whitening import Whitened
 
 ROWS, BLOCKS = 600, 30
 

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from scipy.stats import binomtest
 
 from cogging import Arc, CoggingModel, Dcarc, Plant, SplineHarmonics
-from cogging.papers.lu2008 import cogging_scan, robust_bound, stability_matrix
+from cogging.papers.lu2008 import cogging_scan, theorem_1
 from cogging.papers.lu2008 import gantry as lu2008
 
 AXES = pytest.mark.parametrize("axis", lu2008.AXES.values(), ids=lu2008.AXES)
@@ -101,33 +101,33 @@ def smallest_by_hand(axis, k_s1, k_1, friction_slope, cogging_slope):
 @AXES
 def test_29_over_drawn_gains_is_that_of_numpy(axis):
     rng = np.random.default_rng(29)
-    steep, rough = stability_matrix.steepest(axis)
+    steep, rough = theorem_1.steepest(axis)
     assert steep == pytest.approx(2.0 / np.pi * 900.0)
     for _ in range(20):
         k_1, k_s1, slope = rng.uniform([20, 10, 0], [600, 900, steep])
         gains = {"error_gain": k_1, "feedback_gain": k_s1}
         expected = smallest_by_hand(axis, k_s1, k_1, slope, rough)
-        assert stability_matrix.matrix_condition(axis, slope, **gains)[0] == pytest.approx(expected, rel=1e-9)
-        least = float(stability_matrix.least_feedback_gain(axis, k_1, slope, rough))
+        assert theorem_1.matrix_condition(axis, slope, **gains)[0] == pytest.approx(expected, rel=1e-9)
+        least = float(theorem_1.least_feedback_gain(axis, k_1, slope, rough))
         signs = [smallest_by_hand(axis, factor * least, k_1, slope, rough) > 0.0 for factor in (0.999, 1.001)]
         assert signs == [False, True]
 
 
 @AXES
 def test_the_printed_gains_bear_these_slopes_and_other_gains_all(axis):
-    steep, rough = stability_matrix.steepest(axis)
+    steep, rough = theorem_1.steepest(axis)
     printed = axis.feedback_gain, axis.error_gain
-    borne, share = stability_matrix.largest_friction_slope(axis), stability_matrix.largest_cogging_share(axis)
-    smoother = 2.0 / (np.pi * stability_matrix.least_width(axis))
+    borne, share = theorem_1.largest_friction_slope(axis), theorem_1.largest_cogging_share(axis)
+    smoother = 2.0 / (np.pi * theorem_1.least_width(axis))
     for factor, positive in ((0.999, True), (1.001, False)):
         assert (smallest_by_hand(axis, *printed, factor * borne, rough) > 0.0) == positive
         assert (smallest_by_hand(axis, *printed, factor * smoother, rough) > 0.0) == positive
         assert (smallest_by_hand(axis, *printed, 0.0, factor * share * rough) > 0.0) == positive
-    speed = stability_matrix.speed_of_slope(borne)
+    speed = theorem_1.speed_of_slope(borne)
     assert 2.0 / np.pi * 900.0 / (1.0 + (900.0 * speed) ** 2) == pytest.approx(borne)
-    gains = stability_matrix.sufficient_gains(axis)
-    assert stability_matrix.matrix_condition(axis, steep, **gains)[0] > 0.0
-    less = gains["feedback_gain"] / stability_matrix.MARGIN * 0.999
+    gains = theorem_1.sufficient_gains(axis)
+    assert theorem_1.matrix_condition(axis, steep, **gains)[0] > 0.0
+    less = gains["feedback_gain"] / theorem_1.MARGIN * 0.999
     for k_1 in gains["error_gain"] * np.array([0.7, 0.9, 1.0, 1.1, 1.4]):  # no other k_1 requires less
         assert smallest_by_hand(axis, less, k_1, steep, rough) < 0.0
 
@@ -136,14 +136,14 @@ GROUPS = pytest.mark.parametrize("group", [0, 1, 2], ids=["arc", "dcarc_printed"
 
 
 def drawn(axis, seed, group):
-    law, _, conditions = robust_bound.groups(axis)[group]
-    return robust_bound.draw(axis, seed, law, **conditions)
+    law, _, conditions = theorem_1.groups(axis)[group]
+    return theorem_1.draw(axis, seed, law, **conditions)
 
 
 @AXES
 def test_18_holds_by_equality_along_a_run(axis):
     """M p' from differences of the true state is u_s - phi^T theta~, the regressor at the true state, without d~."""
-    trial = robust_bound.draw(axis, 3, Arc)
+    trial = theorem_1.draw(axis, 3, Arc)
     machine = Plant(trial.plant.axis, cogging=trial.plant.cogging, effects=trial.plant.effects[:1])
     log, q = replace(trial, plant=machine).run(), trial.parameters
     v, rate = log.true_velocity, log.true_velocity - log.reference_velocity
@@ -169,7 +169,7 @@ def test_the_rate_is_the_smallest_eigenvalue_of_q(axis):
         k_s1, k_1 = trial.parameters.feedback_gain, trial.parameters.error_gain
         rates = [2.0 * k_s1 / axis.bounds[0][1]]
         if trial.law is Dcarc:
-            steep, rough = 2.0 / (np.pi * trial.parameters.coulomb_width), stability_matrix.steepest(axis)[1]
+            steep, rough = 2.0 / (np.pi * trial.parameters.coulomb_width), theorem_1.steepest(axis)[1]
             (m0, m1), (b0, b1), (_, a1), _ = axis.bounds
             rates = []
             for mass, friction, slope in itertools.product((m0, m1), (b0, b1 + a1 * steep), (-rough, rough)):
@@ -203,14 +203,14 @@ def test_without_u_s2_or_beyond_delta_d_the_bound_is_broken(axis, group):
     trial = drawn(axis, {"X": 24, "Y": 5}[axis.name], group)
     assert trial.holds(trial.run())
     assert not trial.holds(trial.run(epsilon=0.0))
-    for factor in (1.0, robust_bound.BEYOND):
+    for factor in (1.0, theorem_1.BEYOND):
         pushed = drawn(axis, 0, group).with_disturbance(factor)
         assert pushed.holds(pushed.run()) == (factor == 1.0)
 
 
 def test_v_of_dcarc_falls_as_the_docstring_derives():
     """V' = -z^T Q z + p (u_s2 - phi_d^T theta~ + d~), with the accelerations of a drawn machine."""
-    trial = robust_bound.draw(lu2008.AXES["X"], 3, Dcarc, **stability_matrix.sufficient_gains(lu2008.AXES["X"]))
+    trial = theorem_1.draw(lu2008.AXES["X"], 3, Dcarc, **theorem_1.sufficient_gains(lu2008.AXES["X"]))
     log = trial.run()
     axis, q = trial.plant.axis, trial.parameters
     e, e_dot = log.true_position - log.reference, log.true_velocity - log.reference_velocity
@@ -240,6 +240,6 @@ def test_v_of_dcarc_falls_as_the_docstring_derives():
 
 
 def test_without_adaptation_the_error_does_not_vanish():
-    held = robust_bound.errors_by_period(lu2008.AXES["X"], 5000.0, 3, faster=0.0)
+    held = theorem_1.errors_by_period(lu2008.AXES["X"], 5000.0, 3, faster=0.0)
     assert held[-1] == pytest.approx(held[1], rel=1e-3)
     assert held[-1] > 1e-6

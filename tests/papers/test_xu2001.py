@@ -61,7 +61,7 @@ def test_earlier_runs_leave_theta_1_and_theta_2_to_the_next_and_nothing_else():
 def fits():
     """Each shipped fit, the sets that took part, its seeds, and whether it is one of the tables."""
     file = epoxy_motor.shipped_file()
-    for law in {"smooth_stribeck", *epoxy_motor.LAWS} & set(file):
+    for law in {"smooth_stribeck", *calibration.LAWS} & set(file):
         yield file[law], calibration.PID, (epoxy_motor.SEED,), law == "smooth_stribeck"
     for law, part in file["joint"].items():
         yield part, calibration.ALL, epoxy_motor.SEEDS, law == epoxy_motor.JOINT_LAW

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.papers.xu2001 import backstepping, epoxy_motor, pid_poles, robust_terms
+from cogging.papers.xu2001 import backstepping, epoxy_motor, pid_poles
 from studies.xu2001 import study
 from tests.fixtures.reproduced import numbers_of, table_of
 
 
-@pytest.mark.parametrize("switches", [{}, dict(robust_terms.ALL_TERMS, robust_factor=1e-6)], ids=["none", "all"])
+@pytest.mark.parametrize("switches", [{}, dict(backstepping.ALL_TERMS, robust_factor=1e-6)], ids=["none", "all"])
 def test_the_steps_along_a_log_are_those_of_the_controller(switches):
     p = epoxy_motor.arc_parameters(**switches)
     log, found = backstepping.run(p, epoxy_motor.plant(epoxy_motor.shipped_unknowns(), "1"), 0.2, seed=1)
@@ -38,31 +38,31 @@ def test_what_one_count_moves_the_command():
     gain_2 = 850 + (1e5 * psi / 30) ** 2 + (1e-4 * 2e6 * phi_2) ** 2
     gain_2 += theta_range * phi_2**2 / (4 * 1e-3) + by_position**2 / 4
     by_hand = -gain_1 * gain_2 / 8.3 * 1e-6
-    assert robust_terms.by_hand(1e-6) == pytest.approx(by_hand, rel=1e-12)
-    settled = robust_terms.one_count(1e-6)
-    assert robust_terms.one_count(1e-6, held=1000) == pytest.approx(settled, rel=1e-9), "it has settled"
-    assert robust_terms.one_count(1e-6, held=100) == pytest.approx(0.9915 * settled, rel=1e-3), "and had not before"
+    assert backstepping.by_hand(1e-6) == pytest.approx(by_hand, rel=1e-12)
+    settled = backstepping.one_count(1e-6)
+    assert backstepping.one_count(1e-6, held=1000) == pytest.approx(settled, rel=1e-9), "it has settled"
+    assert backstepping.one_count(1e-6, held=100) == pytest.approx(0.9915 * settled, rel=1e-3), "and had not before"
     # The other terms of the command are linear in the count, and 4,000 times smaller.
     assert settled == pytest.approx(by_hand, rel=3e-4)
 
 
 def test_the_printed_robust_terms_last_until_the_gain_reaches_the_sampling():
     limits = numbers_of("xu2001", "robust_terms")
-    ends = [limits["ARC, all terms", "diverges_at", f"{rate:.0e} Hz"] for rate in robust_terms.RATES]
-    for rate, end in zip(robust_terms.RATES, ends, strict=True):
+    ends = [limits["ARC, all terms", "diverges_at", f"{rate:.0e} Hz"] for rate in backstepping.RATES]
+    for rate, end in zip(backstepping.RATES, ends, strict=True):
         assert limits["ARC, all terms", "unstable_from", f"{rate:.0e} Hz"] == pytest.approx(end, abs=0.35e-3)
     assert ends == sorted(ends)
-    assert "diverged at" in robust_terms.time_to_divergence(1e5, 0.02).end
-    assert robust_terms.time_to_divergence(1e7, 0.002).end == "ran to its end"
-    assert np.isinf(robust_terms.increment(1e-2, 2500.0, 1e-6))
-    assert robust_terms.increment(0.0, 2500.0, 1e-6) == pytest.approx(0.050, abs=0.002), "the quantiser alone"
+    assert "diverged at" in backstepping.time_to_divergence(1e5, 0.02).end
+    assert backstepping.time_to_divergence(1e7, 0.002).end == "ran to its end"
+    assert np.isinf(backstepping.increment(1e-2, 2500.0, 1e-6))
+    assert backstepping.increment(0.0, 2500.0, 1e-6) == pytest.approx(0.050, abs=0.002), "the quantiser alone"
 
 
 @pytest.mark.study
 def test_the_rate_that_is_needed_by_runs():
-    below = robust_terms.time_to_divergence(3.2e8, 0.06)
+    below = backstepping.time_to_divergence(3.2e8, 0.06)
     assert below.time == pytest.approx(0.0318, rel=0.02)
-    above = robust_terms.time_to_divergence(3.35e8, 0.06)  # the largest gain is at 0.055 s
+    above = backstepping.time_to_divergence(3.35e8, 0.06)  # the largest gain is at 0.055 s
     assert above.time == 0.06
     assert above.error == pytest.approx(1.187e-6, rel=0.01)
 

@@ -9,7 +9,7 @@ from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_audit
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import status_line
-from cogging.files import InputError
+from cogging.files import errors_of
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
@@ -48,10 +48,8 @@ def run(arguments: argparse.Namespace) -> None:
             begin(printable(path))
             if model is not None:
                 check_against_model(log, model, path)
-            try:
+            with errors_of(path):
                 found = audit(log, model)
-            except ValueError as error:
-                raise InputError(f"{path}: {error}") from None
             documents.append({"log": path, **found.to_dict()})
             texts.append(f"{printable(path)}\n{found.text()}\n")
     print_result(arguments, "\n".join(texts), document=documents, next_command=after_audit(arguments))

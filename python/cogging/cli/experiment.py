@@ -10,7 +10,7 @@ from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import command_line, experiment_again, files, log_options, option
 from cogging.cli.parser import Commands, add_command, add_seed
 from cogging.cli.terminal import status_line
-from cogging.files import FieldError, InputError, parse_toml, read_text
+from cogging.files import FieldError, InputError, errors_of, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
@@ -75,10 +75,8 @@ def run(arguments: argparse.Namespace) -> None:
     model = Model.read(arguments.model)
     logs = read_logs(arguments, arguments.logs)
     if not os.path.lexists(arguments.limits):
-        try:
+        with errors_of(arguments.model):
             draft = draft_limits(model, logs)
-        except ValueError as error:
-            raise InputError(f"{arguments.model}: {error}") from None
         print_result(
             arguments,
             f"{printable(arguments.limits)} was not there: drafted. Check each line, then give the command again",

@@ -10,7 +10,7 @@ from cogging.cli.log_options import add_log_options, options_of, require_known, 
 from cogging.cli.next_command import after_map
 from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import status_line
-from cogging.files import FieldError, InputError
+from cogging.files import FieldError, errors_of
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
 from cogging.outputs import check_outputs
@@ -54,11 +54,9 @@ def run(arguments: argparse.Namespace) -> None:
     how, zero = options_of(arguments, arguments.scan)
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
     with status_line(arguments, "map"):
-        try:
-            options = {name: getattr(arguments, name) for name in ("pitch", "force_sign", "units")}
+        options = {name: getattr(arguments, name) for name in ("pitch", "force_sign", "units")}
+        with errors_of(arguments.scan):
             fit = fit_map(table["position"], table["force"], **options)
-        except ValueError as error:
-            raise InputError(f"{arguments.scan}: {error}") from None
         if arguments.out:
             fit.write(arguments.out)
     text, written = fit.text(), []

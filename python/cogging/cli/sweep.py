@@ -9,6 +9,7 @@ import numpy as np
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
 from cogging.cli.parser import Commands, add_command, add_threads
+from cogging.files import errors_of
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
@@ -48,13 +49,14 @@ def add_parser(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Run the sweep, write its table, say how its runs ended."""
     from cogging.plot.shown_figure import picture
-    from cogging.simulation.parameter_sweep import files_of_job, read_sweep, run_job, sweep
+    from cogging.simulation.parameter_sweep import files_of_job, read_sweep, sweep
 
     asked = read_sweep(arguments.sweep)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.sweep))
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
-    runs = run_job(arguments.sweep, sweep, asked, options)
+    with errors_of(arguments.sweep):
+        runs = sweep(**asked, **options)
     indexes = {}
     for name in INDEXES:
         values = runs.table[name][np.isfinite(runs.table[name])]

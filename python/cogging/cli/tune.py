@@ -7,6 +7,7 @@ import argparse
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
 from cogging.cli.parser import Commands, add_command, add_threads
+from cogging.files import errors_of
 from cogging.outputs import check_outputs
 
 FILE = """TUNE.toml:
@@ -49,14 +50,16 @@ def add_parser(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
-    from cogging.design.tuning import read_tune, run_tune
-    from cogging.simulation.parameter_sweep import files_of_job
+    from cogging.design.tuning import tune
+    from cogging.file_schema import TUNE, TUNE_NEEDED
+    from cogging.simulation.parameter_sweep import files_of_job, read_job
 
-    asked = read_tune(arguments.tune)
+    asked = read_job(arguments.tune, "tune", TUNE, TUNE_NEEDED)
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.tune))
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
-    tuning = run_tune(arguments.tune, asked, **options)
+    with errors_of(arguments.tune):
+        tuning = tune(**asked, **options)
     written = [arguments.out] if tuning.model is not None else []
     if arguments.figure:
         tuning.write_figure(arguments.figure)

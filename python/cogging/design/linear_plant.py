@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import effects, smooth_sign
 from cogging.arrays import FloatArray
-from cogging.effects.effect import Effect, laws_of
+from cogging.effects.effect import Effect, laws_of, steady_friction
 from cogging.model.model import Model
 
 STEP = 1e-6  # of the derivatives of a law, in units of the place and of the speed
@@ -54,20 +54,26 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     Without a speed only viscous friction counts; without a position only springs and a scale of the encoder, which are
     the same everywhere. ValueError: at this speed friction has no slope.
     """
-    axis = model.axis
+    axis, width = model.axis, model.axis.coulomb_width
     known = [one.resolved(axis, model.cogging) for one in model.effects]
-    if speed is not None and axis.coulomb_width == 0.0 and speed == 0.0:
+
+    def friction(effects: list[Effect], x: float, v: float) -> FloatArray:
+        """Return the force that opposes the motion, V."""
+        own = axis.viscous * v + axis.coulomb * smooth_sign(v, width)
+        return np.asarray(own + steady_friction(effects, v, width=width, position=x))
+
+    if speed is not None and width == 0.0 and speed == 0.0:
         raise ValueError("speed: must be other than 0 where coulomb_width is 0: sticking has no slope, got 0")
     if position is None:
         stiffness = sum(one.stiffness for one in known if isinstance(one, effects.CableSpring))
     else:
-        stiffness = _slope(lambda x: _friction(model, known, x, speed or 0.0), position, STEP)
+        stiffness = _slope(lambda x: friction(known, x, speed or 0.0), position, STEP)
         stiffness += float(model.cogging.slope(position)) if model.cogging is not None else 0.0
     damping = axis.viscous
     if speed is not None:
         there = [one for one in known if position is not None or isinstance(one, OF_SPEED)]
-        step = STEP * max(abs(speed), axis.coulomb_width)
-        damping = _slope(lambda v: _friction(model, there, position or 0.0, v), speed, step)
+        step = STEP * max(abs(speed), width)
+        damping = _slope(lambda v: friction(there, position or 0.0, v), speed, step)
     gain, reading = 1.0 / axis.mass, 1.0
     for one in known:
         if isinstance(one, effects.EncoderScaleError):
@@ -119,18 +125,6 @@ def held(plant: LinearPlant, sample_time: float) -> HeldPlant:
     now, early = (expm(both * (share * sample_time))[:size, size:] for share in (1.0 - part, part))
     before = expm(plant.a * (1.0 - part) * sample_time) @ early
     return HeldPlant(expm(plant.a * sample_time), now, before, plant.c, int(whole))
-
-
-def _friction(model: Model, known: list[Effect], position: float, velocity: float) -> float:
-    """Force opposing the motion there, V: viscous and Coulomb friction with the effects' contributions."""
-    level, force = model.axis.coulomb, 0.0
-    for one in known:
-        if "friction_level" in one.HOOKS:
-            level += float(laws_of(one).friction_level_at(position=position, velocity=velocity))
-        if "force" in one.HOOKS:
-            force += float(laws_of(one).force_at(position=position, velocity=velocity))
-    sign = float(smooth_sign(velocity, model.axis.coulomb_width))
-    return model.axis.viscous * velocity + level * sign - force
 
 
 def _left_out(model: Model, speed: float | None, position: float | None) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from cogging._core import Sampled
 from cogging.calls import PATHS, check_arguments, check_constructor
 from cogging.estimation.statistics import moving_average
 from cogging.file_schema import LIMITS, LIMITS_NEEDED
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, errors_of, read_toml, refuse_unknown_keys
 from cogging.log_check.log_audit import audit
 from cogging.logs.log import Log
 from cogging.model.model import Model, is_number
@@ -90,11 +90,8 @@ class MotionLimits(ByValue):
         Raises:
             InputError: the file cannot be used; names file, line, field, rule and value.
         """
-        document = read_toml(path)
-        try:
-            return cls.from_dict(document)
-        except FieldError as error:
-            raise error.in_file(path, read_text(path)) from None
+        with errors_of(path):
+            return cls.from_dict(read_toml(path))
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> MotionLimits:

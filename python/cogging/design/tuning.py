@@ -10,7 +10,6 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +19,8 @@ from cogging.calls import Kind, check_arguments, did_you_mean
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, machines_of, push_of, variations_of
 from cogging.design.tuning_result import MARGINS, ROWS, Reached, Setting, Tuning
-from cogging.file_schema import TUNE, TUNE_INDEXES, TUNE_NEEDED
-from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
+from cogging.file_schema import TUNE_INDEXES
+from cogging.files import FieldError, InputError, refuse_unknown_keys
 from cogging.model.controller import AnyController
 from cogging.model.model import Model, is_number
 from cogging.model.units import Units
@@ -30,7 +29,7 @@ from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.parameter_sweep import digest_of, require_keys, run_job
+from cogging.simulation.parameter_sweep import digest_of
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
@@ -631,22 +630,3 @@ def _require_numbers(counts: Mapping[str, int], seed: int, quantile: float, agai
         raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
     if against is not None and against not in TUNE_INDEXES:
         raise FieldError("", "against", f"is none: {quoted(against)}; {did_you_mean(str(against), TUNE_INDEXES)}")
-
-
-# Tune files -----------------------------------------------------------------------------------------------------------
-
-
-def read_tune(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Return what a tune file holds: the arguments of `tune`, with paths relative to the working directory."""
-    document = read_toml(path)
-    try:
-        require_keys(document, TUNE, TUNE_NEEDED)
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
-    folder = Path(path).parent
-    return {**document, **{key: folder / document[key] for key in ("model", "reference")}}
-
-
-def run_tune(path: str | os.PathLike[str], arguments: Mapping[str, Any], **options: Any) -> Tuning:
-    """Return the result of `tune` with what read_tune returns; InputError names the file, and the line of the value."""
-    return run_job(path, tune, arguments, options)

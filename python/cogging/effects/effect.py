@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Protocol, TypeVar
 
-from cogging._core import EFFECTS, AxisParameters, CoggingModel
+import numpy as np
+import numpy.typing as npt
+
+from cogging._core import EFFECTS, AxisParameters, CoggingModel, smooth_sign
 from cogging._core.effects import Knots as Knots
 from cogging._core.effects import Place as Place
 from cogging._core.effects import SplineKnots as SplineKnots
@@ -13,6 +16,7 @@ from cogging._core.effects import Travel as Travel
 from cogging._core.effects import Turn as Turn
 from cogging._core.effects import Wave as Wave
 from cogging._core.effects import Window as Window
+from cogging.arrays import FloatArray
 
 Kind = Wave | Window | Knots | SplineKnots | Travel | Place | Turn
 K = TypeVar("K", Wave, Window, Knots, SplineKnots, Travel, Place, Turn)
@@ -62,6 +66,22 @@ def laws_of(effect: Effect) -> Any:
     gain 1 of the command) at positions and times; `reading_at` (m) at positions.
     """
     return effect
+
+
+def steady_friction(
+    effects: Iterable[Effect], velocity: npt.ArrayLike, *, width: float = 0.0, position: float = 0.0
+) -> FloatArray:
+    """Return what effects add to friction at steady speeds (m/s), V: their levels times S(v), less their forces.
+
+    width: of S(v), m/s; position: m.
+    """
+    friction, sign = np.zeros_like(velocity, dtype=np.float64), smooth_sign(velocity, width)
+    for effect in effects:
+        if "friction_level" in effect.HOOKS:
+            friction += laws_of(effect).friction_level_at(position=position, velocity=velocity) * sign
+        if "force" in effect.HOOKS:
+            friction -= laws_of(effect).force_at(position=position, velocity=velocity)
+    return friction
 
 
 def for_core(effects: Iterable[Effect]) -> list[Any]:

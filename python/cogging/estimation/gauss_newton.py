@@ -10,9 +10,8 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.residuals import Residuals
+from cogging.estimation.residuals import Residuals, whitened
 from cogging.estimation.statistics import SINGULAR, jackknife
-from cogging.estimation.whitening import whitened
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 

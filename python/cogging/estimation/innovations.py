@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cogging._core import Plant, Prediction, Predictor
-from cogging.arrays import FloatArray, Mask
+from cogging.arrays import FloatArray
 from cogging.effects.effect import Wave, kind_of, laws_of
 from cogging.estimation.residuals import START, quiet_plant, since, steps_needed
 from cogging.estimation.statistics import moving_average
@@ -34,13 +34,7 @@ class Innovations:
     force up to its level.
     """
 
-    def __init__(
-        self,
-        log: Log,
-        model: Model,
-        *,
-        rest: float | None = None,
-    ) -> None:
+    def __init__(self, log: Log, model: Model, *, rest: float | None = None) -> None:
         self.log = log
         sample_time = float(np.median(np.diff(log.time)))
         self.gap = max(5.0 * sample_time, 0.1 / BANDWIDTH)
@@ -60,7 +54,13 @@ class Innovations:
         smooth = max(1, round(0.1 / BANDWIDTH / sample_time))
         speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
         self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
-        self.mask = self._moves().astype(float)
+        # Rows after long enough motion without a gap.
+        turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
+        still = (np.abs(self.velocity) < self.rest) | turned
+        broken = np.concatenate([[True], np.diff(log.time) > self.gap])
+        settle = SETTLED / (2.0 * np.pi * BANDWIDTH)
+        moves = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
+        self.mask = moves.astype(float)
         acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
         self.scales = Scales(
             force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
@@ -70,15 +70,6 @@ class Innovations:
             time=float(log.time[-1] - log.time[0]),
             sample_time=sample_time,
         )
-
-    def _moves(self) -> Mask:
-        """Rows after long enough motion without a gap."""
-        time, velocity = self.log.time, self.velocity
-        turned = np.concatenate([[False], velocity[1:] * velocity[:-1] < 0.0])  # between two rows
-        still = (np.abs(velocity) < self.rest) | turned
-        broken = np.concatenate([[True], np.diff(time) > self.gap])
-        settle = SETTLED / (2.0 * np.pi * BANDWIDTH)
-        return np.asarray(~(since(still, time) < settle) & ~(since(broken, time) < max(START, settle)))
 
     def prediction(self, model: Model) -> Prediction:
         """The prediction of a model along this log; cached for the first model and the last. DivergedError."""

@@ -96,14 +96,6 @@ class Replay:
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n); DivergedError: a replay diverged."""
-        alone = len(models) == 1
-        commands = np.array([self.run(models[0])["command"]] if alone else self._commands(models))
-        if not np.isfinite(commands).all():
-            raise DivergedError("the replay diverged")
-        return np.asarray(self.log.command - commands)
-
-    def _commands(self, models: Sequence[Model]) -> list[FloatArray]:
-        """The commands of each model, V, equal to those of `run` bit by bit."""
         as_run = [self.as_run(model) for model in models]
         kept = kept_of_runs(
             [model.plant() for model in as_run],
@@ -120,7 +112,10 @@ class Replay:
         )
         for failure in kept.failures:
             self.run(models[failure.run])  # raises what ended it
-        return kept.columns["command"]
+        commands = np.array(kept.columns["command"])
+        if not np.isfinite(commands).all():
+            raise DivergedError("the replay diverged")
+        return np.asarray(self.log.command - commands)
 
 
 def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:

@@ -1,14 +1,15 @@
-"""The residuals of a model along a log, and which rows count."""
+"""The residuals of a model along a log, which rows count, and how they are whitened by an autoregressive filter."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from cogging._core import EncoderParameters, NoiseParameters, Plant, friction_slope_max
-from cogging.arrays import FloatArray, Mask
+from cogging._core import EncoderParameters, NoiseParameters, Plant, autoregression, friction_slope_max, whiten
+from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.model.parameters import Scales
@@ -57,3 +58,39 @@ def since(event: Mask, time: FloatArray) -> FloatArray:
     """Seconds since the last row with the event, 0 in such a row, infinite before the first, (n,)."""
     last = np.maximum.accumulate(np.where(event, np.arange(len(time)), -1))
     return np.where(last >= 0, time - time[np.maximum(last, 0)], np.inf)
+
+
+BLOCK = 0.2  # s, length of the jackknife blocks: rows further apart are taken to be uncorrelated
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Whitened residual and columns of one log, in units of the whitened residual's rms; rows that count only."""
+
+    residual: FloatArray  # (n,)
+    columns: FloatArray  # d residual / d parameter, (p, n)
+    block: IntArray  # number of the block of each row, (n,)
+    coefficients: FloatArray  # of the autoregressive filter
+    rms: float  # of the whitened residual before division, V
+
+
+def whitening_filter(log: Residuals, residual: FloatArray) -> FloatArray:
+    """Autoregressive coefficients from the rows that count, with outliers clipped at 6 times the median size."""
+    counted = np.abs(residual[log.mask > 0])
+    if not len(counted):
+        raise ValueError("log: must have rows in motion, got an axis that rests or keeps turning back")
+    order = int(np.clip(round(0.02 / log.scales.sample_time), 12, 48))  # 20 ms of memory
+    limit = 6.0 * 1.4826 * float(np.median(counted))
+    clipped = np.clip(residual, -limit, limit) if limit > 0 else residual
+    return np.asarray(autoregression(clipped, log.mask, order=order))
+
+
+def whitened(log: Residuals, residual: FloatArray, columns: FloatArray) -> Whitened:
+    """Whiten a residual and its columns, and keep the rows that count."""
+    coefficients = whitening_filter(log, residual)
+    table = np.asarray(whiten(np.vstack([residual[None, :], columns]), list(coefficients)))
+    rows = log.mask > 0
+    rms = float(np.sqrt(np.mean(table[0, rows] ** 2)))
+    rms = rms if rms > 0 else 1.0
+    block = np.floor(log.log.time[rows] / BLOCK).astype(np.int64)
+    return Whitened(table[0, rows] / rms, table[1:, rows] / rms, block, coefficients, rms)

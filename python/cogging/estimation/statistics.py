@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cogging.arrays import FloatArray, IntArray, Mask
-from cogging.estimation.whitening import Whitened
+from cogging.arrays import FloatArray, IntArray
+from cogging.estimation.residuals import Whitened
 
 
 def student(freedom: float, confidence: float = 0.95) -> float:
@@ -46,7 +46,7 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
     size = np.sqrt(np.diag(whole))
     size[size == 0.0] = 1.0
     scaled = whole / np.outer(size, size)
-    white = np.diag(np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True))
+    white = np.diag(np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True)).copy()
     hangs = np.zeros(len(size), dtype=bool)  # on one block alone
     shifts = []
     for log in logs:
@@ -57,7 +57,13 @@ def jackknife(logs: Sequence[Whitened]) -> tuple[FloatArray, FloatArray]:
             left = np.diag(without)  # smaller than with the block: no remaining row depends on it
             hangs |= (left > ALONE * white) | (left < 0.99 * white)
     covariance, freedom = spread_of(np.array(shifts) / size)
-    covariance, freedom = widened(covariance, freedom, white / size**2, hangs, max(len(shifts) - len(size), 1))
+    white /= size**2
+    usual = np.diag(covariance)[~hangs & (white > 0.0)] / white[~hangs & (white > 0.0)]
+    floor = white * max(1.0, float(np.median(usual)) if len(usual) else 1.0)
+    alone = np.flatnonzero(hangs)
+    covariance[alone, :] = covariance[:, alone] = 0.0
+    covariance[alone, alone] = floor[alone]
+    freedom[alone] = max(len(shifts) - len(size), 1)
     values, vectors = np.linalg.eigh(scaled)
     open_to = np.abs(vectors[:, values < SINGULAR * max(values[-1], 1e-300)]).max(axis=1, initial=0.0)
     loose = np.flatnonzero(open_to > LOOSE)
@@ -76,21 +82,6 @@ def shares_of_blocks(
     for first, last in itertools.pairwise(edges):
         part = instruments[:, first:last]
         yield part @ columns[:, first:last].T, part @ residual[first:last]
-
-
-def widened(
-    covariance: FloatArray, freedom: FloatArray, white: FloatArray, hangs: Mask, blocks: int
-) -> tuple[FloatArray, FloatArray]:
-    """Covariance (p, p) and freedom (p,), those of white residuals for parameters that hang on one block."""
-    own = np.diag(covariance)
-    usual = own[~hangs & (white > 0.0)] / white[~hangs & (white > 0.0)]
-    floor = white * max(1.0, float(np.median(usual)) if len(usual) else 1.0)
-    alone = np.flatnonzero(hangs)
-    covariance, freedom = covariance.copy(), freedom.copy()
-    covariance[alone, :] = covariance[:, alone] = 0.0
-    covariance[alone, alone] = floor[alone]
-    freedom[alone] = blocks
-    return covariance, freedom
 
 
 def spread_of(shifts: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ import importlib.metadata
 import json
 import math
 import re
+import string
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -32,85 +33,18 @@ NEVER_REFUSED = """\
   std::abort();  // does not happen: these gains were checked when the header was made
 }"""
 
-HEADER = """\
-// {type} with its gains, in one file: made by cogging {version}. Change the model and export it again.
-//
-// Needs a compiler of C++20 and its standard library, nothing of cogging. Compile with -ffp-contract=off (GCC, Clang)
-// to have the bits of the simulation; leave out -ffast-math, with which a lost reading (a NaN) is no longer recognised.
-//
-{licence}
-#pragma once
-#if (defined(_MSVC_LANG) ? _MSVC_LANG : __cplusplus) < 202002L
-#error "needs C++20: compile with -std=c++20 (GCC, Clang) or /std:c++20 (Visual Studio)"
-#else
-
-{includes}
-
-namespace {name} {{
-
-{library}
-// The controller ------------------------------------------------------------------------------------------------------
-
-{comment}
-///
-/// A sample, with `controller` made before the loop begins:
-///
-///     const double applied = Controller::limited(controller.command({call}));
-///     controller.update(applied);  // the command ({V}) that really acts until the next sample
-///
-/// Neither call allocates, throws, locks or calls the system; nor does reset(). An object belongs to one thread at a
-/// time, and a copy of it is another controller.
-class Controller {{
- public:
-  using Reference = cogging::ReferencePoint;  // position, velocity, acceleration: {m}, {m}/s, {m}/s^2
-
-  static constexpr double sample_rate = {sample_rate};  // Hz, at which command() is to be called
-  static constexpr double command_limit = {command_limit};  // {V}; 0 = none
-{preview}
-  Controller() : fresh_(parameters()), running_(fresh_) {{}}
-
-{command}
-  /// Ends the sample: `applied` ({V}) is what acted.
-  void update(double applied) noexcept {{ running_.update(applied); }}
-  /// As it was made.
-  void reset() noexcept {{ running_ = fresh_; }}
-
-  /// A command ({V}) cut at command_limit.
-  static double limited(double command) noexcept {{
-    return command_limit > 0.0 ? std::clamp(command, -command_limit, command_limit) : command;
-  }}
-  /// What it has learned or believes now; empty where it learns nothing.
-  std::span<const double> estimates() const noexcept {{ return running_.estimates(); }}
-  /// How many samples were no measurement (not finite, or 1e12 and more): the last command was held.
-  double samples_refused() const noexcept {{ return running_.samples_refused(); }}
-
- private:
-  using Law = cogging::{law}<double>;
-
-  static Law::Parameters parameters() {{
-    Law::Parameters q;
-{assignments}
-    return q;
-  }}
-
-  Law fresh_, running_;
-}};
-
-}}  // namespace {name}
-
-{undefined}
-#endif
-"""
+#: The header, with `$` before each of what `make` fills in.
+HEADER = string.Template(Path(__file__).with_name("controller.hpp.in").read_text(encoding="utf-8"))
 COMMAND = """\
-  /// The command ({V}) of a sample, not cut at command_limit; `reading` is the encoder's ({m}).
-  double command(const Reference& reference, double reading) noexcept {{ return running_.command(reference, reading); }}
+  /// The command (${V}) of a sample, not cut at command_limit; `reading` is the encoder's (${m}).
+  double command(const Reference& reference, double reading) noexcept { return running_.command(reference, reading); }
 """
 COMMAND_AHEAD = """\
-  /// The command ({V}) of a sample, not cut at command_limit; `ahead` is the reference `preview` seconds later, and
-  /// `reading` the encoder's ({m}).
-  double command(const Reference& reference, const Reference& ahead, double reading) noexcept {{
+  /// The command (${V}) of a sample, not cut at command_limit; `ahead` is the reference `preview` seconds later, and
+  /// `reading` the encoder's (${m}).
+  double command(const Reference& reference, const Reference& ahead, double reading) noexcept {
     return running_.command(reference, ahead, reading);
-  }}
+  }
 """
 TEXT = """\
 {type} at {rate:g} Hz as {name}::Controller, {lines} lines.
@@ -125,13 +59,51 @@ def make(model: Model, *, name: str = "axis") -> Exported:
     if model.controller is None or model.controller_type is None:
         raise FieldError("", "controller", "must be there to be exported, got a model without one")
     require_name(name)
-    law = CONTROLLERS[model.controller_type][1]
-    text = _header(model, model.controller, law, name)
+    units, parameters, law = model.units, model.controller, CONTROLLERS[model.controller_type][1]
+    folder = Path(get_include())
+    headers = OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8"))
+    defines = re.compile(rf"^(class|using) {law.__name__}\b", re.MULTILINE)
+    header = next((one for one in headers if defines.search((folder / one).read_text(encoding="utf-8"))), None)
+    if header is None:
+        raise InputError(f"{folder}: must hold a header with {law.__name__}, got none in cogging/control/list.hpp")
+    library, standard = inlined(header)
+    library = library.replace(REFUSED, NEVER_REFUSED)
+    macros = sorted(set(DEFINED.findall(library)))
+    library = re.sub(r"\bCOGGING_", f"{name.upper()}_COGGING_", library)
+    preview = getattr(law(parameters), "preview", None)
+    ahead = preview is not None
+    shown = {"V": units.of("V"), "m": units.of("m")}
+    comment = "\n\n".join((law.__doc__ or "").split("\n\n")[:2]).strip()
+    assignments = []
+    for field, value in parameters.to_dict().items():
+        unit, meaning = type(parameters).FIELDS[field]
+        label = f"{units.of(unit)}: " if unit not in ("", "1") else ""
+        statement = f"    q.{field} = {literal(value)};"
+        broken = textwrap.wrap(statement, WIDTH, subsequent_indent="        ", break_long_words=False)
+        assignments += [f"    // {label}{meaning}", *(broken if len(statement) > WIDTH else [statement])]
+    text = HEADER.substitute(
+        **shown,
+        type=model.controller_type,
+        version=importlib.metadata.version("cogging"),
+        licence="\n".join(f"// {line}".rstrip() for line in licence().strip().splitlines()),
+        includes="\n".join(
+            f"#include <{one}>" for one in sorted({*standard, "algorithm", "cstdlib", "limits", "span"})
+        ),
+        name=name,
+        library=library,
+        comment="\n".join(f"/// {line}".rstrip() for line in comment.splitlines()),
+        call="reference, ahead, reading" if ahead else "reference, reading",
+        sample_rate=literal(parameters.sample_rate),
+        command_limit=literal(parameters.command_limit),
+        preview=f"  static constexpr double preview = {preview!r};  // s, how far ahead `ahead` is\n" if ahead else "",
+        command=string.Template(COMMAND_AHEAD if ahead else COMMAND).substitute(shown).rstrip("\n"),
+        law=law.__name__,
+        assignments="\n".join(assignments),
+        undefined="\n".join(f"#undef {name.upper()}_{macro}" for macro in macros),
+    )
     return Exported(
         content=text.encode(),
-        text=TEXT.format(
-            type=model.controller_type, rate=model.controller.sample_rate, name=name, lines=text.count("\n")
-        ),
+        text=TEXT.format(type=model.controller_type, rate=parameters.sample_rate, name=name, lines=text.count("\n")),
     )
 
 
@@ -184,54 +156,3 @@ def literal(value: Any) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return ("-" if value < 0 else "") + "std::numeric_limits<double>::infinity()"
     return repr(value)
-
-
-def _header(model: Model, parameters: Any, law: Any, name: str) -> str:
-    units = model.units
-    library, standard = inlined(_header_of(law.__name__))
-    library = library.replace(REFUSED, NEVER_REFUSED)
-    macros = sorted(set(DEFINED.findall(library)))
-    library = re.sub(r"\bCOGGING_", f"{name.upper()}_COGGING_", library)
-    preview = getattr(law(parameters), "preview", None)
-    ahead = preview is not None
-    shown = {"V": units.of("V"), "m": units.of("m")}
-    comment = "\n\n".join((law.__doc__ or "").split("\n\n")[:2]).strip()
-    return HEADER.format(
-        **shown,
-        type=model.controller_type,
-        version=importlib.metadata.version("cogging"),
-        licence="\n".join(f"// {line}".rstrip() for line in licence().strip().splitlines()),
-        includes="\n".join(
-            f"#include <{one}>" for one in sorted({*standard, "algorithm", "cstdlib", "limits", "span"})
-        ),
-        name=name,
-        library=library,
-        comment="\n".join(f"/// {line}".rstrip() for line in comment.splitlines()),
-        call="reference, ahead, reading" if ahead else "reference, reading",
-        sample_rate=literal(parameters.sample_rate),
-        command_limit=literal(parameters.command_limit),
-        preview=f"  static constexpr double preview = {preview!r};  // s, how far ahead `ahead` is\n" if ahead else "",
-        command=(COMMAND_AHEAD if ahead else COMMAND).format(**shown).rstrip("\n"),
-        law=law.__name__,
-        assignments="\n".join(_assignment(field, value, model) for field, value in parameters.to_dict().items()),
-        undefined="\n".join(f"#undef {name.upper()}_{macro}" for macro in macros),
-    )
-
-
-def _header_of(law: str) -> str:
-    """Return the header of the core that defines a controller."""
-    folder = Path(get_include())
-    for path in OWN_INCLUDE.findall((folder / "cogging/control/list.hpp").read_text(encoding="utf-8")):
-        if re.search(rf"^(class|using) {law}\b", (folder / path).read_text(encoding="utf-8"), re.MULTILINE):
-            return str(path)
-    raise InputError(f"{folder}: must hold a header with {law}, got none in cogging/control/list.hpp")
-
-
-def _assignment(field: str, value: Any, model: Model) -> str:
-    assert model.controller is not None
-    unit, meaning = type(model.controller).FIELDS[field]
-    unit = model.units.of(unit) if unit not in ("", "1") else ""
-    comment = f"    // {unit + ': ' if unit else ''}{meaning}"
-    statement = f"    q.{field} = {literal(value)};"
-    broken = textwrap.wrap(statement, WIDTH, initial_indent="", subsequent_indent="        ", break_long_words=False)
-    return "\n".join([comment, *(broken if len(statement) > WIDTH else [statement])])

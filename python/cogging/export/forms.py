@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cogging.calls import did_you_mean
-from cogging.files import FieldError, InputError, read_text, read_toml
+from cogging.files import errors_of, read_toml
 from cogging.model.model import Model
 from cogging.shown import quoted
 
@@ -135,14 +135,8 @@ def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Expo
     chosen = FORMS[form]
     if isinstance(model, Model):
         return chosen.make(model, options)
-    try:
+    with errors_of(model):
         document = read_toml(model)
         if chosen.of_map and "cogging" in document and "axis" not in document:  # as `cogging map` writes it
             document["axis"] = {"mass": 1.0}  # no form of a map uses it
         return chosen.make(Model.from_dict(document), options)
-    except FieldError as error:
-        raise error.in_file(model, read_text(model)) from None
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(f"{os.fspath(model)}: {error}") from None

@@ -16,7 +16,7 @@ import numpy as np
 from cogging._core import Reference
 from cogging.arrays import FloatArray
 from cogging.calls import PATH, Kind, check_arguments
-from cogging.files import InputError, parse_toml
+from cogging.files import InputError, errors_of, parse_toml
 from cogging.first_model.axis_sizes import WIDTH, Sizes, Wave, sizes_of, strongest_wave
 from cogging.first_model.column_guess import ColumnGuesses, guess_columns
 from cogging.first_model.headers import LIKELY, STATED, UNKNOWN
@@ -385,10 +385,8 @@ def draft_model(
         return _drafted("log", log, None, {}, rows)
     guesses = guess_columns(log, columns or {}, scale or {}, rows, units_beside(log))
     read = read_log(log, columns=guesses.columns, scale=guesses.scale, rows=rows)
-    try:
+    with errors_of(log):
         return _drafted(os.fspath(log), read, guesses, guesses.scale, rows)
-    except ValueError as error:
-        raise error if isinstance(error, InputError) else InputError(f"{log}: {error}") from None
 
 
 def _drafted(

@@ -13,7 +13,7 @@ from cogging._core import EFFECTS, smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray, IntArray, least_squares
 from cogging.calls import check_arguments, entry_named
-from cogging.effects.effect import Effect, laws_of
+from cogging.effects.effect import Effect, steady_friction
 from cogging.estimation.statistics import student
 from cogging.mapping.scan import finite_column, is_number, require
 from cogging.model.units import UNITS, Units
@@ -90,7 +90,7 @@ class Law:
             effects += [CoulombAsymmetry(difference=1.0), ViscousAsymmetry(difference=1.0)]
         if self.bow:
             effects.append(StribeckFriction(static_excess=1.0, velocity=shape[0], exponent=shape[1]))
-        return np.stack([smooth_sign(v, 0.0), v, *(steady_friction(effect, v) for effect in effects)], axis=1)
+        return np.stack([smooth_sign(v, 0.0), v, *(steady_friction([effect], v) for effect in effects)], axis=1)
 
     def predict(self, fit: Fit, v: FloatArray) -> FloatArray:
         """The force at these speeds, V."""
@@ -177,16 +177,6 @@ class Law:
         return parameters, notes
 
 
-def steady_friction(effect: Effect, velocity: FloatArray) -> FloatArray:
-    """What an effect adds to friction at steady speeds, V: its level times sgn(v), less its force."""
-    friction = np.zeros_like(velocity)
-    if "friction_level" in effect.HOOKS:
-        friction += laws_of(effect).friction_level_at(velocity=velocity) * smooth_sign(velocity, 0.0)
-    if "force" in effect.HOOKS:
-        friction -= laws_of(effect).force_at(velocity=velocity)
-    return friction
-
-
 def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     """Roots of the diagonal of (J'J)^-1 J' diag(r^2 / (1 - h)^2) J (J'J)^-1, h the leverages; infinite if singular."""
     size = np.linalg.norm(jacobian, axis=0)
@@ -233,7 +223,7 @@ class FrictionModel(ByValue):
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
         v = np.asarray(velocity, dtype=np.float64)
         line = self.parameters["coulomb"].value * smooth_sign(v, 0.0) + self.parameters["viscous"].value * v
-        return np.asarray(sum((steady_friction(effect, v) for effect in self.effects), line), dtype=np.float64)
+        return np.asarray(sum((steady_friction([effect], v) for effect in self.effects), line), dtype=np.float64)
 
     @property
     def effects(self) -> tuple[Any, ...]:

@@ -11,8 +11,7 @@ from cogging._core import DivergedError
 from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.estimation.force_balance import ForceBalance, Simulator
 from cogging.estimation.gauss_newton import columns_of
-from cogging.estimation.residuals import Residuals
-from cogging.estimation.whitening import whitened
+from cogging.estimation.residuals import Residuals, whitened
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, effect_at, parameters_of, role_at
 

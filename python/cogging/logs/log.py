@@ -20,7 +20,7 @@ from cogging import _core, plot
 from cogging._core import Performance, format_rows
 from cogging.arrays import FloatArray, no_number_in
 from cogging.calls import PATHS, check_arguments, check_constructor
-from cogging.files import LARGEST, FieldError, InputError, read_toml
+from cogging.files import LARGEST, FieldError, InputError, errors_of, read_toml
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
 from cogging.outputs import Checksum, checksum_of, sidecar, target_of, to_toml, write_files
@@ -358,10 +358,8 @@ def read_log(
     time = table["time"]
     if time.size < 2:
         raise InputError(f"{path}: rows: must be at least 2, got {time.size}")
-    try:
+    with errors_of(path):
         _require_increasing(time, 0 if rows is None else rows.start or 0)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
     metadata = _metadata_beside(path)
     if notes:
         metadata[READ_WITH] = notes

@@ -18,7 +18,16 @@ from cogging._core import AxisParameters, CoggingModel, EncoderParameters, Noise
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import LARGEST, FieldError, parse_toml, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
+from cogging.files import (
+    LARGEST,
+    FieldError,
+    errors_of,
+    parse_toml,
+    read_text,
+    read_toml,
+    refuse_mistyped,
+    refuse_unknown_keys,
+)
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
@@ -225,11 +234,8 @@ class Model(ByValue):
         Raises:
             InputError: the file is invalid; names file, line, field, rule and value.
         """
-        document = read_toml(path)
-        try:
-            return cls.from_dict(document, effects=effects)
-        except FieldError as error:
-            raise error.in_file(path, read_text(path)) from None
+        with errors_of(path):
+            return cls.from_dict(read_toml(path), effects=effects)
 
     def write(self, path: str | os.PathLike[str], *, like: str | os.PathLike[str] | None = None) -> None:
         """Write a model file (TOML), without loss.
@@ -285,6 +291,12 @@ class Model(ByValue):
         if not isinstance(steps, int) or isinstance(steps, bool) or not 1 <= steps <= STEPS_MAX:
             rule = f"must be a whole number from 1 to {STEPS_MAX}"
             raise FieldError("simulation", "steps_per_sample", f"{rule}, got {quoted(steps)}")
+        intervals = {}
+        for path, ends in _table(document, "bounds").items():
+            good = isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))
+            if not good or not ends[0] <= ends[1]:
+                raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {quoted(ends)}")
+            intervals[path] = (float(ends[0]), float(ends[1]))
         return cls(
             axis=axis,
             cogging=_cogging_from(_table(document, "cogging")) if "cogging" in document else None,
@@ -294,7 +306,7 @@ class Model(ByValue):
             controller=controller,
             controller_type=controller_type,
             uncertainty={key: float(value) for key, value in uncertainty.items()},
-            intervals=_intervals_from(_table(document, "bounds")),
+            intervals=intervals,
             steps_per_sample=steps,
             units=Units.from_dict(_table(document, "units")),
         )
@@ -463,13 +475,3 @@ def _controller_from(
         # The controller's width defaults to that of the axis when the file is read, and is independent from then on.
         section.setdefault("coulomb_width", axis.coulomb_width)
     return kind, parameters_from(struct, section, "controller")
-
-
-def _intervals_from(section: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    intervals = {}
-    for path, interval in section.items():
-        good = isinstance(interval, list) and len(interval) == 2 and all(map(is_number, interval))
-        if not good or not interval[0] <= interval[1]:
-            raise FieldError("bounds", path, f"must be [lower, upper] with lower <= upper, got {quoted(interval)}")
-        intervals[path] = (float(interval[0]), float(interval[1]))
-    return intervals

@@ -22,8 +22,15 @@ if TYPE_CHECKING:
 
 @functools.cache
 def shipped_toml(package: str, name: str) -> dict[str, Any]:
-    """Return the content of a TOML file, of values that the studies calibrated, of a package of papers."""
+    """Return the content of a TOML file of a package of papers: printed values, or those that studies calibrated."""
     return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))
+
+
+def with_tuples(value: Any) -> Any:
+    """Return a value of a TOML file with tuples in place of lists."""
+    if isinstance(value, dict):
+        return {key: with_tuples(entry) for key, entry in value.items()}
+    return tuple(map(with_tuples, value)) if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)

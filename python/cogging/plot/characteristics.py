@@ -10,7 +10,7 @@ import numpy.typing as npt
 from cogging._core import CoggingModel, smooth_sign
 from cogging.arrays import SIGMAS_95, FloatArray
 from cogging.calls import described
-from cogging.effects.effect import laws_of
+from cogging.effects.effect import steady_friction
 from cogging.plot.canvas import drawn, legend, one_of
 from cogging.plot.scales import labelled, pretty, scale_of, units_of
 from cogging.plot.series import COLOURS, FITTED, GREY, LIMIT, MEASURED, look, marker, named
@@ -184,7 +184,9 @@ def friction_curve(
             lines[law.name.replace("_", " ")] = (grid, law.force(grid))
     elif hasattr(curve, "axis") and hasattr(curve, "effects"):
         v = fastest * np.concatenate([-np.geomspace(1.0, 1e-4, POINTS), np.geomspace(1e-4, 1.0, POINTS)])
-        lines["model"] = (v, _steady_friction(curve, v))
+        axis, width = curve.axis, curve.axis.coulomb_width
+        moving, resting = (steady_friction(curve.effects, speed, width=width) for speed in (v, np.zeros_like(v)))
+        lines["model"] = (v, axis.coulomb * smooth_sign(v, width) + axis.viscous * v + moving - resting)
     else:
         raise TypeError(f"curve: must be a FrictionCurve, a Model or velocities with a force, got {described(curve)}")
     units = units or units_of(curve)
@@ -204,21 +206,6 @@ def friction_curve(
     axes.set(xlabel=along.label("speed" if by_speed else "velocity"), ylabel=up.label("friction"))
     legend(axes, columns=3)
     return axes
-
-
-def _steady_friction(model: Any, velocity: FloatArray) -> FloatArray:
-    """Return the friction of a model at steady velocities, V, (n,), with the velocity-dependent part of its effects."""
-    axis = model.axis
-    sign = np.asarray(smooth_sign(velocity, axis.coulomb_width))
-    friction: FloatArray = np.asarray(axis.coulomb * sign + axis.viscous * velocity, dtype=np.float64)
-    for effect in model.effects:
-        laws = laws_of(effect)
-        if "friction_level" in effect.HOOKS:
-            friction += np.asarray(laws.friction_level_at(velocity=velocity)) * sign
-        if "force" in effect.HOOKS:
-            moving, resting = laws.force_at(velocity=velocity), laws.force_at(velocity=np.zeros_like(velocity))
-            friction -= np.asarray(moving) - np.asarray(resting)
-    return friction
 
 
 @drawn

@@ -154,7 +154,14 @@ def adaptation(
     if bounds is None:  # those of the controller of the model in the metadata
         bounds = ((getattr(log, "metadata", None) or {}).get("model") or {}).get("controller")
     known = _estimates(bounds, values.shape[1], names, units)
-    chosen = _chosen(known, which)
+    places = {one.name: place for place, one in enumerate(known)}
+    wanted = [which] if isinstance(which, str | int) else range(min(len(known), MOST)) if which is None else list(which)
+    if not wanted:
+        raise ValueError("which: must name at least one estimate, got none")
+    for name in wanted:
+        if name not in places and name not in range(len(known)):
+            raise ValueError(f"which: must be estimates, got {name!r}: {did_you_mean(str(name), places)}")
+    chosen = [places[name] if isinstance(name, str) else int(name) for name in wanted]
     wide = 1 if len(chosen) < 3 else 2 if len(chosen) < 7 else 3
     size = (7.2 if wide < 3 else 9.0, 0.6 + 1.7 * -(-len(chosen) // wide))
     panels = grid_of(ax, len(chosen), wide, size=size, sharex=True)
@@ -173,20 +180,6 @@ def adaptation(
             if ax is None:
                 panel.tick_params(labelbottom=True)
     return panels
-
-
-def _chosen(known: Sequence[Estimate], which: Sequence[str | int] | None) -> list[int]:
-    """Return the numbers of the estimates to plot."""
-    if which is None:
-        return list(range(min(len(known), MOST)))
-    places = {one.name: place for place, one in enumerate(known)}
-    wanted = [which] if isinstance(which, str | int) else list(which)
-    for one in wanted:
-        if one not in places and one not in range(len(known)):
-            raise ValueError(f"which: must be estimates, got {one!r}: {did_you_mean(str(one), places)}")
-    if not wanted:
-        raise ValueError("which: must name at least one estimate, got none")
-    return [places[one] if isinstance(one, str) else int(one) for one in wanted]
 
 
 def _estimates(stated: Any, count: int, names: Sequence[str] | None, units: Any) -> list[Estimate]:

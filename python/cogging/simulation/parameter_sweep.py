@@ -21,7 +21,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
 from cogging.effects.custom import Custom
-from cogging.files import FieldError, InputError, read_text, read_toml, refuse_unknown_keys
+from cogging.files import FieldError, InputError, errors_of, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
 from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
 from cogging.progress import Progress, steps
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Table = dict[str, Any]
-Result = TypeVar("Result")
 PIECES = 100  # pieces of a sweep, or more
 PIECE_MOST = 256  # runs of a piece, or as many as fill all threads once
 LANES = 8  # runs that one thread may compute at once
@@ -511,26 +510,42 @@ NEEDED = ("model", "reference", "vary")
 WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
 
 
-def read_sweep(path: AnyPath) -> dict[str, Any]:
-    """Return the arguments of `sweep` from a sweep file; paths of other files are relative to it."""
-    document = read_toml(path)
-    folder = Path(path).parent
-    try:
-        require_keys(document, KEYS, NEEDED)
+def read_job(path: AnyPath, what: str, keys: Mapping[str, tuple[type, str]], needed: Iterable[str]) -> dict[str, Any]:
+    """Return what a sweep or tune file (`what`) holds, with the paths of its model and reference relative to it.
+
+    InputError: an unknown key, a missing one that is needed, one of another type (KEYS), or no such file.
+    """
+    document, folder = read_toml(path), Path(path).parent
+    with errors_of(path):
+        refuse_unknown_keys(document, keys, "")
+        for key in needed:
+            if key not in document:
+                raise FieldError("", key, "must be given, got nothing")
+        for key, value in document.items():
+            kind = keys[key][0]
+            fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
+            if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == BOUNDS)):
+                words = f'{WORDS[kind]} or "{BOUNDS}"' if key == "vary" else WORDS[kind]
+                raise FieldError("", key, f"must be {words}, got {quoted(value)}")
         for key in ("model", "reference"):
             if not (folder / document[key]).is_file():
-                raise FieldError("", key, f"must be a file beside the sweep file, got {quoted(document[key])}")
-        vary = document["vary"]
-        if vary != BOUNDS:
-            vary = {}
-            for number, stated in _by_path(document["vary"]):
-                if number in vary:
-                    got = f"{quoted(vary[number])} and {quoted(stated)}"
-                    raise FieldError("vary", number, f"must be given once, got {got}")
-                vary[number] = stated
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
-    return {**document, **{key: folder / document[key] for key in ("model", "reference")}, "vary": vary}
+                raise FieldError("", key, f"must be a file beside the {what} file, got {quoted(document[key])}")
+    return {**document, **{key: folder / document[key] for key in ("model", "reference")}}
+
+
+def read_sweep(path: AnyPath) -> dict[str, Any]:
+    """Return the arguments of `sweep` from a sweep file; paths of other files are relative to it."""
+    asked = read_job(path, "sweep", KEYS, NEEDED)
+    if asked["vary"] == BOUNDS:
+        return asked
+    vary: dict[str, Any] = {}
+    with errors_of(path):
+        for number, stated in _by_path(asked["vary"]):
+            if number in vary:
+                got = f"{quoted(vary[number])} and {quoted(stated)}"
+                raise FieldError("vary", number, f"must be given once, got {got}")
+            vary[number] = stated
+    return {**asked, "vary": vary}
 
 
 def _by_path(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
@@ -542,34 +557,6 @@ def _by_path(vary: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
             yield f"{before}{name}", stated
 
 
-def require_keys(document: Mapping[str, Any], keys: Mapping[str, tuple[type, str]], needed: Iterable[str]) -> None:
-    """Raise FieldError for an unknown key, a missing one that is needed, or one of another type (KEYS)."""
-    refuse_unknown_keys(document, keys, "")
-    for key in needed:
-        if key not in document:
-            raise FieldError("", key, "must be given, got nothing")
-    for key, value in document.items():
-        kind = keys[key][0]
-        fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
-        if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == BOUNDS)):
-            what = f'{WORDS[kind]} or "{BOUNDS}"' if key == "vary" else WORDS[kind]
-            raise FieldError("", key, f"must be {what}, got {quoted(value)}")
-
-
 def files_of_job(arguments: Mapping[str, Any], path: AnyPath) -> list[AnyPath]:
     """Return all files that a sweep or tune file reads: itself, its model, its reference and the samples of that."""
     return [path, arguments["model"], *files_of_reference(arguments["reference"])]
-
-
-def run_job(
-    path: AnyPath, work: Callable[..., Result], arguments: Mapping[str, Any], options: Mapping[str, Any]
-) -> Result:
-    """Return work(**arguments, **options); an InputError names the file and, if possible, the line."""
-    try:
-        return work(**{**arguments, **options})
-    except InputError:
-        raise
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None

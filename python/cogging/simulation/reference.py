@@ -13,7 +13,7 @@ import numpy as np
 from cogging import _core
 from cogging._core import Reference, Sampled
 from cogging.calls import PATHS, check_arguments
-from cogging.files import LARGEST, FieldError, read_text, read_toml, refuse_mistyped, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, errors_of, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
 from cogging.shown import nearest, quoted
@@ -46,11 +46,8 @@ def read_reference(path: str | os.PathLike[str]) -> tuple[Reference, float]:
         >>> cogging.read_reference("sine.toml")
         (Sine(center=0 m, amplitude=0.02 m, frequency=1 Hz), 3.0)
     """
-    document = read_toml(path)
-    try:
-        return reference_from(document, Path(path).parent)
-    except FieldError as error:
-        raise error.in_file(path, read_text(path)) from None
+    with errors_of(path):
+        return reference_from(read_toml(path), Path(path).parent)
 
 
 def files_of_reference(path: str | os.PathLike[str]) -> list[str | os.PathLike[str]]:

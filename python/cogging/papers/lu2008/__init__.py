@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
-from cogging.papers.lu2008 import cogging_scan, gantry, random_maps, robust_bound, tracking
+from cogging.papers.lu2008 import cogging_scan, gantry, theorem_1, tracking
 from cogging.papers.lu2008.gantry import AXES
-from cogging.papers.lu2008.stability_matrix import condition_table
+from cogging.papers.lu2008.theorem_1 import condition_table
 from cogging.papers.result import Reproduction, Table
 
 NOTE = (
@@ -56,15 +56,14 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     figures["lu2008_fft"] = cogging_scan.figure_fft(fits)
     progress("spectrum, matrix (29)")
     errors = {
-        kind: {name: random_maps.errors_on_maps(axis, kind=kind) for name, axis in AXES.items()}
-        for kind in random_maps.KINDS
+        kind: {name: tracking.errors_on_maps(axis, kind=kind) for name, axis in AXES.items()} for kind in tracking.KINDS
     }
-    figures["lu2008_claim"] = random_maps.figure_claim(errors[random_maps.KINDS[1]])
-    tables.append(random_maps.claim_table(errors))
+    figures["lu2008_claim"] = tracking.figure_claim(errors[tracking.KINDS[1]])
+    tables.append(tracking.claim_table(errors))
     progress("claim on random maps")
-    decays = {name: robust_bound.decays(axis) for name, axis in AXES.items()}
-    tables += [robust_bound.theorem_table(axis, machines[name]) for name, axis in AXES.items()]
-    tables.append(robust_bound.convergence_table(decays))
-    figures["lu2008_theorem1"] = robust_bound.figure_theorem(decays)
+    decays = {name: theorem_1.decays(axis) for name, axis in AXES.items()}
+    tables += [theorem_1.theorem_table(axis, machines[name]) for name, axis in AXES.items()]
+    tables.append(theorem_1.convergence_table(decays))
+    figures["lu2008_theorem1"] = theorem_1.figure_theorem(decays)
     progress("theorem 1")
     return Reproduction("lu2008", tables, figures, [NOTE])

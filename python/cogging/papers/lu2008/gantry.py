@@ -17,7 +17,7 @@ from cogging import _core
 from cogging._core import AdaptiveRobustParameters, CoggingModel, Dcarc, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.papers.result import shipped_toml
+from cogging.papers.result import shipped_toml, with_tuples
 from cogging.simulation.batch import Batch, closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
@@ -66,43 +66,10 @@ class GantryAxis:
     error_rms: tuple[float, float, float]  # m (Table 1 or 2)
 
 
+#: The axes by name (axes.toml).
 AXES = {
-    "X": GantryAxis(
-        name="X",
-        table="table1",
-        mass=0.12,
-        viscous=0.166,
-        coulomb=0.15,
-        bounds=((0.1, 0.2), (0.15, 0.35), (0.1, 0.3), (-0.5, 0.5)),
-        cogging_bound=0.1,
-        error_gain=200.0,
-        feedback_gain=400 * 0.12,
-        compensated=(1, 2, 3),
-        velocity=0.5,
-        acceleration=10.0,
-        jerk=1000.0,
-        repeats=20,
-        error_max=(1.6500e-5, 1.1000e-5, 6.9996e-6),
-        error_rms=(8.3408e-6, 3.1064e-6, 2.3043e-6),
-    ),
-    "Y": GantryAxis(
-        name="Y",
-        table="table2",
-        mass=0.64,
-        viscous=0.24,
-        coulomb=0.66,
-        bounds=((0.5, 0.75), (0.1, 0.3), (0.3, 0.8), (-0.8, 0.8)),
-        cogging_bound=0.2,
-        error_gain=100.0,
-        feedback_gain=150 * 0.64,
-        compensated=(1, 6, 12),
-        velocity=0.1,
-        acceleration=1.0,
-        jerk=50.0,
-        repeats=8,
-        error_max=(8.0002e-6, 9.0003e-6, 4.5002e-6),
-        error_rms=(3.0642e-6, 2.5790e-6, 1.5096e-6),
-    ),
+    name: GantryAxis(name=name, **with_tuples(fields))
+    for name, fields in shipped_toml("cogging.papers.lu2008", "axes.toml").items()
 }
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cogging.papers.malaize2009 import accuracies, robustness
+from cogging.papers.malaize2009 import accuracies
 from cogging.papers.malaize2009.causes import FRICTION, LINES, explained
 from cogging.papers.malaize2009.linear_motors import MOTORS, accuracy
 from cogging.papers.malaize2009.theorem_3 import further_tables
@@ -35,16 +35,16 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
         "malaize2009_fig4_ironless": accuracies.figure_errors(logs, MOTORS["ironless"]),
     }
     progress("figures 2 to 4")
-    tables += [robustness.table_2(), robustness.smooth_friction()]
+    tables += [accuracies.table_2(), accuracies.smooth_friction()]
     progress("imperfections")
     causes = explained()
     tables += [accuracies.what_explains(causes), accuracies.held_out(causes)]
     tables += [accuracies.what_else(causes), accuracies.spread_over_draws(causes, found)]
     figures["malaize2009_held_out"] = accuracies.figure_held_out(causes)
     progress("causes")
-    figures["malaize2009_ripple"] = robustness.figure_ripple()
+    figures["malaize2009_ripple"] = accuracies.figure_ripple()
     progress("ripple")
-    figures["malaize2009_robustness"] = robustness.figure_robustness()
+    figures["malaize2009_robustness"] = accuracies.figure_robustness()
     progress("robustness")
     theorem, note = further_tables()
     progress("theorem 3")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from cogging import effects
-from cogging._core import CoggingModel, EncoderParameters, Plant, SplineHarmonics
+from cogging._core import Plant
 from cogging.arrays import FloatArray
 from cogging.papers.malaize2009 import linear_motors
 from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, shipped
@@ -60,24 +60,25 @@ def unmodelled_lines(draw: int, rms: float) -> list[effects.CoggingHarmonic]:
 
 def machine(motor: Motor, amplitude: float, conditions: Conditions, draw: int = 0) -> Plant:
     """Return the machine of a draw under some conditions; amplitude: of the first period, m/s^2."""
-    true = [period / (1.0 + conditions.period_error) for period in motor.periods]
-    believed = linear_motors.plant(replace(motor, periods=tuple(true)), amplitude)
-    cogging = believed.cogging
+    true = tuple(period / (1.0 + conditions.period_error) for period in motor.periods)
+    phases, lines, step = None, list[effects.CoggingHarmonic](), motor.resolution
     if conditions.any_phases:
         random = np.random.default_rng([SEED, list(MOTORS).index(motor.name), draw])
         phases = random.uniform(0.0, 2.0 * np.pi, len(motor.periods))
-        sizes = -amplitude * np.array(motor.shape)
-        sine, cosine = sizes * np.cos(phases), sizes * np.sin(phases)
-        cogging = CoggingModel(SplineHarmonics(periods=true), sine[:, None], cosine[:, None])
-    listed: list[Any] = [effects.CommandDelay(delay=linear_motors.DELAY + conditions.delay)]
     if conditions.lines > 0.0:
-        listed += unmodelled_lines(draw, conditions.lines * linear_motors.cogging_rms(motor, amplitude))
-    step = motor.resolution
+        lines = unmodelled_lines(draw, conditions.lines * linear_motors.cogging_rms(motor, amplitude))
     if conditions.step is not None:  # the accuracy depends on where on the grid the strokes end
         step = conditions.step * (1.0 + np.random.default_rng([SEED, draw]).uniform(-0.1, 0.1))
-    encoder = EncoderParameters(resolution=step, noise=conditions.noise)
-    axis = believed.axis.replace(coulomb_width=conditions.width)
-    return Plant(axis, cogging=cogging, effects=listed, encoder=encoder)
+    return linear_motors.plant(
+        replace(motor, periods=true),
+        amplitude,
+        lines,
+        phases=phases,
+        width=conditions.width,
+        delay=linear_motors.DELAY + conditions.delay,
+        resolution=step,
+        noise=conditions.noise,
+    )
 
 
 def strokes_of(draws: int) -> int:

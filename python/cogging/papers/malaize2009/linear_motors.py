@@ -21,7 +21,7 @@ from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.result import shipped_toml
+from cogging.papers.result import shipped_toml, with_tuples
 from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.
@@ -55,31 +55,10 @@ class Motor:
     lambda_star: float  # m/s^2 (Table I)
 
 
+#: The motors by name (motors.toml).
 MOTORS = {
-    "ironcore": Motor(
-        name="ironcore",
-        periods=(0.024, 0.016, 0.012),
-        shape=(1.0, 0.6, 0.4),
-        friction=0.1,
-        resolution=1e-7,
-        velocity=0.4,
-        acceleration=4.0,
-        stroke=0.4,
-        accuracy=(10e-6, 0.5e-6),
-        lambda_star=5.0,
-    ),
-    "ironless": Motor(
-        name="ironless",
-        periods=(0.042, 0.021),
-        shape=(1.0, 0.5),
-        friction=0.005,
-        resolution=1e-8,
-        velocity=0.25,
-        acceleration=2.5,
-        stroke=0.4,
-        accuracy=(0.5e-6, 0.05e-6),
-        lambda_star=3.5,
-    ),
+    name: Motor(name=name, **with_tuples(fields))
+    for name, fields in shipped_toml("cogging.papers.malaize2009", "motors.toml").items()
 }
 
 
@@ -95,8 +74,7 @@ class Calibrated:
 
 def shipped(motor: Motor) -> Calibrated:
     """Return the calibrated values that come with the package (by studies.malaize2009.calibration)."""
-    part = shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]
-    return Calibrated(**{**part, "observer_gain": tuple(part["observer_gain"])})
+    return Calibrated(**with_tuples(shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]))
 
 
 def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem:
@@ -117,25 +95,30 @@ def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem
 def plant(
     motor: Motor,
     amplitude: float,
+    more: Sequence[Any] = (),
     *,
-    ripples: Sequence[tuple[float, float]] = (),
-    resolution: float | None = None,
+    phases: FloatArray | None = None,
     friction: float | None = None,
+    width: float = 0.0,
+    delay: float = DELAY,
+    resolution: float | None = None,
+    noise: float = 0.0,
 ) -> Plant:
     """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
 
-    amplitude: of the first period, m/s^2; ripples: unknown to the controllers, period (m) and amplitude (m/s^2).
+    amplitude: of the first period, m/s^2; more: effects that the controllers do not know; phases: rad, (periods,);
+    width: of the friction's change of sign, m/s; noise: of the encoder, m rms.
     """
-    phases, sizes = np.arange(len(motor.periods)), -amplitude * np.array(motor.shape)
+    phases = np.arange(len(motor.periods), dtype=np.float64) if phases is None else phases
+    sizes = -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
-    listed: list[Any] = [effects.CommandDelay(delay=DELAY)]
-    listed += [effects.CoggingHarmonic(period=period, sine=size) for period, size in ripples]
     coulomb, travel = motor.friction if friction is None else friction, [-0.1, motor.stroke + 0.1]
+    step = motor.resolution if resolution is None else resolution
     return Plant(
-        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, travel=travel),
+        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=travel),
         cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
-        effects=listed,
-        encoder=_core.EncoderParameters(resolution=motor.resolution if resolution is None else resolution),
+        effects=[effects.CommandDelay(delay=delay), *more],
+        encoder=_core.EncoderParameters(resolution=step, noise=noise),
     )
 
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cogging.papers.result import Reproduction
-from cogging.papers.xu2001 import epoxy_motor, fast_motion, robust_terms, sinusoidal_motion
-from cogging.papers.xu2001.backstepping import theorem_1_table
+from cogging.papers.xu2001 import backstepping, epoxy_motor, motion_cases
 from cogging.papers.xu2001.epoxy_motor import ALL, CONTROLLERS, HELD_OUT, JOINT_FREE, PID_FREE, Conditions
 from cogging.papers.xu2001.pid_poles import pid_poles_table
 
@@ -22,26 +21,26 @@ STEPS = 6  # that reproduce() reports
 def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproduction:
     """Return Table 1, Figs. 2 to 6, and the claims; `progress` is called with each step."""
     unknowns, joint = epoxy_motor.shipped_unknowns(), epoxy_motor.joint_conditions()
-    before = sinusoidal_motion.table_1(Conditions(unknowns).table(), free=PID_FREE)
-    table = sinusoidal_motion.table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)
-    tables = [table, *map(sinusoidal_motion.held_out_table, HELD_OUT)]
-    tables += [sinusoidal_motion.seeds_table(joint), sinusoidal_motion.conditions_table()]
+    before = motion_cases.table_1(Conditions(unknowns).table(), free=PID_FREE)
+    table = motion_cases.table_1(joint.table(), fitted=ALL, free=JOINT_FREE, before=before)
+    tables = [table, *map(motion_cases.held_out_table, HELD_OUT)]
+    tables += [motion_cases.seeds_table(joint), motion_cases.conditions_table()]
     progress("table 1")
     logs = {name: joint.logs(name) for name in CONTROLLERS}
     figures = {
-        f"xu2001_fig{number}": sinusoidal_motion.figure_errors(logs, name)
-        for name, (number, _, _) in sinusoidal_motion.OF_SET.items()
+        f"xu2001_fig{number}": motion_cases.figure_errors(logs, name)
+        for name, (number, _, _) in motion_cases.OF_SET.items()
     }
     progress("figures 2 to 4")
-    figures["xu2001_fig5"] = fast_motion.figure_reference()
-    figures["xu2001_fig6"] = fast_motion.figure_fast(fast_motion.run_fast(joint))
-    claims = [fast_motion.fast_motion_table(unknowns, joint)]
+    figures["xu2001_fig5"] = motion_cases.figure_reference()
+    figures["xu2001_fig6"] = motion_cases.figure_fast(motion_cases.run_fast(joint))
+    claims = [motion_cases.fast_motion_table(unknowns, joint)]
     progress("figures 5, 6")
-    claims += [robust_terms.one_count_table(), robust_terms.subsets_table(unknowns)]
-    figures["xu2001_increment"] = robust_terms.figure_increment()
+    claims += [backstepping.one_count_table(), backstepping.subsets_table(unknowns)]
+    figures["xu2001_increment"] = backstepping.figure_increment()
     progress("robust terms")
-    claims += [theorem_1_table(unknowns), pid_poles_table(unknowns)]
+    claims += [backstepping.theorem_1_table(unknowns), pid_poles_table(unknowns)]
     progress("theorem 1, PID poles")
-    tables.append(sinusoidal_motion.exploration_table(unknowns, joint, logs["ARC"]))
+    tables.append(motion_cases.exploration_table(unknowns, joint, logs["ARC"]))
     progress("exploration")
-    return Reproduction("xu2001", [*tables, *claims], figures, [sinusoidal_motion.joint_note(table), DU_RMS])
+    return Reproduction("xu2001", [*tables, *claims], figures, [motion_cases.joint_note(table), DU_RMS])

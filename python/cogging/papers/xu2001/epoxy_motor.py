@@ -44,27 +44,8 @@ CORE_INDEXES = ("error_max", "error_final_max", "error_rms", "command_rms", "com
 UNITS = ("m", "m", "m", "V", "V", "1")
 
 #: Table 1: e_M, e_F, e_rms (m), u_rms, du_rms (V), c_u by controller and set.
-TABLE_1: dict[str, dict[str, tuple[float, ...]]] = {
-    "PID": {
-        "1": (51.2e-6, 15.1e-6, 2.99e-6, 0.19, 0.05, 0.28),
-        "2": (156e-6, 21.2e-6, 8.04e-6, 0.21, 0.06, 0.28),
-        "3": (85.8e-6, 16.1e-6, 4.35e-6, 0.40, 0.04, 0.11),
-    },
-    "ARC": {
-        "1": (14.4e-6, 6.88e-6, 1.88e-6, 0.20, 0.06, 0.32),
-        "2": (113e-6, 6.71e-6, 4.32e-6, 0.21, 0.06, 0.30),
-        "3": (55.9e-6, 6.30e-6, 3.26e-6, 0.42, 0.08, 0.19),
-    },
-}
+TABLE_1: dict[str, dict[str, Sequence[float]]] = shipped_toml("cogging.papers.xu2001", "printed.toml")["table_1"]
 
-#: Models of the plant and their fixed values; 0 removes an effect. A model is nested in those that fix less.
-LAWS: dict[str, dict[str, float]] = {
-    "smooth_stribeck": {},
-    "smooth_coulomb": {"static_excess": 0.0, "stribeck_velocity": 0.01},
-    "smooth_coulomb_without_offset": {"static_excess": 0.0, "stribeck_velocity": 0.01, "offset": 0.0},
-    "exact_stribeck": {"coulomb_width": 0.0},
-    "exact_coulomb": {"coulomb_width": 0.0, "static_excess": 0.0, "stribeck_velocity": 0.01},
-}
 JOINT_LAW = "smooth_coulomb_without_offset"
 #: The numbers of Table 1 that a fit uses: sets by controller; those of a held-out fit, which predicts the others.
 PID: Mapping[str, Sequence[str]] = {"PID": SETS}
@@ -94,7 +75,10 @@ class Unknowns:
 
 #: Free parameters of the fits to the PID's numbers and to all; earlier_runs is chosen among 0 to 3.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
-JOINT_FREE = (*(name for name in PID_FREE if name not in LAWS[JOINT_LAW]), "adaptation_factor", "earlier_runs")
+JOINT_FREE = (
+    *(name for name in PID_FREE if name not in ("static_excess", "stribeck_velocity", "offset")),
+    *("adaptation_factor", "earlier_runs"),
+)
 
 
 def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
@@ -141,29 +125,9 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
-    """Return the ARC as printed (section 4.3) without robust terms, which cannot run (robust_terms.py)."""
-    fields = {
-        "sample_rate": SAMPLE_RATE,
-        "observer_gain_1": 400.0,
-        "observer_gain_2": 4e4,
-        "theta": [30.0, 10.0, 0.0],
-        "theta_min": [8.3, 2.4, -50.0],
-        "theta_max": [50.0, 17.5, 50.0],
-        "adaptation": [5e5, 3e5, 20e5],
-        "weight_1": 1.0,
-        "weight_2": 0.1,
-        "gain_1": 600.0,
-        "gain_2": 850.0,
-        "epsilon_11": 5e-5,
-        "epsilon_12": 5e-5,
-        "epsilon_21": 1e-3,
-        "epsilon_22": 1.0,
-        "c_phi_1": [5e-5, 0.5e-5, 10e-5],
-        "c_phi_2": [5e-5, 0.5e-5, 10e-5],
-        "c_theta_2": [1e5, 1e5, 1e5],
-        "coulomb": FRICTION_LEVEL,
-        "coulomb_width": FRICTION_WIDTH,
-    }
+    """Return the ARC as printed (section 4.3) without robust terms, which cannot run (backstepping.py)."""
+    rate = {"sample_rate": SAMPLE_RATE, "coulomb": FRICTION_LEVEL, "coulomb_width": FRICTION_WIDTH}
+    fields = rate | shipped_toml("cogging.papers.xu2001", "printed.toml")["arc"]
     return OutputFeedbackArcParameters(**{**fields, **changes})
 
 
