@@ -97,15 +97,3 @@ def test_a_model_without_a_controller_runs_under_an_assumed_one(files, capsys):
     assert cogging.repeat(log).error.tolist() == log.error.tolist(), "the same seed"
     poles = [log.metadata["model"]["controller"][gain] for gain in ("kp", "ki", "kd")]
     np.testing.assert_allclose(cogging.pid_poles(*poles, mass=0.12), -60.0, rtol=1e-4)
-
-
-def test_map_writes_a_model_part_and_a_figure(files):
-    assert main(["map", "scan.csv", "--pitch", "0.05", "--out", "part.toml", "--json", "fit.json"]) == 0
-    assert (files / "part.png").read_bytes().startswith(b"\x89PNG")
-    x, force = np.loadtxt("scan.csv", delimiter=",", skiprows=1).T
-    fit = cogging.fit_map(x, force, pitch=0.05)
-    fitted = cogging.Model.from_dict({"axis": {"mass": 1.0}, **cogging.files.read_toml("part.toml")}).cogging
-    np.testing.assert_allclose(fitted.force(x), fit.cogging.force(x), atol=1e-9)
-    document = json.loads((files / "fit.json").read_text())
-    assert document["noise"] == fit.noise
-    assert document["amplitudes"][0]["amplitude"] == fit.amplitudes[0].amplitude

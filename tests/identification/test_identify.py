@@ -112,17 +112,6 @@ def check_undetermined(found, *paths):
         assert found.to_dict()["parameters"][path]["ci95"] is None
 
 
-def test_nothing_is_determined_at_one_constant_speed():
-    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0)
-    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
-    log = run(truth, strokes(0.1, duration=4.0, distance=1.0, ramp=0.001), duration=4.0)
-    found = identify(log[1000:], prior)  # all of it at 0.1 m/s
-    assert len(found.parameters) == 4
-    check_undetermined(found, *(p.path for p in found.parameters))
-    assert found.model.axis == prior.axis
-    assert not found.covariance.any()
-
-
 def test_viscous_and_quadratic_drag_trade_at_one_speed_and_part_at_many():
     truth = machine(EFFECTS["quadratic_drag"](coefficient=6.0), width=0.0, coulomb=0.0, noise=0.1)
     prior = prior_of(truth, effects=(EFFECTS["quadratic_drag"](),)).replace(axis=truth.axis.replace(mass=1.9))

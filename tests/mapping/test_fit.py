@@ -120,18 +120,6 @@ def test_modulated_truth_is_found_within_its_standard_errors(correlation):
     assert np.sqrt(np.mean(np.square(coulomb))) < 1.6
 
 
-@pytest.mark.parametrize(("points", "correlation", "low", "high"), [(511, 0.0, 0.85, 1.15), (201, 0.78, 0.4, 1.3)])
-def test_standard_errors_fit_white_noise_and_short_scans_of_correlated_noise(points, correlation, low, high):
-    """Neighbouring points of two pitches are alike: errors that assume white noise would be 2.5 times too small."""
-    x, apart = np.linspace(0.0, 0.51 if points == 511 else 0.1, points), []
-    for seed in range(25):
-        model = truth(seed, order=0)
-        force = model.force(x) + noise(np.random.default_rng(seed), points, correlation)
-        made = fit_known(force, x, order=0, origin=None)
-        apart += list(((made.cogging.sine - model.sine) / made.sine_standard_error).ravel())
-    assert low < np.std(apart) < high
-
-
 @pytest.mark.parametrize(("order", "correlation"), [(0, 0.82), (1, 0.0), (2, 0.0)])
 def test_cross_validation_chooses_the_order_of_the_truth(order, correlation):
     """Of order 3: test_modulated_truth_is_found_within_its_standard_errors."""

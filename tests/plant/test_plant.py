@@ -130,27 +130,6 @@ def test_an_effect_with_neutral_parameters_vanishes(name, axis):
 # Integration -----------------------------------------------------------------------------------------------
 
 
-def test_runge_kutta_is_of_fourth_order():
-    """On a plant whose forces have four derivatives: smooth friction, order-6 splines, spring, tone, lag."""
-    rng = np.random.default_rng(3)
-    basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2], order=6, origin=-0.1, control_points=12)
-    model = cogging.CoggingModel(basis, *(0.2 * rng.normal(size=(2, 2, 12))))
-    effects = [example(n) for n in ("cable_spring", "disturbance_tone", "actuator_lag", "cogging_harmonic")]
-    plant = cogging.Plant(SMOOTH, cogging=model, effects=effects)
-    reference = sine(center=0.1, amplitude=0.04, frequency=3.0)
-    controller = pid(200.0, kp=60.0, ki=100.0, kd=3.0)
-
-    def positions(steps):
-        options = {"duration": 0.6, "steps_per_sample": steps}
-        return cogging.closed_loop(plant, controller, reference, **options).true_position
-
-    finest = positions(512)
-    errors = np.array([np.std(positions(n) - finest) for n in (16, 32, 64)])
-    slopes = np.log2(errors[:-1] / errors[1:])
-    assert errors[-1] > 1e-14  # above rounding
-    np.testing.assert_allclose(slopes, 4.0, rtol=0, atol=0.15)
-
-
 # Amplifier -------------------------------------------------------------------------------------------------
 
 
@@ -186,19 +165,6 @@ def test_the_gain_acts_on_the_amplifiers_output_alone():
 
 
 # Exact Coulomb friction ------------------------------------------------------------------------------------
-
-
-def test_it_sticks_as_long_as_the_force_stays_below_the_level():
-    """Command, spring and cogging together below Fc: not one bit of the position moves."""
-    rng = np.random.default_rng(6)
-    for _ in range(20):
-        coulomb, x0, stiffness = rng.uniform([0.05, -0.2, 0.0], [3.0, 0.2, 1.0])
-        at_rest = -stiffness * x0 - PERIODIC.force(x0)
-        spring = effect("cable_spring", stiffness=stiffness)
-        plant = cogging.Plant(exact_axis(coulomb=coulomb), cogging=PERIODIC, effects=[spring])
-        log = driven(plant, rng.uniform(-0.999, 0.999, 40) * coulomb - at_rest, 500.0, x0=x0)
-        assert (log.true_position == x0).all()
-        assert (log.true_velocity == 0.0).all()
 
 
 ASYMMETRY = [effect("coulomb_asymmetry", difference=-0.2), effect("stribeck_friction", static_excess=0.1)]

@@ -5,7 +5,6 @@ import multiprocessing
 import os
 import signal
 import sys
-from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
@@ -24,46 +23,6 @@ def test_threads_and_processes_give_the_same_table(alone):
     for kind in (concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor):
         with kind(2) as executor:
             same(cogging.sweep(SMALL, MOVE, MANY, executor=executor, **FEW), alone)
-
-
-class Dies(concurrent.futures.Executor):
-    """After a few pieces its workers are gone."""
-
-    def __init__(self, error):
-        self.left, self.error = 4, error
-
-    def submit(self, function, *given):
-        future = concurrent.futures.Future()
-        self.left -= 1
-        if self.left < 0:
-            future.set_exception(self.error)
-        else:
-            future.set_result(function(*given))
-        return future
-
-
-@pytest.mark.parametrize(
-    ("error", "text"),
-    [
-        (BrokenProcessPool("a child process\nended"), "BrokenProcessPool: a child process ended"),
-        (ModuleNotFoundError("No module named 'cogging'"), "ModuleNotFoundError: No module"),
-        (RuntimeError("gone"), "RuntimeError: gone"),
-    ],
-)
-def test_a_failed_executor_is_one_line_and_finished_runs_are_kept(tmp_path, error, text, alone):
-    out = tmp_path / "runs.csv"
-    message = (
-        f"^executor: Dies could not run a piece: {text}[^\n]*finished runs are kept in [^\n]*pieces, the same[^\n]*$"
-    )
-    with pytest.raises(cogging.InputError, match=message):
-        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(error), **FEW)
-    assert 1 <= kept(tmp_path) <= 4
-    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), alone)
-
-
-def kept(folder):
-    """Number of finished pieces of runs.csv."""
-    return len(list((folder / "runs.csv.pieces").glob("*.npz")))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
