@@ -6,9 +6,7 @@ from scipy.optimize import least_squares
 
 import cogging
 from cogging import fit_friction_curve
-from cogging.datasets import tro2021
 from cogging.friction.friction_curve import Law
-from tests.fixtures.measured import FOLDER
 
 SPEEDS = np.geomspace(0.002, 0.2, 16)
 BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])
@@ -145,22 +143,3 @@ def test_refused(change, message):
     with pytest.raises(ValueError, match=f"^{message}") as caught:
         fit_friction_curve(**({"velocity": BOTH, "force": law(BOTH)} | change))
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.data
-def test_a_lead_screw_drive():
-    """Direction and Stribeck each gain on speeds that were not seen; only together do they explain the curve."""
-    speed, torque = tro2021.steady_speeds(FOLDER)
-    assert len(speed) == 32
-    curve = fit_friction_curve(speed, torque)
-    print("\n" + curve.text())
-    held_out = {model.name: model.held_out_rms for model in curve.models}
-    assert curve.best.name == "direction_stribeck"
-    assert held_out["direction"] < 0.45 * held_out["coulomb_viscous"]
-    assert held_out["direction_stribeck"] < 0.4 * held_out["direction"]
-    assert 0.9 < held_out["stribeck"] / held_out["coulomb_viscous"] < 1.0  # hidden as long as the directions are one
-    found = curve.best.parameters
-    assert found["coulomb_asymmetry.difference"].low > 5.0  # %
-    assert found["stribeck_friction.static_excess"].value > 5.0
-    assert 20.0 < found["stribeck_friction.velocity"].value < 80.0  # rpm
-    assert curve.best.held_out_rms < 0.6  # % of nominal torque

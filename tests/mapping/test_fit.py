@@ -9,9 +9,7 @@ from scipy.signal import lfilter
 
 import cogging
 from cogging import fit_map
-from cogging.datasets import laas
 from cogging.files import read_toml
-from tests.fixtures.measured import FOLDER
 
 PITCH = 0.05
 STEP = 1e-3
@@ -70,26 +68,6 @@ def deviations(fit, model, columns=slice(None)):
     sine = (fit.cogging.sine - model.sine) / fit.sine_standard_error
     cosine = (fit.cogging.cosine - model.cosine) / fit.cosine_standard_error
     return list(np.concatenate([sine[:, columns], cosine[:, columns]]).ravel())
-
-
-@pytest.mark.data
-def test_real_scan_over_one_turn():
-    rows = laas.read("stopped_data", FOLDER / "laas")
-    fit = fit_map(rows.position, rows.current, pitch=2.0 * np.pi)
-    amplitudes = {entry.harmonic: entry.amplitude for entry in fit.amplitudes}
-    assert max(amplitudes, key=amplitudes.get) == 72
-    assert amplitudes[72] == pytest.approx(0.184, rel=0.015)  # README of the data, fitted to rows, not to places
-    for harmonic, amplitude in {18: 0.0422, 12: 0.0304, 144: 0.0236}.items():
-        assert amplitudes[harmonic] == pytest.approx(amplitude, rel=0.03)
-    assert {24, 36, 48, 54, 71, 73, 90} <= set(amplitudes)
-    assert len(amplitudes) <= 30  # of 200 that are looked at
-    assert max(entry.false_alarm for entry in fit.amplitudes if entry.harmonic in (12, 18, 72, 144)) < 1e-20
-    assert fit.coulomb == pytest.approx(0.053, abs=0.002)
-    assert 1e-4 < fit.coulomb_standard_error < 2e-3
-    assert abs(fit.offset) < 0.002
-    assert fit.residual_rms < 0.018  # 0.145 before
-    assert (fit.order, fit.trend) == (0, 0.0)
-    assert has_note(fit, "rows averaged")
 
 
 # --- known truth ------------------------------------------------------------------------------------------------------
