@@ -1,7 +1,5 @@
 """identify on simulated logs: truth within the intervals, and nothing stated that the log does not determine."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -301,21 +299,14 @@ def test_wrong_logs_are_refused(fitted):
             identify(logs, prior)
 
 
-def test_the_command_prints_and_writes_the_fit(fitted, tmp_path, monkeypatch, capsys):
-    _, prior, log, expected = fitted
+def test_the_command_fits_what_its_options_name(fitted, tmp_path, monkeypatch, capsys):
+    _, prior, log, _ = fitted
     monkeypatch.chdir(tmp_path)
     prior.write("prior.toml")
     log.write("log.csv")
-    call = "identify log.csv --model prior.toml"
-    assert main(f"{call} --out fit.toml --json fit.json".split()) == 0
-    printed = capsys.readouterr().out
-    assert all(p.path in printed for p in expected.parameters)
-    model, written = Model.read("fit.toml"), json.loads((tmp_path / "fit.json").read_text())
-    assert model.axis.mass == expected.model.axis.mass
-    assert model.intervals["axis.mass"] == expected["axis.mass"].ci95
-    assert written["parameters"]["axis.mass"]["ci95"] == list(expected["axis.mass"].ci95)
-    assert written["logs"][0]["audit"]["rows"] == 6001
-    assert main([*call.split(), "--rows", "0:3000", "--free", "axis.mass, axis.viscous", "--cutoff", "40"]) == 0
+    options = ["--rows", "0:3000", "--free", "axis.mass, axis.viscous", "--cutoff", "40", "--out", "fit.toml"]
+    assert main(["identify", "log.csv", "--model", "prior.toml", *options]) == 0
     printed = capsys.readouterr().out
     assert all(words in printed for words in ("below 40 Hz", "3000 rows", "axis.viscous"))
     assert "axis.coulomb " not in printed
+    assert set(Model.read("fit.toml").intervals) == {"axis.mass", "axis.viscous"}
