@@ -17,9 +17,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 import cogging
-from cogging.cli.main import main
 from tests.fixtures.drawn_axes import TRAVEL, draw_axis, draw_motion
-from tests.fixtures.files import MODEL
 
 SOURCES = Path(__file__).resolve().parents[2] / "cpp"
 OFFICIAL = Path(fmpy.__file__).parent / "c-code"
@@ -197,18 +195,6 @@ def test_leaving_the_travel_is_an_error_that_says_when_and_where():
     assert unit.lines[0] == f"x: {diverged.value}"
 
 
-def test_a_parameter_that_breaks_its_rule():
-    with Unit(draw_axis("cable_spring", 0)) as unit:
-        for name, value, line in (
-            ("axis.mass", -1.0, "mass: must be finite and above 0, got -1"),
-            ("initial_position", 9.0, "the run diverged at 0 s: position 9,"),
-            ("initial_velocity", float("inf"), "initial_velocity: must be a finite number, got inf"),
-        ):
-            with pytest.raises(FMICallException):
-                unit.instance(**{name: value})
-            assert unit.lines[-1].startswith(f"x: {line}")
-
-
 def test_calls_out_of_order_and_wrong_arguments_are_errors_in_one_line():
     with Unit(draw_axis("cable_spring", 0)) as unit:
         axis = unit.first
@@ -230,6 +216,14 @@ def test_calls_out_of_order_and_wrong_arguments_are_errors_in_one_line():
         with pytest.raises(FMICallException):
             axis.doStep(3 / unit.rate, 1 / unit.rate)
         assert "the command must be a finite number, got nan" in unit.lines[-1]
+        for name, value, line in (
+            ("axis.mass", -1.0, "mass: must be finite and above 0, got -1"),
+            ("initial_position", 9.0, "the run diverged at 0 s: position 9,"),
+            ("initial_velocity", float("inf"), "initial_velocity: must be a finite number, got inf"),
+        ):
+            with pytest.raises(FMICallException):
+                unit.instance(**{name: value})
+            assert unit.lines[-1].startswith(f"x: {line}")
         for options, line in [
             ({"token": "{0}"}, "instantiationToken"),
             ({"eventModeUsed": True}, "neither an event mode"),
@@ -251,6 +245,7 @@ def test_the_same_model_gives_the_same_bytes_and_another_another_token():
 def test_the_description_says_what_the_model_says():
     model = draw_axis("flexible_mode", 5).replace(units=cogging.Units(command="A", position="rad"))
     with Unit(model) as unit:
+        assert validate_fmu(str(unit.folder / "axis.fmu")) == []
         variables = {v.name: v for v in unit.description.modelVariables}
         (capabilities,) = ET.parse(unit.folder / "unit" / "modelDescription.xml").iterfind("CoSimulation")
         options = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUState": "true"}
@@ -289,27 +284,7 @@ def test_the_functions_are_those_of_the_official_headers(file):
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-def test_the_command_and_what_it_refuses(tmp_path, capsys):
-    path, out = tmp_path / "model.toml", tmp_path / "axis.fmu"
-    path.write_text(MODEL)
-    export = ["export", str(path), "--to", "fmi", "--out", str(out)]
-    assert main([*export, "--name", "x_axis"]) == 0
-    assert "x_axis: the axis as a unit of FMI 3.0" in capsys.readouterr().out
-    assert validate_fmu(str(out)) == []
-    assert fmpy.read_model_description(str(out)).coSimulation.modelIdentifier == "x_axis"
-    out.unlink()
-    path.write_text(MODEL.partition("[controller]")[0])
-    for words, line in [
-        ([], "controller: or an option sample_rate must be there"),
-        (["--sample-rate", "0"], "sample_rate: must be finite and above 0, got 0.0"),
-        (["--sample-rate", "1000", "--name", "a b"], "name: must be a name in C++"),
-    ]:
-        assert main([*export, *words]) == 2
-        error = capsys.readouterr().err
-        assert error.count("\n") == 1
-        assert line in error
-        assert not out.exists()
-    assert main([*export, "--sample-rate", "1000"]) == 0
+def test_an_effect_in_python_is_refused():
     own = cogging.effects.Custom("breeze", force=lambda velocity: 0.1)
     with pytest.raises(ValueError, match=r"effects: must be of the core's list to run without Python, got breeze"):
         cogging.export.to(draw_axis("cable_spring", 0).replace(effects=[own]), "fmi")
