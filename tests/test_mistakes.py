@@ -3,7 +3,6 @@
 import contextlib
 import copy
 import inspect
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -185,11 +184,3 @@ def test_another_word_is_not_guessed_at():
     fields = {field for effect in cogging.EFFECTS.values() for field in (effect.NAME, *effect.FIELDS)}
     for word in ("banana", "x", "", "qm", "temperature", "zzz", "\x1b[31m", "1e-3", "Zeit"):
         assert nearest_name(word, sorted(fields)) is None
-
-
-def test_names_without_end_are_not_compared():
-    """A header of many columns and a name of a megabyte: found by the attack, which waited for a minute."""
-    many = [*(f"column_{number}" for number in range(16_384)), "x" * 100_000]
-    with mock.patch("difflib.SequenceMatcher.find_longest_match", side_effect=AssertionError("compared")):
-        assert nearest_name("x" * 100_000, many) is None
-    assert nearest_name("colunm_777", many) == "column_777"

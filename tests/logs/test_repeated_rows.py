@@ -5,7 +5,6 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.cli.main import main
 from cogging.logs.repeated_rows import STRETCH, repeated
 from tests.fixtures.moving_axis import machine, motion, record
 
@@ -130,14 +129,3 @@ def test_a_given_log_confirms_nothing(log, other):
     for confirm in (log, bare(log, time=3.0), log[1000:5000], [other, log[4000:]]):
         with pytest.raises(ValueError, match=r"confirm log \d: must be other motion than log 1 .*, but .* in it$"):
             cogging.diagnose(log, machine(), confirm=confirm)
-
-
-def test_the_command_refuses_a_given_log_as_confirmation(log, other, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for name, one in (("a", log), ("b", log), ("c", other)):
-        one[:1501].write(f"{name}.csv")
-    machine().write("m.toml")
-    assert main(["diagnose", "a.csv", "--confirm", "c.csv", "b.csv", "--model", "m.toml", "--json", "d.json"]) == 2
-    assert capsys.readouterr().err.splitlines()[-1] == (
-        "cogging: b.csv: must be other motion than a.csv to confirm anything, but all its 1501 rows are in it"
-    )
