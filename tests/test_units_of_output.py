@@ -107,19 +107,6 @@ def test_screen_json_and_page_of_a_diagnosis_have_no_volt_and_no_metre(verdict):
         assert [left for text in said_of(result) for left in left_in(text)] == []
 
 
-def test_parameters_and_the_page_of_a_model_are_in_its_units():
-    basis = cogging.SplineHarmonics(pitch=0.5, harmonics=[1, 2], order=3, origin=0.1, control_points=4)
-    model = ROTARY.replace(cogging=cogging.CoggingModel(basis, np.full((2, 4), 3.995), np.zeros((2, 4))))
-    model = model.replace(effects=[cogging.effects.QuadraticDrag(coefficient=0.1)])
-    known = cogging.parameters_of(model, together=True)
-    assert known["axis.mass"].unit == "N/(rad/s^2)"
-    assert known["effects.quadratic_drag.coefficient"].unit == "N/(rad/s)^2"
-    assert left_in(" ".join(parameter.unit for parameter in known.values())) == []
-    page = re.sub(r"<[^>]*>", " ", model._repr_html_())
-    assert "of 0.5 rad, 4 control points of order 3 from 0.1 rad, amplitudes up to 3.995 N" in page
-    assert left_in(page) == []
-
-
 def test_errors_are_in_the_units_of_the_model(log):
     wild = ROTARY.replace(controller=PID.replace(kd=4800.0))
     with pytest.raises(cogging.DivergedError, match="the travel is") as error:

@@ -3,7 +3,6 @@
 import json
 import math
 import random
-import sys
 
 import numpy as np
 import pytest
@@ -245,12 +244,6 @@ def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
     assert (found.present.drawn.failed, found.present.drawn.error_rms) == (2, math.inf)
     assert found.tuned.held_out.failed == 0
     assert "the present gains break a limit: all runs complete" in found.notes
-
-
-def test_a_missing_library_is_named_with_its_extra(monkeypatch):
-    monkeypatch.setitem(sys.modules, "optuna", None)
-    with pytest.raises(ImportError, match=r"optuna is needed .* pip install 'cogging\[tune\]'"):
-        cogging.tune(SMALL, MOVE, KP)
 
 
 # Interruptions --------------------------------------------------------------------------------------------------------

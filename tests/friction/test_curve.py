@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
 
 import cogging
 from cogging import fit_friction_curve
@@ -66,14 +65,6 @@ def test_without_noise_the_truth_is_found_and_is_the_simulators(name):
         motion = cogging.Sampled(time=[0.0, 1.0, 2.0], position=speed * np.arange(3.0), velocity=np.full(3, speed))
         log = cogging.closed_loop(plant, controller, motion, duration=1.0, initial_velocity=speed)
         assert log.command[-1] == pytest.approx(float(best.force(speed)), rel=1e-6)
-
-
-def test_the_fit_is_as_good_as_scipys_least_squares():
-    force = law(BOTH) + 0.01 * np.random.default_rng(3).normal(size=32)
-    found = fit_friction_curve(BOTH, force)["direction_stribeck"]
-    start = np.array(list(TRUTH.values()))
-    scipys = least_squares(lambda p: law(BOTH, zip(TRUTH, p, strict=True)) - force, start, x_scale=np.abs(start))
-    assert np.sum((found.force(BOTH) - force) ** 2) <= 2 * scipys.cost * (1 + 1e-6)
 
 
 def test_intervals_hold_the_truth_where_noise_grows_with_speed():

@@ -285,11 +285,3 @@ def test_the_noise_starts_stationary_and_differs_by_seed():
     first = np.array([noise_forces(0.03, 5.0, 1000.0, seed, samples=3)[0] for seed in range(200)])
     assert first.std() == pytest.approx(0.03, rel=4 / np.sqrt(2 * 200))
     assert len(set(first)) == 200
-
-
-def test_the_two_streams_of_one_seed_are_not_the_same_numbers():
-    encoder, noise = cogging.EncoderParameters(noise=1e-6), cogging.NoiseParameters(force=0.1, bandwidth=100.0)
-    log = free(cogging.Plant(cogging.AxisParameters(mass=0.5), encoder=encoder, noise=noise), 1.0, seed=7)
-    errors, forces = log.position - log.true_position, np.diff(log.true_velocity)
-    assert abs(np.corrcoef(forces, errors[1:])[0, 1]) < 5 / np.sqrt(1000)
-    assert abs(np.corrcoef(forces, errors[:-1])[0, 1]) < 5 / np.sqrt(1000)
