@@ -4,7 +4,6 @@ The machines lack what makes most of the command, their models know mass and fri
 """
 
 import functools
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.cli.main import main
 from cogging.files import InputError
 from cogging.identification.misreading import misreading
 from tests.fixtures import emps, moving_axis, slow_rotary, unlike_machines
@@ -99,24 +97,3 @@ def test_a_shift_is_reported_in_rows_where_the_controller_is_known(right, rows):
     assert (found.misreading, found.rows, found.option) == ("shift", rows, "")
     assert f"{abs(rows)} rows" in found.text
     assert ("late" in found.text) == (rows > 0)
-
-
-def test_the_commands_report_it_before_any_effect_and_its_option_leads_on(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    log = moving_axis.record(moving_axis.machine([cogging.effects.ViscousAsymmetry(difference=1.5)]), 3)
-    Log(log.time, log.position, -1e3 * log.command).write("b.csv")
-    moving_axis.machine().replace(controller=None, controller_type=None).write("m.toml")
-    words = ["diagnose", "b.csv", "--model", "m.toml", "--json", "r.json", "--report", "r.html"]
-    assert main(words) == 0
-    result = json.loads((tmp_path / "r.json").read_text())
-    assert result["verdict"] == "data_mismatch"
-    assert (result["mismatch"]["column"], result["mismatch"]["factor"]) == ("command", -1e-3)
-    assert result["effects"] == []
-    for text in (capsys.readouterr().out, (tmp_path / "r.html").read_text()):
-        assert result["mismatch"]["option"] in text
-    option = result["mismatch"]["option"].split()
-    for given, is_warned in (([], True), (option, False)):
-        assert main(["identify", "b.csv", "--model", "m.toml", "--free", "axis.mass", "--json", "i.json", *given]) == 0
-        fit = json.loads((tmp_path / "i.json").read_text())
-        assert any("command is in thousandths" in note for note in fit["notes"]) == is_warned
-    assert fit["parameters"]["axis.mass"]["value"] == pytest.approx(2.0, rel=0.05)
