@@ -41,7 +41,8 @@ def test_nor_is_one_that_cogging_drives_back_and_forth():
         assert misreading([log], slow_rotary.model()) is None
 
 
-PLAIN = [("nothing", "strokes"), ("harmonics", "strokes"), ("spring", "multisine")]
+#: What two machines lack and how they move, by seed.
+PLAIN = {21: ("nothing", "strokes"), 23: ("spring", "multisine")}
 
 
 def judge(kind, case):
@@ -57,8 +58,8 @@ def judge(kind, case):
 
 @pytest.mark.parametrize("kind", MISREADINGS)
 def test_a_misreading_is_found(kind):
-    """Where the motion is rich, in two logs of three; a command that lies a tenth of a second off its rows in one."""
-    answers = [judge(kind, drawn(21 + i, *which, with_reference=True)) for i, which in enumerate(PLAIN)]
+    """Where the motion is rich, in both logs; a command that lies a tenth of a second off its rows in one."""
+    answers = [judge(kind, drawn(seed, *which, with_reference=True)) for seed, which in PLAIN.items()]
     assert "wrong" not in answers, answers
     assert answers.count("right") >= (1 if kind.startswith("command") else 2), answers
 
