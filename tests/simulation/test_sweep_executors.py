@@ -25,6 +25,30 @@ def test_threads_and_processes_give_the_same_table(alone):
             same(cogging.sweep(SMALL, MOVE, MANY, executor=executor, **FEW), alone)
 
 
+class Dies(concurrent.futures.Executor):
+    """After four pieces its workers are gone."""
+
+    left = 4
+
+    def submit(self, function, *given):
+        future = concurrent.futures.Future()
+        self.left -= 1
+        if self.left < 0:
+            future.set_exception(ModuleNotFoundError("No module named\n'cogging'"))
+        else:
+            future.set_result(function(*given))
+        return future
+
+
+def test_a_failed_executor_is_one_line_and_all_finished_runs_are_kept(tmp_path, alone):
+    out = tmp_path / "runs.csv"
+    message = r"^executor: Dies could not run a piece: ModuleNotFoundError: No module [^\n]*; finished runs are kept in"
+    with pytest.raises(cogging.InputError, match=message):
+        cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(), **FEW)
+    assert len(list((tmp_path / "runs.csv.pieces").glob("*.npz"))) == 4
+    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), alone)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another system")
 def test_after_a_killed_process_the_same_call_continues(tmp_path, alone):
     out, steps = tmp_path / "runs.csv", []
