@@ -87,6 +87,8 @@ def test_the_report_names_log_column_remedy_and_shares(right):
     assert found.option == "--scale b.csv:command=-1"
     assert found.explained < 0.1 < 0.9 < found.explained_otherwise <= 1.0
     assert "b.csv: command has the opposite sign" in found.text
+    fit = cogging.identify([right, wrong], moving_axis.machine(), names=["a.csv", "b.csv"], free=["axis.mass"])
+    assert any("b.csv: command has the opposite sign" in note for note in fit.notes), fit.notes
     both = misreading([wrong, wrong], moving_axis.machine())
     assert (both.logs, both.option) == (("log 1", "log 2"), "--scale command=-1")
 
