@@ -5,19 +5,16 @@ The outputs that are committed are compared with those of a fresh run: the words
 `python -m tests.fixtures.notebooks`.
 """
 
-import subprocess
-import sys
-
 import pytest
 
 from tests.fixtures.notebooks import MEASURED, NOTEBOOKS, differences, executed, pictures, texts
 
-#: They compute what tests/papers checks number by number: `.ci/run` and the weekly studies compare their outputs.
-OF_PAPERS = ("01_lu2008", "02_xu2001", "03_malaize2009")
+#: They compute what tests/papers and test_first_page.py check: `.ci/run` and the weekly studies compare their outputs.
+CHECKED_ELSEWHERE = ("01_lu2008", "02_xu2001", "03_malaize2009", "04_comparison", "05_from_log_to_model")
 
 
 def marks_of(path):
-    return [pytest.mark.data] * (path in MEASURED) + [pytest.mark.study] * (path.stem in OF_PAPERS)
+    return [pytest.mark.data] * (path in MEASURED) + [pytest.mark.study] * (path.stem in CHECKED_ELSEWHERE)
 
 
 @pytest.mark.notebook
@@ -41,19 +38,3 @@ def test_numbers_are_compared_within_what_is_stated():
         assert len(differences(text, text.replace(number, f"{float(number) * 1.03:.6g}", 1))) == 1
         assert len(differences(text, text.replace("named", "ambiguous"))) == 1
         assert len(differences(text, text + "\nrow 3")) == 1
-
-
-def test_figures_show_in_a_kernel_that_never_saw_pyplot():
-    """Without a magic line: as the value of a cell, of axes, of panels; pyplot is not imported by it."""
-    program = (
-        "from IPython.core.interactiveshell import InteractiveShell; import sys, cogging\n"
-        "shell = InteractiveShell.instance()\n"
-        "axes = cogging.plot.spectrum([1.0, 2.0], [1.0, 2.0])\n"
-        "panels = cogging.plot.log({'time': [0, 1], 'a': [0, 1]})\n"
-        "for shown in (axes, axes.figure, panels):\n"
-        "    data, _ = shell.display_formatter.format(shown)\n"
-        "    assert data['image/png'][:4] == b'\\x89PNG', data\n"
-        "assert 'matplotlib.pyplot' not in sys.modules\n"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

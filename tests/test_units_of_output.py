@@ -37,6 +37,8 @@ def said_of(result):
     yield repr(result)
     if hasattr(result, "to_dict"):
         yield from texts(result.to_dict())
+    if hasattr(result, "to_frame"):
+        yield from result.to_frame().attrs["units"].values()
     if hasattr(result, "plot") and not getattr(result, "verdict", "").endswith(("mismatch", "excitation")):
         for axes in result.plot().axes:
             yield from (axes.get_xlabel(), axes.get_ylabel(), axes.get_title())
@@ -50,6 +52,7 @@ def log():
 SPEEDS = np.concatenate([-np.linspace(0.05, 1.0, 12), np.linspace(0.05, 1.0, 12)])
 PLACES = np.linspace(0.0, 0.4, 801)
 MOVE = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.05, frequency=2.0))
+STROKE = cogging.PointToPoint(cogging.PointToPointParameters(start=0.1, distance=0.2, velocity=0.1, dwell=0.1))
 LIMITS = cogging.MotionLimits(velocity=0.3, acceleration=5.0, duration=3.0)
 BOUNDED = ROTARY.replace(intervals={"axis.mass": (0.11, 0.13)})
 GAINS = {"controller.kp": {"from": 5e3, "to": 2e4}}
@@ -65,7 +68,14 @@ RESULTS = {
     "experiment": lambda log: cogging.plan_experiment(ROTARY, LIMITS, goal="fit"),
     "sweep": lambda log: cogging.sweep(ROTARY, MOVE, {"axis.mass": [0.11, 0.12]}, duration=0.1),
     "simulate": lambda log: cogging.simulate(ROTARY, MOVE, duration=0.1),
-    "friction": lambda log: cogging.fit_friction_curve(SPEEDS, 0.15 * np.sign(SPEEDS) + 0.2 * SPEEDS, units=UNITS),
+    "friction": lambda log: cogging.fit_friction_curve(
+        SPEEDS, 0.15 * np.sign(SPEEDS) + 0.2 * SPEEDS, exponent=1.0, units=UNITS
+    ),
+    "controller": lambda log: cogging.recover_controller(cogging.simulate(ROTARY, STROKE)),
+    "spectrum": lambda log: cogging.tracking_spectrum(cogging.simulate(ROTARY, STROKE)),
+    "batch": lambda log: cogging.closed_loop_batch(
+        [ROTARY.plant()], [ROTARY.make_controller()], MOVE, duration=0.1, logs=True, units=UNITS
+    ),
     "map": lambda log: cogging.fit_map(PLACES, 0.1 * np.sin(126.0 * PLACES) + 0.3 * PLACES, pitch=0.05, units=UNITS),
 }
 
@@ -95,35 +105,6 @@ def test_screen_json_and_page_of_a_diagnosis_have_no_volt_and_no_metre(verdict):
     assert "N" in page
     if result.series:
         assert [left for text in said_of(result) for left in left_in(text)] == []
-
-
-def test_parameters_and_the_page_of_a_model_are_in_its_units():
-    basis = cogging.SplineHarmonics(pitch=0.5, harmonics=[1, 2], order=3, origin=0.1, control_points=4)
-    model = ROTARY.replace(cogging=cogging.CoggingModel(basis, np.full((2, 4), 3.995), np.zeros((2, 4))))
-    model = model.replace(effects=[cogging.effects.QuadraticDrag(coefficient=0.1)])
-    known = cogging.parameters_of(model, together=True)
-    assert known["axis.mass"].unit == "N/(rad/s^2)"
-    assert known["effects.quadratic_drag.coefficient"].unit == "N/(rad/s)^2"
-    assert left_in(" ".join(parameter.unit for parameter in known.values())) == []
-    page = re.sub(r"<[^>]*>", " ", model._repr_html_())
-    assert "of 0.5 rad, 4 control points of order 3 from 0.1 rad, amplitudes up to 3.995 N" in page
-    assert left_in(page) == []
-
-
-def test_results_of_runs_have_their_units():
-    move = cogging.PointToPoint(cogging.PointToPointParameters(start=0.1, distance=0.2, velocity=0.1, dwell=0.1))
-    log = cogging.simulate(ROTARY.replace(controller=PID), move, duration=2.0)
-    found = cogging.recover_controller(log)
-    spectrum = cogging.tracking_spectrum(log)
-    plants, pids = [ROTARY.plant()], [ROTARY.make_controller()]
-    batch = cogging.closed_loop_batch(plants, pids, MOVE, duration=0.1, logs=True, units=UNITS)
-    said = [repr(found), repr(spectrum), repr(batch), repr(batch[:1]), cogging.audit(log).text()]
-    said += [*batch.to_frame().attrs["units"].values(), *spectrum.to_frame().attrs["units"].values()]
-    said += [batch.plot().axes[0].get_ylabel(), spectrum.plot().axes[0].get_xlabel()]
-    assert [left for text in said for left in left_in(text)] == []
-    assert re.search(r"kp=\S+ N/rad.*leaves \S+ N rms", said[0])
-    assert "mrad" in said[1] or "urad" in said[1]
-    assert said[2].endswith("rad)")
 
 
 def test_errors_are_in_the_units_of_the_model(log):

@@ -35,9 +35,3 @@ def test_every_shell_reads_its_script_and_bash_completes(shell, tmp_path, capsys
         offered = [{word.strip() for word in line.split("\t") if word.strip()} for line in done.stdout.splitlines()]
         assert offered[0] >= set(COMMANDS)
         assert offered[1:] == [{"diagnose"}, {"separate", "detect", "fit"}, {"first run.csv"}]
-
-
-def test_without_its_library_the_extra_is_named(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "shtab", None)
-    assert main(["completion", "bash"]) == 2
-    assert capsys.readouterr().err == "cogging: shtab is needed but not installed: pip install 'cogging[completion]'\n"

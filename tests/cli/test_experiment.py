@@ -48,7 +48,6 @@ def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
     [
         ("limits.toml", LIMITS.replace("0.3", "-1"), "limits.toml: line 1: velocity: must be a number above 0"),
         ("limits.toml", LIMITS + "travel = [0.0, 9.0]", "limits.toml: line 6: travel: must be inside the model's"),
-        ("limits.toml", LIMITS.replace("command = 2.0", "command = 0.01"), "limits.toml with model.toml: no motion of"),
         ("result.json", "{", "result.json: must be the result of diagnose --json (JSON): "),
         ("result.json", "{}", "result.json: must be the result of diagnose --json, got no verdict and effects"),
     ],

@@ -47,12 +47,6 @@ def sweep_on_threads():
         cogging.sweep(model, SINE, {"axis.mass": {"from": 0.11, "to": 0.13, "points": 8}}, duration=40.0, executor=pool)
 
 
-def predict_error():
-    bounds = {"axis.mass": (0.11, 0.13), "axis.viscous": (0.1, 0.2), "axis.coulomb": (0.1, 0.2)}
-    model = cogging.Model(axis=AXIS, controller=PID, controller_type="pid")
-    cogging.predict_error(model, SINE, controllers=["own"], duration=400.0, default=bounds)
-
-
 def predict_along_a_log():
     log = TIME, 0.25 + 0.1 * np.sin(TIME), np.cos(TIME)
     _core.Predictor(*log, steps_per_sample=200).predict(PLANT)
@@ -67,7 +61,6 @@ LOOPS = {
     "one prediction": predict_along_a_log,
     "an autoregression": lambda: _core.autoregression(np.cos(TIME), np.ones(TIME.size), order=74_000),
     "a filter": lambda: _core.whiten(np.cos(TIME)[None, :], list(np.full(100_000, 1e-9))),
-    "predict_error": predict_error,
 }
 
 
@@ -120,30 +113,6 @@ def test_a_reader_stops_within_its_block_and_accepts_no_other():
     assert 0 < stopped < 4_000_000
     with pytest.raises(ValueError, match=r"block: must not .* interrupted"):
         reader.feed(b"1,2,3\n")
-
-
-def test_a_handler_that_returns_changes_nothing_and_what_it_raises_is_raised():
-    calls = []
-
-    def note(*_):
-        calls.append(len(calls))
-        if raises and len(calls) > 3:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)  # once: a second one could come behind the call
-            raise TimeoutError("too long")
-
-    raises, before = False, signal.signal(signal.SIGALRM, note)
-    signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
-    try:
-        disturbed = run(duration=4.0, seed=3)
-        assert len(calls) > 1, "the handler ran during the run"
-        calls.clear()
-        raises = True
-        with pytest.raises(TimeoutError, match="too long"):
-            run()
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
-    np.testing.assert_array_equal(disturbed.position, run(duration=4.0, seed=3).position)
 
 
 CONSOLE = ["-c", "import sys; from cogging_command import main; sys.exit(main())"]

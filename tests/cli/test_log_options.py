@@ -32,28 +32,23 @@ def assert_equal_but_for_rounding(found, rows):
     assert found["travel"] == pytest.approx(whole.travel, abs=1e-12)
 
 
-def test_options_of_one_file_override_those_of_all(folder):
-    words = ["--columns", "b.csv:position=qm, raw,b.csv:command=i=1", "--scale", "b.csv:position=1e-3,b.csv:command=35"]
-    words += ["--scale", "runs/c.csv:command=0.5", "--scale", "command=1", "--zero", "b.csv:position=0.02"]
-    words += ["--rows", "10:900,c.csv:5:,a.csv::50"]
-    assert main(["audit", "a.csv", "b.csv", "runs/c.csv", *words, "--json", "found.json"]) == 0
-    found = json.loads((folder / "found.json").read_text())
-    for one, rows in zip(found, (slice(50), slice(10, 900), slice(5, None)), strict=True):
-        assert_equal_but_for_rounding(one, rows)
-
-
-#: Options of b.csv that add up, some stated for all files; and others before them, which they override.
-LATE = ["--columns=position=qm, raw", "--columns=b.csv:command=i=1", "--scale=b.csv:position=1e-3,time=1"]
-LATE += ["--scale=command=35", "--zero=b.csv:position=0.02", "--rows=b.csv:10:900"]
+#: Options that add up, of one file or of all; and others before them, which they override.
+LATE = ["--columns=position=qm, raw", "--columns=b.csv:command=i=1", "--scale=b.csv:position=1e-3,b.csv:command=35"]
+LATE += ["--scale=command=1,time=1", "--zero=b.csv:position=0.02", "--rows=10:900"]
+OTHERS = ["--columns=a.csv:position=position", "--columns=c.csv:position=position", "--scale=runs/c.csv:command=0.5"]
+OTHERS += ["--rows=c.csv:5:,a.csv::50"]
 EARLY = ["--rows=5:100", "--scale=command=7", "--columns=position=nothing", "--zero=position=9,time=0"]
+EARLY += ["--zero=a.csv:position=0,runs/c.csv:position=0"]
 
 
-def test_options_add_up_in_every_order(folder):
+def test_options_add_up_in_every_order_and_those_of_a_file_override_those_of_all(folder):
     draw = random.Random(19)
     for _ in range(4):
-        words = [*EARLY, *draw.sample(LATE, len(LATE))]
-        assert main(["audit", "b.csv", "--json", "found.json", *words]) == 0
-        assert_equal_but_for_rounding(json.loads((folder / "found.json").read_text())[0], slice(10, 900))
+        words = [*EARLY, *draw.sample([*LATE, *OTHERS], len(LATE) + len(OTHERS))]
+        assert main(["audit", "a.csv", "b.csv", "runs/c.csv", "--json", "found.json", *words]) == 0
+        found = json.loads((folder / "found.json").read_text())
+        for one, rows in zip(found, (slice(50), slice(10, 900), slice(5, None)), strict=True):
+            assert_equal_but_for_rounding(one, rows)
 
 
 @pytest.mark.parametrize(

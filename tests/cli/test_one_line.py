@@ -11,7 +11,6 @@ import cogging
 from cogging.cli.main import main
 from tests.attack.commands import run_case
 from tests.fixtures import hostile_calls
-from tests.fixtures.files import MODEL, REFERENCE
 
 SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out.csv"]
 COMMAND = [sys.executable, "-m", "cogging.cli.main"]
@@ -99,27 +98,3 @@ def test_a_current_folder_that_was_deleted_is_named(tmp_path, monkeypatch, capsy
     assert re.fullmatch(
         "cogging: the current folder: must be there, got one that was deleted.*\n", capsys.readouterr().err
     )
-
-
-#: Model, reference and what the line says; other rules of the fields: tests/model.
-FILES = {
-    "unknown key": (f"{MODEL}speed = 3\n", REFERENCE, "model.toml: line 21: controller.speed: is unknown"),
-    "outside": (MODEL, REFERENCE.replace("0.1\n", "0.9\n"), r"reference: must stay within travel \[0, 0.51\]"),
-    "diverging": (MODEL.replace("48.0", "4800.0"), REFERENCE, r"the run diverged at 0\."),
-    "no controller": (MODEL[: MODEL.index("[controller]")], REFERENCE, "controller: must be given to simulate"),
-    "no reference": (MODEL, 'type = "zigzag"\n', "ref.toml: line 1: type: must be one of"),
-}
-
-
-@pytest.mark.parametrize("case", FILES)
-def test_a_file_that_cannot_be_used_is_named_with_its_rule(case, tmp_path, monkeypatch, capsys):
-    model, reference, message = FILES[case]
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "model.toml").write_text(model)
-    (tmp_path / "ref.toml").write_text(reference)
-    assert main(SIMULATE) == 2
-    error = capsys.readouterr().err
-    assert re.match(f"cogging: .*{message}", error), error
-    assert error.count("\n") == 1
-    assert len(error) < 2000
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["model.toml", "ref.toml"]

@@ -294,10 +294,3 @@ def test_what_is_read_is_a_file_with_an_end(case, what, folder, capsys):
     assert error.count("\n") == 1
     assert f"{file}: " in error
     assert message in error
-
-
-def test_half_of_a_pair_of_surrogates_is_refused_with_its_line_however_long():
-    long = "x" * 1_000_000
-    assert outputs.to_toml({"name": long}) == f'name = "{long}"\n'
-    with pytest.raises(ValueError, match=r"^b = .*: must be text that UTF-8 holds, got half of a pair of surrogates$"):
-        outputs.to_toml({"a": long, "b": "\ud800", "c": 1})

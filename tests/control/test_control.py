@@ -285,37 +285,7 @@ def test_the_robust_term_satisfies_20_and_30(law, desired):
     assert closest > 0.3  # it comes near the bound: a term of half the size would fail
 
 
-def test_estimates_are_recorded_before_each_command():
-    adapted = {"mass_adaptation": 1.0, "disturbance_adaptation": 1000.0, "cogging_adaptation": 100.0}
-    q = cogging.AdaptiveRobustParameters(cogging_harmonics=[1, 2], cogging_control_points=7, viscous=0.2, **adapted)
-    plant = cogging.Plant(cogging.AxisParameters(mass=0.15, viscous=0.3))
-    reference = cogging.Sine(cogging.SineParameters(center=0.1, amplitude=0.05, frequency=2.0))
-    log = cogging.closed_loop(plant, cogging.Dcarc(q), reference, duration=0.2, record_estimates=True)
-    controller = cogging.Dcarc(q)
-    assert log.estimates.shape == (len(log.time), 4 + 2 * 2 * 7)
-    columns = ("reference", "reference_velocity", "reference_acceleration", "position")
-    for k, (x, v, a, y) in enumerate(zip(*(getattr(log, c) for c in columns), strict=True)):
-        np.testing.assert_array_equal(log.estimates[k], controller.estimates)
-        u = controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=y)
-        assert u == log.command[k]
-        controller.update(u)
-    pid = cogging.Pid(cogging.PidParameters())
-    assert cogging.closed_loop(plant, pid, reference, duration=0.1, record_estimates=True).estimates is None
-
-
 # The condition (29) ----------------------------------------------------------------------------------------
-
-
-def test_the_matrix_is_eq_29():
-    rng = np.random.default_rng(40)
-    for _ in range(50):
-        k_s1, k_1, M, B, A, g_f, slope = rng.uniform([5, 5, 0.1, 0, 0, 0, -50], [99, 300, 1, 1, 1, 600, 50])
-        off = -0.5 * (k_1 * B + k_1 * A * g_f - slope)
-        expected = [[k_s1 - M * k_1 + B + A * g_f, off], [off, 0.5 * M * k_1**3]]
-        got = cogging.desired_compensation_matrix(
-            feedback_gain=k_s1, error_gain=k_1, mass=M, viscous=B, coulomb=A, friction_slope=g_f, cogging_slope=slope
-        )
-        np.testing.assert_allclose(got, expected, rtol=1e-12, atol=1e-12)
 
 
 def test_friction_slope_max_is_the_slope_at_rest():

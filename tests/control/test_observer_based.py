@@ -1,6 +1,5 @@
 """Observer-based cancellation: the controller against matrices, the design against its inequalities."""
 
-import sys
 from itertools import pairwise
 
 import numpy as np
@@ -199,9 +198,3 @@ def test_random_machines_decay_as_certified(design):
 def test_design_rules(change, message):
     with pytest.raises(ValueError, match=message):
         cogging.design_observer(problem(**change))
-
-
-def test_without_cvxpy_the_error_names_the_extra(monkeypatch):
-    monkeypatch.setitem(sys.modules, "cvxpy", None)
-    with pytest.raises(ImportError, match=r"pip install 'cogging\[design\]'"):
-        cogging.design_observer(problem())

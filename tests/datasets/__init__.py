@@ -1,1 +1,1 @@
-"""Tests of `mapping`."""
+"""Tests of `datasets`."""

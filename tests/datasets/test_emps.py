@@ -11,7 +11,7 @@ from cogging import InputError
 from cogging.datasets import emps
 
 
-def write(folder, seed, pulses=True):
+def write(folder, seed):
     """Both files with drawn columns, n by 1 as theirs; what was written by file."""
     rng = np.random.default_rng(seed)
     written = {}
@@ -21,7 +21,7 @@ def write(folder, seed, pulses=True):
         table = {column: rng.normal(size=(rows, 1)) for column in ("qm", "qg", "vir")}
         table["t"] = np.cumsum(rng.uniform(1e-4, 1e-2, (rows, 1)), axis=0)
         table |= {"gtau": 35.15, "kp": 160.18, "kv": 243.45}
-        if pulses and name == "DATA_EMPS_PULSES":
+        if name == "DATA_EMPS_PULSES":
             table["pulses_N"] = rng.choice([0, 5], (rows, 1)).astype(np.uint8)
         savemat(folder / f"{name}.mat", table)
         written[name] = table
@@ -38,15 +38,6 @@ def test_columns_are_in_si_and_the_command_in_newtons(tmp_path, seed, below):
         np.testing.assert_allclose(log.command, 35.15065 * table["vir"][:, 0], rtol=1e-15)
     units = written["DATA_EMPS_PULSES"]["pulses_N"][:, 0]
     np.testing.assert_allclose(emps.pulses(tmp_path), 1.08 * 35.15065 * units, rtol=1e-15)
-
-
-def test_an_invalid_file_is_named(tmp_path):
-    write(tmp_path, 0, pulses=False)
-    with pytest.raises(InputError, match=r"DATA_EMPS_PULSES\.mat.*pulses_N"):
-        emps.pulses(tmp_path)
-    (tmp_path / "DATA_EMPS.mat").write_bytes(b"<!DOCTYPE html>")
-    with pytest.raises(InputError, match=r"DATA_EMPS\.mat: must be a MATLAB"):
-        emps.read(folder=tmp_path)
 
 
 def replace_package(monkeypatch, answer):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from cogging import InputError
 from cogging.datasets import odrive
 
 CLONE = "analysis/cogging_torque"
@@ -78,33 +77,3 @@ def test_a_scan_holds_the_places_that_were_visited(tmp_path, name, below):
     np.testing.assert_array_equal(scan.current, held[first::16])
     np.testing.assert_allclose(np.diff(scan.position), 2 * np.pi / 512)
     assert scan.position[0] == pytest.approx(first * 2 * np.pi / 8192)
-
-
-@pytest.mark.parametrize(
-    ("values", "what"),
-    [
-        (np.zeros((2, 9)), r"must be three rows of values: time, position, current, got \(2, 9\)"),
-        (np.zeros((3, 9)), "time: must increase"),
-        (np.full((3, 9), np.nan), "must hold finite numbers"),
-        (np.array([[None] * 9] * 3), "must be a numpy array of numbers"),
-        (b"\x93NUMPY\x01\x00", "must be a numpy array of numbers"),
-    ],
-)
-def test_an_invalid_run_is_named(tmp_path, values, what):
-    path = tmp_path / "slow2_comp_0.npy"
-    if isinstance(values, bytes):
-        path.write_bytes(values)
-    else:
-        np.save(path, values)
-    with pytest.raises(InputError, match=what) as caught:
-        odrive.read("slow2_comp_0", tmp_path)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert "\n" not in str(caught.value)
-
-
-def test_an_invalid_scan_is_named(tmp_path):
-    with pytest.raises(ValueError, match=r"^name: must be one of forward, backward, alone, got 'a'"):
-        odrive.scan("a", tmp_path)
-    np.save(tmp_path / "cogging_measure_final_iso_16.npy", np.zeros(512))
-    with pytest.raises(InputError, match=r"iso_16\.npy: must be 8192 values, a count each, got \(512,\)"):
-        odrive.scan("alone", tmp_path)

@@ -1,9 +1,11 @@
-"""Where the public data sets are looked for, the error where they are missing, and their text files."""
+"""Where the public data sets are looked for, the error where they are missing or broken, and their text files."""
 
+import io
 import sys
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from cogging import InputError
 from cogging.datasets import emps, laas, odrive, tro2021
@@ -50,13 +52,6 @@ def test_without_data_one_line_says_where_to_get_them(case, how, tmp_path, monke
         base = folder or tmp_path
         assert f"must be in {base} or {base / data.SOURCE.name}, is not" in line
     assert ("pip install nonlinear-benchmarks" in line) == (data is emps and folder is None)
-
-
-@pytest.mark.parametrize("data", [emps, laas, odrive])
-@pytest.mark.parametrize("name", ["", "stopped_data.txt", "../acc_current", None])
-def test_a_log_that_is_not_of_the_set(data, name, tmp_path):
-    with pytest.raises(ValueError, match=rf"^name: must be one of {', '.join(data.FILES)}, got "):
-        data.read(name, tmp_path)
 
 
 @pytest.mark.data
@@ -107,12 +102,6 @@ def test_laas_columns_and_rows_with_and_without_the_compensation(tmp_path, where
         laas.read("acc_current", tmp_path, compensated=True)
 
 
-def test_a_broken_file_of_laas_is_named(tmp_path):
-    (tmp_path / "acc_current.txt").write_text("Time, Position, Iq\n0, 1, 2\n")
-    with pytest.raises(InputError, match=r"acc_current\.txt: column Velocity: must be"):
-        laas.read("acc_current", tmp_path)
-
-
 HEAD = "\ufeffDate:;2020-07-08 21:30:14\nSampling period:;40.000\n;Velocity actual value averaged;Torque actual value\n"
 
 
@@ -139,22 +128,59 @@ def test_every_run_of_tro2021_and_its_mean(tmp_path, below):
     np.testing.assert_allclose(np.column_stack(tro2021.steady_speeds(tmp_path)), means, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("text", "what"),
-    [
-        ("", "must have a row of units"),
-        ("ms;rpm;%\n0;1;2\n40;one;2\n", "line 3: must be three finite numbers, got '40;one;2'"),
-        ("ms;rpm;%\n0;1;2\n40;1;2\n", "rows: must be more than 20, got 2"),
-    ],
-)
-def test_a_broken_run_of_tro2021_is_named(tmp_path, text, what):
-    path = tmp_path / "steady_state" / "0.096kg" / "n7.csv"
-    path.parent.mkdir(parents=True)
-    path.write_text(text)
+def content_of(values):
+    """The bytes of a file of text, of a table of MATLAB, or of an array of numpy."""
+    if isinstance(values, bytes | str):
+        return values.encode() if isinstance(values, str) else values
+    file = io.BytesIO()
+    savemat(file, values) if isinstance(values, dict) else np.save(file, values)
+    return file.getvalue()
+
+
+RUN, ARRAY, STEADY = "slow2_comp_0", "must be a numpy array of numbers", "steady_state/0.096kg/n7.csv"
+#: File, what is in it, what reads it, and the error.
+BROKEN = [
+    ("DATA_EMPS.mat", "<!DOCTYPE html>", emps.read, "must be a MATLAB"),
+    ("DATA_EMPS_PULSES.mat", {"t": [0.0, 1.0], "gtau": 35.15}, emps.pulses, "column pulses_N: must be"),
+    *(
+        (f"{RUN}.npy", values, lambda folder: odrive.read(RUN, folder), what)
+        for values, what in (
+            (np.zeros((2, 9)), r"must be three rows of values: time, position, current, got \(2, 9\)"),
+            (np.zeros((3, 9)), "time: must increase"),
+            (np.full((3, 9), np.nan), "must hold finite numbers"),
+            (np.array([[None] * 9] * 3), ARRAY),
+            (b"\x93NUMPY\x01\x00", ARRAY),
+        )
+    ),
+    (
+        "cogging_measure_final_iso_16.npy",
+        np.zeros(512),
+        lambda folder: odrive.scan("alone", folder),
+        r"must be 8192 values, a count each, got \(512,\)",
+    ),
+    (
+        "acc_current.txt",
+        "Time, Position, Iq\n0, 1, 2\n",
+        lambda folder: laas.read("acc_current", folder),
+        "column Velocity: must be",
+    ),
+    (STEADY, "", tro2021.steady_speeds, "must have a row of units"),
+    (
+        STEADY,
+        "ms;rpm;%\n0;1;2\n40;one;2\n",
+        tro2021.steady_speeds,
+        "line 3: must be three finite numbers, got '40",
+    ),
+    (STEADY, "ms;rpm;%\n0;1;2\n40;1;2\n", tro2021.steady_speeds, "rows: must be more than 20, got 2"),
+]
+
+
+@pytest.mark.parametrize(("name", "values", "read", "what"), BROKEN, ids=range(len(BROKEN)))
+def test_a_broken_file_is_named_in_one_line(name, values, read, what, tmp_path):
+    for one in (name, *(f"{other}.mat" for other in emps.FILES if name.startswith("DATA"))):
+        (tmp_path / one).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / one).write_bytes(content_of(values))
     with pytest.raises(InputError, match=what) as caught:
-        tro2021.steady_speeds(tmp_path)
-    assert str(path) in str(caught.value)
-    path.unlink()
-    write_tro2021(tmp_path / "start_stop" / "50.csv", np.random.default_rng(0), 30)
-    with pytest.raises(InputError, match="tro2021: steady_state"):
-        tro2021.steady_speeds(tmp_path)
+        read(folder=tmp_path)
+    assert str(tmp_path / name) in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -8,7 +8,6 @@ import pytest
 
 import cogging
 from cogging import predict_error
-from cogging.cli.main import main
 from cogging.design import error_prediction
 
 WIDTHS = {"axis.mass": 0.02, "axis.viscous": 0.06, "axis.coulomb": 0.05, "cogging.sine[0][0]": 0.03}
@@ -170,16 +169,7 @@ def test_drawn_machines_are_valid_and_follow_intervals_or_covariance():
     assert np.std(drawn["axis.coulomb"]) == pytest.approx(0.05 / 1.96, rel=0.05), "by its interval"
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    machine().write(tmp_path / "model.toml")
-    lines = [f"{key} = {json.dumps(value)}" for key, value in REFERENCE.items()]
-    (tmp_path / "ref.toml").write_text("\n".join(lines))
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def test_an_infinite_interval_is_reported_and_what_is_known_is_predicted(folder, capsys):
+def test_an_infinite_interval_is_reported_and_what_is_known_is_predicted():
     """As `identify` leaves a mass that the logs do not determine."""
     known = machine()
     open_ended = known.replace(intervals={**known.intervals, "axis.mass": (-math.inf, math.inf)})
@@ -193,9 +183,6 @@ def test_an_infinite_interval_is_reported_and_what_is_known_is_predicted(folder,
     np.testing.assert_array_equal(found["own"].rms.values, exact.rms.values)
     given = predict_error(open_ended, REFERENCE, ["own"], samples=4, default={"axis.mass": (0.1, 0.14)})
     assert set(given.machines) == {*WIDTHS, "seed"}
-    open_ended.write(folder / "open.toml")
-    assert main(["predict", "open.toml", "--reference", "ref.toml", "--samples", "2"]) == 0
-    assert "experiment --model open.toml" in capsys.readouterr().out
 
 
 REFUSED = {
@@ -218,14 +205,3 @@ def test_refuses(case):
     call = {"model": machine(), "reference": REFERENCE, "samples": 2, "controllers": ["own"], **arguments}
     with pytest.raises(ValueError, match=f"^{message}"):
         predict_error(**call)
-
-
-def test_the_command_prints_and_writes_the_prediction(folder, capsys):
-    call = ["predict", "model.toml", "--reference", "ref.toml", "--samples", "3", "--seed", "5", "--json", "out.json"]
-    assert main(call) == 0
-    printed = capsys.readouterr().out
-    for words in ("rms and max from 0.5 to 0.75 s", "dcarc", "out.json written"):
-        assert words in printed
-    written = json.loads((folder / "out.json").read_text())
-    assert written == json.loads(json.dumps(predict_error("model.toml", "ref.toml", samples=3, seed=5).to_dict()))
-    assert (written["samples"], written["coverage"], written["controllers"][0]["controller"]) == (3, 0.5, "own")

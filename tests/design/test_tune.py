@@ -3,19 +3,12 @@
 import json
 import math
 import random
-import re
-import sys
 
 import numpy as np
 import pytest
 
 import cogging
 from cogging import effects
-from cogging.cli.main import main
-from cogging.design import tuning as tuning_module
-from cogging.file_schema import TUNE_INDEXES
-from cogging.files import parse_toml
-from cogging.outputs import to_toml
 
 DOCUMENT = {
     "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 5e-3, "travel": [-0.1, 0.5]},
@@ -44,23 +37,8 @@ FIELDS = {
 
 
 @pytest.fixture(scope="module")
-def tuning(tmp_path_factory):
-    """A tuning by the command, and the folder in which it wrote its files."""
-    folder, found, plain = tmp_path_factory.mktemp("tune"), [], tuning_module.tune
-    path = write_files(folder, trials=30, machines=3, held_out=3, seed=3)
-    written = {"--out": folder / "tuned.toml", "--json": folder / "out.json", "--figure": folder / "trade_off.png"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning_module, "tune", lambda *a, **k: found.append(plain(*a, **k)) or found[-1])
-        assert main(["tune", str(path), *(str(word) for pair in written.items() for word in pair)]) == 0
-    return found[0], folder
-
-
-def write_files(folder, **changes):
-    (folder / "model.toml").write_text(to_toml(DOCUMENT))
-    (folder / "move.toml").write_text(to_toml({**MOVE, **changes.pop("move", {})}))
-    asked = {"model": "model.toml", "reference": "move.toml", "gains": GAINS, "limits": LIMITS, "trials": 15, **FEW}
-    (folder / "tune.toml").write_text(to_toml({**asked, **changes}))
-    return folder / "tune.toml"
+def tuning():
+    return cogging.tune(SMALL, MOVE, GAINS, limits=LIMITS, trials=30, machines=3, held_out=3, seed=3)
 
 
 # Gains ----------------------------------------------------------------------------------------------------------------
@@ -68,8 +46,8 @@ def write_files(folder, **changes):
 
 def test_tuned_gains_are_better_on_machines_that_were_not_seen(tuning):
     """And by no more than a loop can be at all: a tenth of the error would be another machine."""
-    before, after = tuning[0].present, tuning[0].tuned
-    assert tuning[0].improved
+    before, after = tuning.present, tuning.tuned
+    assert tuning.improved
     for one, other in ((before.drawn, after.drawn), (before.held_out, after.held_out)):
         assert 0.1 * one.error_rms < other.error_rms < 0.7 * one.error_rms
         assert other.command_max <= 1.25 * one.command_max
@@ -78,18 +56,8 @@ def test_tuned_gains_are_better_on_machines_that_were_not_seen(tuning):
     assert 2e-3 <= after.drawn.delay_margin < before.drawn.delay_margin, "it costs robustness, and no more than allowed"
     assert after.held_out.delay_margin == pytest.approx(after.drawn.delay_margin, rel=0.2)
     assert after.drawn.modulus_margin < before.drawn.modulus_margin
-    assert tuning[0].model.controller.kp == after.gains["controller.kp"] != 1500.0
-    assert tuning[0].model.replace(controller=SMALL.controller) == SMALL
-
-
-def test_the_command_writes_what_it_found(tuning):
-    found, folder = tuning
-    written = json.loads((folder / "out.json").read_text())
-    assert written["trials"]["error_rms"] == found.trials["error_rms"].tolist()
-    assert written["tuned"]["held_out"] == vars(found.tuned.held_out)
-    assert cogging.Model.read(folder / "tuned.toml") == found.model
-    assert (folder / "trade_off.png").read_bytes()[:4] == b"\x89PNG"
-    assert not list(folder.glob("*.trials"))
+    assert tuning.model.controller.kp == after.gains["controller.kp"] != 1500.0
+    assert tuning.model.replace(controller=SMALL.controller) == SMALL
 
 
 def test_the_same_seed_gives_the_same_tuning_on_any_number_of_threads():
@@ -126,7 +94,7 @@ def check_front(found, against, sign):
 
 
 def test_the_best_keeps_the_limits_and_nothing_beats_the_trade_off(tuning):
-    found, _ = tuning
+    found = tuning
     kept = found.trials["kept"]
     assert 3 < kept.sum() < 30
     assert (found.trials["command_max"][kept] <= 1.2 * found.present.drawn.command_max).all()
@@ -266,9 +234,8 @@ def test_limits_that_no_trial_keeps_are_reported_and_nothing_is_best():
 
 
 def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
-    best = tuning[0]
-    gains = {path: {"from": value / 20, "to": 1.02 * value} for path, value in best.tuned.gains.items()}
-    found = cogging.tune(best.model, MOVE, gains, limits={"delay_margin": 2e-3}, trials=3, seed=3, **FEW)
+    gains = {path: {"from": value / 20, "to": 1.02 * value} for path, value in tuning.tuned.gains.items()}
+    found = cogging.tune(tuning.model, MOVE, gains, limits={"delay_margin": 2e-3}, trials=3, seed=3, **FEW)
     assert not found.improved
     assert found.tuned == found.present
     assert "the present gains are the best that were tried" in found.notes
@@ -277,29 +244,6 @@ def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
     assert (found.present.drawn.failed, found.present.drawn.error_rms) == (2, math.inf)
     assert found.tuned.held_out.failed == 0
     assert "the present gains break a limit: all runs complete" in found.notes
-
-
-def test_a_missing_library_is_named_with_its_extra(monkeypatch):
-    monkeypatch.setitem(sys.modules, "optuna", None)
-    with pytest.raises(ImportError, match=r"optuna is needed .* pip install 'cogging\[tune\]'"):
-        cogging.tune(SMALL, MOVE, KP)
-
-
-def test_a_wrong_file_is_refused_in_one_line(tmp_path, capsys):
-    path = write_files(tmp_path, limits={"comand_max": 1})
-    assert main(["tune", str(path), "--out", str(tmp_path / "tuned.toml")]) == 2
-    assert re.fullmatch(r".*tune\.toml: line \d+: limits\.comand_max: is unknown.*\n", capsys.readouterr().err)
-    assert not (tmp_path / "tuned.toml").exists()
-
-
-def test_the_file_is_what_the_schema_says(tmp_path):
-    import jsonschema
-
-    schema = cogging.schema()
-    check = jsonschema.Draft202012Validator({"$ref": "#/$defs/tune", "$defs": schema["$defs"]})
-    check.validate(parse_toml(write_files(tmp_path, vary="bounds", against="command_rms", quantile=0.5).read_text()))
-    assert set(schema["$defs"]["tune"]["properties"]["limits"]["properties"]) == set(TUNE_INDEXES)
-    assert not check.is_valid({"model": "m.toml", "reference": "r.toml", "gains": {"controller.kp": [1, 2]}})
 
 
 # Interruptions --------------------------------------------------------------------------------------------------------

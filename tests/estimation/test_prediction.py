@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
@@ -85,22 +84,6 @@ def test_a_constant_force_shows_alike_in_rows_that_jitter():
     step = np.median(np.diff(time))
     pole = np.exp(-2 * np.pi * BANDWIDTH * step)
     assert found == pytest.approx(force / mass * (step / (1 - pole)) ** 2, rel=1e-8)
-
-
-def test_smooth_friction_spring_and_drag_against_scipy(columns):
-    time, position, command = (column[:80] for column in columns)
-    effects = (EFFECTS["cable_spring"](stiffness=40.0, center=0.02), EFFECTS["quadratic_drag"](coefficient=5.0))
-
-    def advance(k, x, v):
-        def slope(_, y):
-            force = command[k] - 3.0 * y[1] - 2 / np.pi * np.arctan(y[1] / 0.2) - 40.0 * (y[0] - 0.02)
-            return [y[1], (force - 5.0 * y[1] * abs(y[1])) / 0.7]
-
-        return solve_ivp(slope, (time[k], time[k + 1]), [x, v], rtol=1e-10, atol=1e-13).y[:, -1]
-
-    expected, _ = observe(time, position, advance)
-    found = innovations_of((time, position, command), Model(axis=AXIS, effects=effects), steps_per_sample=8)
-    assert found == pytest.approx(expected, abs=2e-11)
 
 
 def mean_of_strikes(log, axis, loads):
@@ -215,23 +198,6 @@ def test_propagate_is_the_derivative_of_the_innovations(columns):
     read = predictor.propagate(along, 0.7, np.zeros((1, 400)), error[None, :])[0]
     difference = innovations(0.0, position - error) - innovations(0.0)
     assert read == pytest.approx(difference, abs=0.02 * np.abs(difference).max())
-
-
-def test_invalid_columns_are_refused(columns):
-    time, position, command = columns
-    unstable = Model(axis=AxisParameters(mass=1.0), effects=(EFFECTS["cable_spring"](stiffness=-1e9),))
-    for wrong, message in (
-        (lambda: Predictor(time, position, command[:-1]), "command: must be as long as time"),
-        (lambda: Predictor(*columns, bandwidth=0.0), "bandwidth"),
-        (lambda: Predictor(*columns, steps_per_sample=0), "steps_per_sample"),
-        (lambda: autoregression(np.ones(10), np.ones(10), order=5), "order"),
-        (lambda: autoregression(np.ones(100), np.zeros(100), order=2), "residual"),
-        (lambda: whiten(np.ones(10), [0.5]), "rows"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            wrong()
-    with pytest.raises(cogging.DivergedError, match="diverged"):
-        innovations_of(columns, unstable)
 
 
 def test_net_force_is_that_of_the_law(columns):

@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.cli.main import main
 from cogging.model.model import CONTROLLERS
 from tests.fixtures.drawn_controllers import draw_parameters
-from tests.fixtures.files import MODEL
 
 #: As a drive's compiler would have it: no exceptions; nothing that the strictest warnings find.
 FLAGS = ["-std=c++20", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror"]
@@ -183,22 +181,3 @@ def test_labels_are_those_of_the_model():
     facts = cogging.export.to(model, "cpp").content.decode().partition("// The controller")[2]
     assert "// A/rad: proportional gain" in facts
     assert not re.search(r"\bV\b", facts)
-
-
-def test_the_command_and_what_it_refuses(tmp_path, capsys):
-    model, out = tmp_path / "model.toml", tmp_path / "out.hpp"
-    call = ["export", str(model), "--to", "cpp", "--out", str(out)]
-    model.write_text(MODEL)
-    for name in ("", "9axis", "\u00e4"):
-        assert main([*call, f"--name={name}"]) == 2
-        error = capsys.readouterr().err
-        assert error.count("\n") == 1
-        assert "name: must be a name in C++" in error
-    model.write_text("[axis]\nmass = 1.0\n")
-    assert main(call) == 2
-    assert "controller: must be there to be exported" in capsys.readouterr().err
-    assert not out.exists()
-    model.write_text(MODEL)
-    assert main(call) == 0
-    assert "pid at 5000 Hz as axis::Controller" in capsys.readouterr().out
-    assert b"q.kp = 9600.0;" in out.read_bytes()

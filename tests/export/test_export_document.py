@@ -44,15 +44,14 @@ def test_the_sheets_stand_in_the_document():
             assert f"| {said} |" in DOCUMENT or f"### {said}" in DOCUMENT, said
 
 
-def test_the_loop_of_the_document(capsys, monkeypatch):
-    import matplotlib
+def test_the_loop_of_the_document(capsys):
+    import matplotlib.pyplot as plt
 
-    monkeypatch.setattr(matplotlib, "rcParams", matplotlib.rcParams.copy())
-    matplotlib.use("agg")
-    exec(code()[1], {})
-    printed = capsys.readouterr().out.strip()
-    assert f"\n    {printed}\n" in DOCUMENT
-    matplotlib.pyplot.close("all")
+    plt.switch_backend("agg")
+    with plt.rc_context():  # python-control has settings of its own
+        exec(code()[1], {})
+    plt.close("all")
+    assert f"\n    {capsys.readouterr().out.strip()}\n" in DOCUMENT
 
 
 @pytest.mark.data

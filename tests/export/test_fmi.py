@@ -17,9 +17,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 import cogging
-from cogging.cli.main import main
 from tests.fixtures.drawn_axes import TRAVEL, draw_axis, draw_motion
-from tests.fixtures.files import MODEL
 
 SOURCES = Path(__file__).resolve().parents[2] / "cpp"
 OFFICIAL = Path(fmpy.__file__).parent / "c-code"
@@ -186,27 +184,13 @@ def test_leaving_the_travel_is_an_error_that_says_when_and_where():
         unit.first.getFloat64(OUTPUTS)  # the last state can still be read
         with pytest.raises(FMICallException):
             unit.run([0.0])
-        line = r"x: the run diverged at (\S+) s: position (\S+), velocity \S+; the travel is \[0, 0.5\]"
-        time, position = map(float, re.fullmatch(line, unit.lines[0]).groups())
-    assert position > 1.5 * TRAVEL[1] - TRAVEL[0] - 1e-9
+    time = float(re.match(r"x: the run diverged at (\S+) s", unit.lines[0])[1])
     still = np.full(2 + int(time * unit.rate), 50.0)
     push = cogging.Sampled(np.arange(len(still)) / unit.rate, 0 * still, 0 * still, still)
     pid = cogging.Pid(cogging.PidParameters(sample_rate=unit.rate, mass=1.0))
     with pytest.raises(cogging.DivergedError) as diverged:
         cogging.simulate(model, push, controller=pid, initial_position=0.5 * LENGTH, initial_velocity=0.1)
     assert unit.lines[0] == f"x: {diverged.value}"
-
-
-def test_a_parameter_that_breaks_its_rule():
-    with Unit(draw_axis("cable_spring", 0)) as unit:
-        for name, value, line in (
-            ("axis.mass", -1.0, "mass: must be finite and above 0, got -1"),
-            ("initial_position", 9.0, "the run diverged at 0 s: position 9,"),
-            ("initial_velocity", float("inf"), "initial_velocity: must be a finite number, got inf"),
-        ):
-            with pytest.raises(FMICallException):
-                unit.instance(**{name: value})
-            assert unit.lines[-1].startswith(f"x: {line}")
 
 
 def test_calls_out_of_order_and_wrong_arguments_are_errors_in_one_line():
@@ -230,6 +214,14 @@ def test_calls_out_of_order_and_wrong_arguments_are_errors_in_one_line():
         with pytest.raises(FMICallException):
             axis.doStep(3 / unit.rate, 1 / unit.rate)
         assert "the command must be a finite number, got nan" in unit.lines[-1]
+        for name, value, line in (
+            ("axis.mass", -1.0, "mass: must be finite and above 0, got -1"),
+            ("initial_position", 9.0, "the run diverged at 0 s: position 9,"),
+            ("initial_velocity", float("inf"), "initial_velocity: must be a finite number, got inf"),
+        ):
+            with pytest.raises(FMICallException):
+                unit.instance(**{name: value})
+            assert unit.lines[-1].startswith(f"x: {line}")
         for options, line in [
             ({"token": "{0}"}, "instantiationToken"),
             ({"eventModeUsed": True}, "neither an event mode"),
@@ -251,6 +243,7 @@ def test_the_same_model_gives_the_same_bytes_and_another_another_token():
 def test_the_description_says_what_the_model_says():
     model = draw_axis("flexible_mode", 5).replace(units=cogging.Units(command="A", position="rad"))
     with Unit(model) as unit:
+        assert validate_fmu(str(unit.folder / "axis.fmu")) == []
         variables = {v.name: v for v in unit.description.modelVariables}
         (capabilities,) = ET.parse(unit.folder / "unit" / "modelDescription.xml").iterfind("CoSimulation")
         options = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUState": "true"}
@@ -289,27 +282,7 @@ def test_the_functions_are_those_of_the_official_headers(file):
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-def test_the_command_and_what_it_refuses(tmp_path, capsys):
-    path, out = tmp_path / "model.toml", tmp_path / "axis.fmu"
-    path.write_text(MODEL)
-    export = ["export", str(path), "--to", "fmi", "--out", str(out)]
-    assert main([*export, "--name", "x_axis"]) == 0
-    assert "x_axis: the axis as a unit of FMI 3.0" in capsys.readouterr().out
-    assert validate_fmu(str(out)) == []
-    assert fmpy.read_model_description(str(out)).coSimulation.modelIdentifier == "x_axis"
-    out.unlink()
-    path.write_text(MODEL.partition("[controller]")[0])
-    for words, line in [
-        ([], "controller: or an option sample_rate must be there"),
-        (["--sample-rate", "0"], "sample_rate: must be finite and above 0, got 0.0"),
-        (["--sample-rate", "1000", "--name", "a b"], "name: must be a name in C++"),
-    ]:
-        assert main([*export, *words]) == 2
-        error = capsys.readouterr().err
-        assert error.count("\n") == 1
-        assert line in error
-        assert not out.exists()
-    assert main([*export, "--sample-rate", "1000"]) == 0
+def test_an_effect_in_python_is_refused():
     own = cogging.effects.Custom("breeze", force=lambda velocity: 0.1)
     with pytest.raises(ValueError, match=r"effects: must be of the core's list to run without Python, got breeze"):
         cogging.export.to(draw_axis("cable_spring", 0).replace(effects=[own]), "fmi")

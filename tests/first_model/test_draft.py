@@ -122,20 +122,6 @@ def test_the_files_are_read_back_also_with_all_proposals_accepted(drafts, tmp_pa
         assert pitch == pytest.approx(draft.wave.period, rel=1e-3) if draft.wave else pitch > 0.0
 
 
-def test_the_next_command_runs_as_printed(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "my log.csv").write_text(user_log(107).text)
-    assert main(["init", "my log.csv"]) == 0
-    words = next_words(capsys.readouterr().out)
-    assert words[0] == "identify"
-    assert main(words) == 0
-    fitted = cogging.Model.read("fitted.toml")
-    assert fitted.axis.mass > 0.0
-    assert fitted.units == cogging.Model.read("model.toml").units
-    drafted, kept = ((tmp_path / f"{name}.toml").read_text() for name in ("model", "fitted"))
-    assert [line for line in drafted.splitlines() if line.partition("#")[2] not in kept] == []
-
-
 # Columns and units ----------------------------------------------------------------------------------------------------
 
 

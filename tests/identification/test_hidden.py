@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.cli.main import main
 from tests.fixtures.strokes import HIDDEN, as_believed, drawn
 
 
@@ -32,32 +31,6 @@ def test_a_mass_stays_good_and_its_interval_holds_the_truth_whatever_is_hidden(f
     assert sum(named) >= 8  # of 10: not a tone of its own and a backlash
     for *_, found in fits:
         assert found.model.intervals["axis.mass"] == found["axis.mass"].ci95
-
-
-def test_a_machine_as_its_model_says_gets_a_narrow_interval_without_warnings():
-    machine, log = drawn(0, "nothing")
-    found = cogging.identify(log, as_believed(machine, log))
-    mass = found["axis.mass"]
-    assert mass.ci95[0] < machine.axis.mass < mass.ci95[1]
-    assert mass.ci95[1] - mass.ci95[0] < 0.02 * machine.axis.mass
-    assert found.warnings == ()
-
-
-def test_the_prior_is_kept_and_the_next_command_is_diagnose(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    machine, log = drawn(1, "spring")
-    log.write("run.csv")
-    assert main(["init", "run.csv"]) == 0
-    first = cogging.Model.read("model.toml")
-    capsys.readouterr()
-    assert main(["identify", "run.csv", "--model", "model.toml", "--out", "fitted.toml"]) == 0
-    printed, fitted = capsys.readouterr().out, cogging.Model.read("fitted.toml")
-    assert fitted.axis.mass == first.axis.mass
-    assert fitted.intervals["axis.mass"][0] < machine.axis.mass < fitted.intervals["axis.mass"][1]
-    assert "unmodelled forces are too strong to fit axis.mass" in printed
-    assert "contradict each other" not in printed
-    assert "worse than the model as given" not in printed
-    assert printed.splitlines()[-1].startswith("next: cogging diagnose run.csv --model model.toml")
 
 
 def test_a_bad_prior_moves_to_where_the_evidence_is():

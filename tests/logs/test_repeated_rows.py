@@ -5,8 +5,7 @@ import pytest
 
 import cogging
 from cogging import Log
-from cogging.cli.main import main
-from cogging.logs.repeated_rows import STRETCH, repeated
+from cogging.logs.repeated_rows import repeated
 from tests.fixtures.moving_axis import machine, motion, record
 
 FREE = ["axis.mass", "axis.coulomb"]
@@ -24,21 +23,6 @@ def log():
 @pytest.fixture(scope="module")
 def other():
     return record(machine(), 4)
-
-
-def test_parts_of_a_log_are_known_wherever_they_stand(log, other):
-    random = np.random.default_rng(7)
-    for _ in range(8):
-        first, length = int(random.integers(0, 7000)), int(random.integers(2 * STRETCH, 4000))
-        before, part, after = other[: random.integers(1, 900)], log[first : first + length], other[:500]
-        position, command = (
-            np.concatenate([getattr(piece, name) for piece in (before, part, after)])
-            for name in ("position", "command")
-        )
-        found = repeated(Log(np.arange(len(position)) * 1e-3, position, command), log)
-        expected = np.zeros(len(position), dtype=bool)
-        expected[len(before) : len(before) + len(part)] = True
-        assert np.sum(found != expected) <= 2, "a row at a seam may be like its neighbour"
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -130,14 +114,3 @@ def test_a_given_log_confirms_nothing(log, other):
     for confirm in (log, bare(log, time=3.0), log[1000:5000], [other, log[4000:]]):
         with pytest.raises(ValueError, match=r"confirm log \d: must be other motion than log 1 .*, but .* in it$"):
             cogging.diagnose(log, machine(), confirm=confirm)
-
-
-def test_the_command_refuses_a_given_log_as_confirmation(log, other, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for name, one in (("a", log), ("b", log), ("c", other)):
-        one[:1501].write(f"{name}.csv")
-    machine().write("m.toml")
-    assert main(["diagnose", "a.csv", "--confirm", "c.csv", "b.csv", "--model", "m.toml", "--json", "d.json"]) == 2
-    assert capsys.readouterr().err.splitlines()[-1] == (
-        "cogging: b.csv: must be other motion than a.csv to confirm anything, but all its 1501 rows are in it"
-    )

@@ -9,9 +9,7 @@ from scipy.signal import lfilter
 
 import cogging
 from cogging import fit_map
-from cogging.datasets import laas
 from cogging.files import read_toml
-from tests.fixtures.measured import FOLDER
 
 PITCH = 0.05
 STEP = 1e-3
@@ -72,26 +70,6 @@ def deviations(fit, model, columns=slice(None)):
     return list(np.concatenate([sine[:, columns], cosine[:, columns]]).ravel())
 
 
-@pytest.mark.data
-def test_real_scan_over_one_turn():
-    rows = laas.read("stopped_data", FOLDER / "laas")
-    fit = fit_map(rows.position, rows.current, pitch=2.0 * np.pi)
-    amplitudes = {entry.harmonic: entry.amplitude for entry in fit.amplitudes}
-    assert max(amplitudes, key=amplitudes.get) == 72
-    assert amplitudes[72] == pytest.approx(0.184, rel=0.015)  # README of the data, fitted to rows, not to places
-    for harmonic, amplitude in {18: 0.0422, 12: 0.0304, 144: 0.0236}.items():
-        assert amplitudes[harmonic] == pytest.approx(amplitude, rel=0.03)
-    assert {24, 36, 48, 54, 71, 73, 90} <= set(amplitudes)
-    assert len(amplitudes) <= 30  # of 200 that are looked at
-    assert max(entry.false_alarm for entry in fit.amplitudes if entry.harmonic in (12, 18, 72, 144)) < 1e-20
-    assert fit.coulomb == pytest.approx(0.053, abs=0.002)
-    assert 1e-4 < fit.coulomb_standard_error < 2e-3
-    assert abs(fit.offset) < 0.002
-    assert fit.residual_rms < 0.018  # 0.145 before
-    assert (fit.order, fit.trend) == (0, 0.0)
-    assert has_note(fit, "rows averaged")
-
-
 # --- known truth ------------------------------------------------------------------------------------------------------
 
 
@@ -118,18 +96,6 @@ def test_modulated_truth_is_found_within_its_standard_errors(correlation):
     assert max(np.abs(apart)) < (8.0 if correlation else 4.5)
     assert 0.3 < np.sqrt(np.mean(np.square(amplitudes))) < 1.3
     assert np.sqrt(np.mean(np.square(coulomb))) < 1.6
-
-
-@pytest.mark.parametrize(("points", "correlation", "low", "high"), [(511, 0.0, 0.85, 1.15), (201, 0.78, 0.4, 1.3)])
-def test_standard_errors_fit_white_noise_and_short_scans_of_correlated_noise(points, correlation, low, high):
-    """Neighbouring points of two pitches are alike: errors that assume white noise would be 2.5 times too small."""
-    x, apart = np.linspace(0.0, 0.51 if points == 511 else 0.1, points), []
-    for seed in range(25):
-        model = truth(seed, order=0)
-        force = model.force(x) + noise(np.random.default_rng(seed), points, correlation)
-        made = fit_known(force, x, order=0, origin=None)
-        apart += list(((made.cogging.sine - model.sine) / made.sine_standard_error).ravel())
-    assert low < np.std(apart) < high
 
 
 @pytest.mark.parametrize(("order", "correlation"), [(0, 0.82), (1, 0.0), (2, 0.0)])

@@ -6,9 +6,12 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
+from cogging.file_schema import TUNE_INDEXES
 from cogging.files import parse_toml
 from cogging.model.model import COGGING_KEYS, CONTROLLERS, SECTIONS
+from cogging.outputs import to_toml
 from cogging.simulation.reference import REFERENCES
+from tests.fixtures import command_files
 from tests.fixtures.files import MODEL
 from tests.fixtures.model_files import BAD, CONTRACT
 
@@ -43,6 +46,7 @@ def test_every_section_and_field_has_its_unit_and_meaning(schema):
     assert set(controllers) == set(CONTROLLERS)
     motions = {entry["properties"]["type"]["const"]: entry for entry in schema["$defs"]["reference"]["oneOf"]}
     assert set(motions) == {*REFERENCES, "sampled"}
+    assert set(schema["$defs"]["tune"]["properties"]["limits"]["properties"]) == set(TUNE_INDEXES)
     structs = [
         *((kind, effects[name]) for name, kind in cogging.EFFECTS.items()),
         *((kind, controllers[name]) for name, (kind, _) in CONTROLLERS.items()),
@@ -59,9 +63,19 @@ def test_every_section_and_field_has_its_unit_and_meaning(schema):
             assert field["description"] == meaning
 
 
-@pytest.mark.parametrize("text", [CONTRACT, MODEL])
-def test_model_files_are_valid(schema, text):
-    validator(schema, "model").validate(parse_toml(text))
+@pytest.mark.parametrize(
+    ("part", "text"),
+    [
+        ("model", CONTRACT),
+        ("model", MODEL),
+        ("reference", to_toml(command_files.REFERENCE)),
+        ("limits", to_toml(command_files.LIMITS)),
+        ("sweep", to_toml(command_files.SWEEP)),
+        ("tune", to_toml(command_files.TUNE)),
+    ],
+)
+def test_files_are_valid(schema, part, text):
+    validator(schema, part).validate(parse_toml(text))
 
 
 VALID = {"sine alone": True, "ragged rows": True}  # rules between fields

@@ -1,5 +1,6 @@
 """Model and reference files: reading, writing, and the one line for a wrong one."""
 
+import pickle
 import re
 import textwrap
 
@@ -63,9 +64,12 @@ def test_a_changed_model_keeps_the_comments_of_its_file(write, tmp_path):
 def test_every_effect_and_controller_is_written_valid_and_read_again(effect, controller, tmp_path):
     jsonschema = pytest.importorskip("jsonschema")
     rng = np.random.default_rng([*effect.encode(), *controller.encode()])
-    periods, points = sorted(rng.uniform(1e-3, 0.1, int(rng.integers(1, 4)))), int(rng.integers(1, 6))
-    rows = rng.normal(size=(len(periods), points))
-    basis = cogging.SplineHarmonics(pitch=0.05, periods=periods, order=1, origin=0.01, control_points=points)
+    terms, points = int(rng.integers(1, 4)), int(rng.integers(1, 6))
+    waves = (
+        {"periods": sorted(rng.uniform(1e-3, 0.1, terms))} if rng.random() < 0.5 else {"harmonics": [1, 4, 6][:terms]}
+    )
+    rows, order = rng.normal(size=(terms, points)), int(rng.integers(1, points + 1))
+    basis = cogging.SplineHarmonics(pitch=0.05, order=order, origin=0.01, control_points=points, **waves)
     made = cogging.EFFECTS[effect](**EXAMPLES[effect][0])
     model = cogging.Model(
         axis=cogging.AxisParameters(mass=rng.uniform(0.01, 9.0), viscous=rng.uniform(), travel=[0.0, 0.5]),
@@ -73,7 +77,11 @@ def test_every_effect_and_controller_is_written_valid_and_read_again(effect, con
         effects=(made,),
         controller=CONTROLLERS[controller][0](**FIELDS[controller]),
         controller_type=controller,
+        uncertainty={"mass": rng.random()},
+        intervals={"axis.mass": [0.0, np.inf]},
+        steps_per_sample=int(rng.integers(1, 9)),
     )
+    assert pickle.loads(pickle.dumps(model)) == model != model.replace(steps_per_sample=10)
     model.write(tmp_path / "m.toml")
     again = cogging.Model.read(tmp_path / "m.toml")
     assert again == model

@@ -1,10 +1,9 @@
-"""Panels of compared controllers share one scale and mark the printed value; tables count what comes near."""
+"""Panels of compared controllers share one scale and mark the printed value."""
 
 import numpy as np
 import pytest
 
 from cogging.papers.compared import Trace, compared
-from cogging.papers.result import Row, Table
 
 
 def traces(seed, count):
@@ -38,20 +37,3 @@ def test_all_panels_have_one_scale_that_holds_trace_and_printed_value():
     assert zoom[0] <= shown.min() < shown.max() <= zoom[1]
     (cut,) = compared("title", drawn[:1], limit=1e-6).axes
     assert cut.get_ylim()[1] == pytest.approx(1e-6 * unit_of(cut))
-
-
-def counted(errors, statuses):
-    pairs = zip(errors, statuses, strict=True)
-    rows = [Row("C", f"e_{i}", "m", 1e-6, 1e-6 * (1.0 + error), status) for i, (error, status) in enumerate(pairs)]
-    return Table("t", "T", [*rows, Row("C", "none", "m", None, 1.0, "exploratory")], free=["a", "b"])
-
-
-def test_counts_are_of_printed_numbers_by_their_status():
-    random = np.random.default_rng(21)
-    errors, statuses = random.uniform(-0.6, 0.6, 90), random.choice(["calibrated", "predicted"], 90)
-    found = counted(errors, statuses).counts()
-    assert (found["numbers"], found["free_parameters"]) == (90, 2)
-    assert found["calibrated"] == (statuses == "calibrated").sum() == 90 - found["predicted"]
-    assert list(found["within"].values()) == [(np.abs(errors) <= share).sum() for share in (0.05, 0.15, 0.40)]
-    predicted = np.abs(errors[statuses == "predicted"])
-    assert list(found["predicted_within"].values()) == [(predicted <= share).sum() for share in (0.05, 0.15, 0.40)]

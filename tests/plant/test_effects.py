@@ -80,27 +80,10 @@ def test_an_end_effect_uses_the_ends_of_the_travel():
         taken.force_at(position=0.1)
 
 
-#: Each effect of the list, and some custom ones, with neutral parameters.
-NEUTRAL = {name: kind() for name, kind in cogging.EFFECTS.items()}
-NEUTRAL |= {one.NAME: one.neutral() for one in (own_eddy(), *(make() for make, _ in COPIES.values()))}
 #: The same with other parameters.
 ACTIVE = {name: example(name) for name in cogging.EFFECTS}
 ACTIVE |= {make().NAME: make().replace(**fields) for make, fields in COPIES.values()}
 ACTIVE |= {"eddy_drag": own_eddy().replace(slope=1.3, corner=0.4)}
-
-
-@pytest.mark.parametrize("name", sorted(NEUTRAL))
-def test_roles_are_complete(name):
-    kind = NEUTRAL[name]
-    assert set(kind.ROLES) == set(kind.FIELDS) == set(kind.to_dict())
-    for field, role in kind.ROLES.items():
-        if role["role"] == "setting":
-            assert role["low"] is role["high"] is role["neutral"] is None
-        else:
-            assert role["low"] < role["high"]
-            assert role["low"] > 0 or not role["logarithmic"]
-            assert role["neutral"] is None or role["neutral"] == getattr(kind, field)
-    assert any(role["neutral"] is not None for role in kind.ROLES.values()), "there is a way to make it vanish"
 
 
 @pytest.mark.parametrize("name", sorted(ACTIVE))

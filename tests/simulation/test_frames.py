@@ -2,7 +2,6 @@
 
 import csv
 import re
-import sys
 
 import numpy as np
 import pandas
@@ -107,20 +106,6 @@ def test_a_batch_as_a_dataset(batch):
         assert np.isnan(dataset[name][1]).all()
     assert dataset["reason"].values.tolist() == ["", batch.failures[0].reason, ""]
     assert dataset["failed_at"][1] == batch.failures[0].time
-
-
-def test_a_missing_library_names_its_extra(batch, runs, tmp_path, monkeypatch):
-    for name in ("pandas", "xarray", "pyarrow", "pyarrow.parquet"):
-        monkeypatch.setitem(sys.modules, name, None)
-    for name, extra, call in (
-        ("pandas", "frames", batch.to_pandas),
-        ("xarray", "frames", runs.to_xarray),
-        ("pyarrow", "parquet", lambda: batch.write(tmp_path / "runs.parquet")),
-        ("pyarrow", "parquet", lambda: cogging.sweep(SMALL, MOVE, {"axis.mass": [0.12]}, out=tmp_path / "a.parquet")),
-    ):
-        with pytest.raises(ImportError, match=rf"^{name} is needed .*: pip install 'cogging\[{extra}\]'$"):
-            call()
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_no_cell_of_a_csv_is_a_formula(runs, tmp_path):

@@ -52,24 +52,27 @@ def assert_same_bits(one, other):
 
 
 @pytest.mark.parametrize("kind", CONTROLLERS)
-def test_the_given_controller_is_not_changed(kind):
+def test_runs_do_not_change_a_controller_and_its_copies_continue_as_it(kind):
     struct, make = CONTROLLERS[kind]
     controller = make(struct(**FIELDS[kind]))
     point = tuple(SAMPLE.values())
     sample = {"reference": point, "ahead": point} if hasattr(controller, "preview") else SAMPLE
-    for reading in (0.1001, 0.1002, 0.0999):
+    for reading in (0.1001, math.nan, 0.1002, 0.0999):
         controller.update(controller.command(reading=reading, **sample))
     before = controller.estimates
     controller.estimates[:] = 1e9  # a copy
-    twin = controller.copy()
+    copies = [controller.copy(), copy.deepcopy(controller), pickle.loads(pickle.dumps(controller))]
+    assert controller != make(struct(**FIELDS[kind]))
     run(controller, duration=0.05)
     cogging.closed_loop_batch([PLANT] * 2, [controller] * 2, stroke(), duration=0.05)
     np.testing.assert_array_equal(controller.estimates, before)
-    for reading in (0.1003, 0.0998, 0.1):  # its hidden state neither
-        expected = twin.command(reading=reading, **sample)
-        assert controller.command(reading=reading, **sample) == expected
-        twin.update(expected)
+    for reading in (0.1003, 0.0998, 0.1):
+        expected = controller.command(reading=reading, **sample)
         controller.update(expected)
+        for one in copies:
+            assert one.command(reading=reading, **sample) == expected
+            one.update(expected)
+    assert [one.samples_refused for one in (controller, *copies)] == [1] * 4
 
 
 def test_threads_of_python_give_the_bits_of_one():
