@@ -10,16 +10,17 @@ import argparse
 import contextlib
 import json
 import sys
+import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import cogging
 from cogging_command import run_command
 
 from .machines import NULL_FAMILIES
 from .outside import OUTSIDE
 from .report import format_table
-from .runners import run_case
 from .score import Outcome, judge, plain, table
 from .suite import KINDS, LAMBDAS, SHARES, draw_suite, plan_suite
 from .vocabulary import CHANGES, VOCABULARY
@@ -71,6 +72,22 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     if options.report and options.seed in tuning_seeds():
         parser.error(f"--seed: must not be one of the tuning (seeds.toml) in a report, got {options.seed}")
     return options
+
+
+def run_case(task: tuple[str, str]) -> tuple[str, dict[str, Any], float]:
+    """Diagnose one case and keep its result: (folder of the case, file of the result).
+
+    A failure is a result too: {"error": "type: text"}; it counts as an error in the table.
+    """
+    case, begin = Path(task[0]), time.perf_counter()
+    try:
+        found = cogging.diagnose(case / "log.csv", case / "model.toml", confirm=[case / "confirm.csv"])
+        result = dict(found.to_dict())
+    except Exception as error:
+        result = {"error": f"{type(error).__name__}: {error}"}
+    seconds = time.perf_counter() - begin
+    Path(task[1]).write_text(json.dumps({"seconds": seconds, "result": result}, indent=1))
+    return case.name, result, seconds
 
 
 def run_suite(out: Path, jobs: int, *, again: bool) -> None:

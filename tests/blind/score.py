@@ -232,9 +232,6 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
     def by_ratio(group: list[Outcome], flag: Callable[[Outcome], bool]) -> dict[str, Rate]:
         return {f"{ratio:g}": Rate.of(flag(o) for o in group if o.ratio == ratio) for ratio in ratios}
 
-    def is_above(o: Outcome) -> bool:
-        return o.key.get("law_ratio", 0.0) >= 30
-
     found = [o for o in single if o.right]
     large = [o for o in single + many if o.ratio >= 300]
     stated = [pair for o in outcomes for pair in o.stated]
@@ -250,10 +247,6 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
             family: Rate.of(o.verdict in ALARMS for o in nulls if o.family == family)
             for family in sorted({o.family for o in nulls})
         },
-        "false_alarm_by_law_ratio": {
-            f"friction law {side} 30": Rate.of(o.verdict in ALARMS for o in nulls if is_above(o) == (side == "above"))
-            for side in ("under", "above")
-        },
         "detected": by_ratio(single, lambda o: o.detected),
         "named": by_ratio(single, lambda o: o.right),
         "exact": by_ratio(single, lambda o: o.exact),
@@ -268,13 +261,10 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "outside_confident_wrong_all": Rate.of(bool(o.wrong) for o in outside),
         "pairs_right": Rate.of(o.right for o in many if o.kind == "pair"),
         "triples_right": Rate.of(o.right for o in many if o.kind == "triple"),
-        "unknown_controller_named": Rate.of(o.right for o in single if not o.key["stated_controller"]),
         "gap_closed_median": _median([o.closed for o in large]),
         "made_worse": Rate.of(bool(o.worse) for o in outcomes if o.worse is not None),
         "coverage": Rate.of(coverage),
-        "error_to_bound": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
         "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,
-        "error_count": len(errors),
         "calibration": {
             f"{low:g} to {high:g}": {
                 "stated": float(np.mean(here)) if (here := [c for c, _ in stated if _within(c, low, high)]) else None,

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from tests.blind.runners import run_case
+from tests.blind.benchmark import run_case
 from tests.blind.score import judge
 from tests.blind.suite import draw_suite, plan_suite
 
