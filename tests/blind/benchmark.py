@@ -20,8 +20,7 @@ from cogging_command import run_command
 
 from .machines import NULL_FAMILIES
 from .outside import OUTSIDE
-from .report import format_table
-from .score import Outcome, judge, plain, table
+from .score import Outcome, format_table, judge, plain, table
 from .suite import KINDS, LAMBDAS, SHARES, draw_suite, plan_suite
 from .vocabulary import CHANGES, VOCABULARY
 
