@@ -329,9 +329,9 @@ def test_answers_in_the_large_are_judged():
     key = key_of("large", "gravity", "backlash") | {"largest": ["gravity"], "misreading": None}
     misread = key | {"misreading": {"kind": "sign", "columns": ["command"], "factor": -1.0}}
     grows = {"given": 1.0, "before": 1.2, "after": 1.0}
-    right = judge("0", key, answer("named", ("gravity", 0.95), ("backlash", 0.95), gap=grows))
+    right = judge(key, answer("named", ("gravity", 0.95), ("backlash", 0.95), gap=grows))
     assert (right.largest, right.found, right.said, right.grows) == (True, 2, None, True)
-    second = judge("1", key, answer("named", ("backlash", 0.95), ("drag", 0.95), gap={"before": 1.0, "after": 1.005}))
+    second = judge(key, answer("named", ("backlash", 0.95), ("drag", 0.95), gap={"before": 1.0, "after": 1.005}))
     assert (second.largest, second.found, second.wrong, second.grows) == (False, 1, ("drag",), False)
     for result, said in (
         (answer("data_mismatch") | {"mismatch": {"kind": "sign", "column": "position"}}, "kind"),
@@ -340,7 +340,7 @@ def test_answers_in_the_large_are_judged():
         ({"error": "InputError: command: give --scale; its sign is reversed"}, "kind"),
         ({"error": "ZeroDivisionError: float division by zero"}, ""),
     ):
-        assert judge("2", misread, result).said == said
+        assert judge(misread, result).said == said
     lines = [line.split() for line in format_table(table([right, second])).splitlines()]
     (first,) = (line for line in lines if line[:3] == ["right", "first", "name,"])
     assert first[6:9] == ["50.0", "%", "(1/2;"]
@@ -370,7 +370,7 @@ def test_hand_made_results_get_their_hand_computed_rates():
         (pair, answer("named", (step, 0.95), (spring, 0.91))),
         (pair, answer("named", (step, 0.95))),
     ]
-    figures = table([judge(str(number), *one) for number, one in enumerate(answers)])
+    figures = table([judge(*one) for one in answers])
     rates = {
         ("errors",): (1, 13),
         ("false_alarm",): (2, 4),

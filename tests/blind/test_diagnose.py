@@ -31,7 +31,7 @@ def outcomes(request, tmp_path_factory):
         _, result, seconds = run_case((str(folder / "cases" / name), str(answer)))
         assert json.loads(answer.read_text())["result"] == json.loads(json.dumps(result))
         print(name, key["kind"], [e["name"] for e in key["effects"]], "->", result.get("verdict", result))
-        found.append(judge(name, key, result, seconds))
+        found.append(judge(key, result, seconds))
     assert len(found) == len(request.param)
     return found
 
