@@ -216,11 +216,16 @@ def test_the_stated_ratio_counts_noise_as_one_a_sample_and_what_is_re_tuned_as_n
     assert signal.ratio(signal.difference(twice)) == pytest.approx(4.0 * found, rel=0.05)
 
 
-def test_a_case_bears_the_name_of_its_cause_whatever_the_shape():
-    keys = [draw_case([seed], Specification("effect", ("end_effect",), 300.0)).key["effects"][0] for seed in (1, 2)]
-    assert {key["name"] for key in keys} == {"end_effect"}
-    assert {key["shape"] for key in keys} == {"usual", DRAWN}
-    assert all(bool(key["parameters"]) == (key["shape"] == "usual") for key in keys)
+def test_an_effect_bears_the_name_of_its_cause_whatever_the_shape():
+    machine = draw_machine(np.random.default_rng(1))
+    _, motion = machine.draw_motion(np.random.default_rng(2))
+    for name, draw in {**VOCABULARY, **OUTSIDE}.items():
+        drawn = [draw(np.random.default_rng(seed), machine, motion) for seed in range(12)]
+        assert {one.name for one in drawn} == {name}
+        assert all(0.0 < one.low <= one.start <= one.high for one in drawn), name
+    drawn = [VOCABULARY["end_effect"](np.random.default_rng(seed), machine, motion) for seed in range(12)]
+    assert {one.shape for one in drawn} == {"usual", DRAWN}
+    assert all(bool(one.parameters(one.start)) == (one.shape == "usual") for one in drawn)
 
 
 def test_files_keep_the_contract(tmp_path):
