@@ -176,35 +176,47 @@ def _controller_sign(v, width):
 
 
 @njit(cache=True, error_model="numpy")
-def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
-    """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
-    s = (x - grid_start) / GRID_STEP
+def _read_map(m, s):
+    """A map at a place in steps of the grid, with Catmull-Rom weights."""
     i = int(s)
     f = s - i
-    # Catmull-Rom weights
     w0 = f * (-0.5 + f * (1.0 - 0.5 * f))
     w1 = 1.0 + f * f * (-2.5 + 1.5 * f)
     w2 = f * (0.5 + f * (2.0 - 1.5 * f))
     w3 = f * f * (-0.5 + 0.5 * f)
+    return w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _friction(p, law, level, direction, bristle, v):
+    """Coulomb friction: of an axis that sticks by its direction, of bristles by their state, else by the speed."""
+    if law == STICK:
+        return direction * level + 0.5 * p.coulomb_asymmetry
+    share = bristle / p.bristle if law == BRISTLES else _smooth_sign(law, v, p.width, p.share)
+    friction = level * share + 0.5 * p.coulomb_asymmetry * abs(share)
+    if law == BRISTLES:
+        friction += p.bristle_damping * (v - abs(v) * share)
+    return friction
+
+
+@njit(cache=True, error_model="numpy")
+def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
+    """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
+    s = (x - grid_start) / GRID_STEP
     gain = 1.0 + row[R_GAIN] + p.gain_speed * abs(v)
     viscous = p.viscous + row[R_VISCOUS] + 0.5 * np.sign(v) * p.viscous_asymmetry
     level = p.coulomb + row[R_COULOMB]
     total = force
     if active[M_FORCE]:
-        m = maps[M_FORCE]
-        total += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        total += _read_map(maps[M_FORCE], s)
     if active[M_COULOMB]:
-        m = maps[M_COULOMB]
-        level += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        level += _read_map(maps[M_COULOMB], s)
     if active[M_VISCOUS]:
-        m = maps[M_VISCOUS]
-        viscous += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        viscous += _read_map(maps[M_VISCOUS], s)
     if active[M_GAIN]:
-        m = maps[M_GAIN]
-        gain += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        gain += _read_map(maps[M_GAIN], s)
     if active[M_RELUCTANCE]:
-        m = maps[M_RELUCTANCE]
-        total += u * u * (w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2])
+        total += u * u * _read_map(maps[M_RELUCTANCE], s)
     total += u * gain - viscous * v
     if p.drag != 0.0:
         total -= p.drag * np.sign(v) * abs(v) ** p.drag_exponent
@@ -374,19 +386,11 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 pull = stiffness * d * (1.0 + p.hardening * d * d) + damping * (v - vl)
                 total -= pull
             direction = np.sign(v)
-            if law == STICK:
-                if v == 0.0:
-                    direction = np.sign(total)
-                    if abs(total) <= level + 0.5 * direction * p.coulomb_asymmetry:
-                        continue
-                friction = direction * level + 0.5 * p.coulomb_asymmetry
-            elif law == BRISTLES:
-                share = bristle / p.bristle
-                friction = level * share + 0.5 * p.coulomb_asymmetry * abs(share)
-                friction += p.bristle_damping * (v - abs(v) * share)
-            else:
-                share = _smooth_sign(law, v, p.width, p.share)
-                friction = level * share + 0.5 * p.coulomb_asymmetry * abs(share)
+            if law == STICK and v == 0.0:
+                direction = np.sign(total)
+                if abs(total) <= level + 0.5 * direction * p.coulomb_asymmetry:
+                    continue
+            friction = _friction(p, law, level, direction, bristle, v)
             inertia = m_motor
             if p.coupling == BACKLASH and engaged != 0:
                 if engaged * (total - friction) < 0.0:
@@ -414,15 +418,7 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 vl_new = vl + 0.5 * h * (al_0 + pull_1 / m_load)
                 xl += 0.5 * h * (vl + vl_new)
                 vl = vl_new
-            if law == STICK:
-                friction = direction * level + 0.5 * p.coulomb_asymmetry
-            elif law == BRISTLES:
-                share = bristle_p / p.bristle
-                friction = level * share + 0.5 * p.coulomb_asymmetry * abs(share)
-                friction += p.bristle_damping * (vp - abs(vp) * share)
-            else:
-                share = _smooth_sign(law, vp, p.width, p.share)
-                friction = level * share + 0.5 * p.coulomb_asymmetry * abs(share)
+            friction = _friction(p, law, level, direction, bristle_p, vp)
             a_1 = (total - friction) / inertia
             v_new = v + 0.5 * h * (a_0 + a_1)
             stop = 1.0
