@@ -6,7 +6,7 @@ import ctypes
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -135,22 +135,11 @@ def sound(name: str, annotation: str, random: Random, pool: Pool) -> Any:
     return float(10.0 ** random.uniform(-3, 1))
 
 
-class Pool(Mapping[str, Any]):
+class Pool(examples.Examples):
     """One sound object of each class of the core by its name, made anew when it is first asked for."""
 
     def __init__(self) -> None:
-        self._made: dict[str, Any] = {}
-
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._made:
-            self._made[name] = MAKERS[name]()
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(MAKERS)
-
-    def __len__(self) -> int:
-        return len(MAKERS)
+        super().__init__(MAKERS)
 
 
 TIME = np.linspace(0.0, 0.1, 50)
