@@ -4,6 +4,8 @@ import math
 import re
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -141,6 +143,30 @@ def test_threads_that_cannot_start_are_one_error():
 
 
 # Tables ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_reader_reads_on_after_what_was_taken_and_refuses_threads_that_meet_in_it():
+    """Whole rows come out, or a call is refused; nothing is read from memory that was given back."""
+    block = b"".join(b"%d,%d\n" % (i, 2 * i) for i in range(20_000))
+    one = _core.NumberReader(separator=",", fields=2, wanted=[0, 1], labels=["a", "b"])
+    refused, taken, start = [], [], threading.Barrier(4)
+
+    def work(call):
+        start.wait()
+        for _ in range(30):
+            try:
+                call()
+            except ValueError as error:
+                refused.append(str(error))
+
+    jobs = [lambda: one.feed(block), lambda: one.feed(block), lambda: taken.append(one.take()), lambda: one.rows]
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(work, jobs))
+    taken.append(one.take())
+    assert refused
+    assert all("must be used by one thread at a time" in text for text in refused)
+    assert all((b == 2.0 * a).all() for a, b in taken)
+    assert sum(len(a) for a, _ in taken) % 20_000 == 0
 
 
 def test_rows_that_cannot_be_there_are_refused():
