@@ -29,6 +29,10 @@ def pytest_configure():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
+#: Folders whose files share a build or the reproductions of the papers.
+TOGETHER = {"cpp": "cpp", "papers": "papers", "golden": "papers"}
+
+
 def is_slow(path):
     """Whether SLOW names a file or its folder."""
     name = path.relative_to(TESTS).as_posix()
@@ -52,13 +56,13 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Give each file to one process, tests/cpp as a whole: what all tests of a file share is built or fitted once."""
+    """Give each file to one process, and what TOGETHER names: what its tests share is built or fitted once."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file = nodeid.partition("::")[0]
-            return "tests/cpp" if file.startswith("tests/cpp/") else file
+            return TOGETHER.get(Path(file).parent.name, file)
 
     config.option.loadscopereorder = False  # else by number of tests
     return ByFile(config, log)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+import inspect
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-import cogging
 from cogging import _core
+from tests.fixtures import examples
 
 Random = np.random.Generator
 #: Sizes stay below this, so that what is asked for fits into memory: what does not is another test.
@@ -134,64 +135,26 @@ def sound(name: str, annotation: str, random: Random, pool: Pool) -> Any:
     return float(10.0 ** random.uniform(-3, 1))
 
 
-class Pool(Mapping[str, Any]):
+class Pool(examples.Examples):
     """One sound object of each class of the core by its name, made anew when it is first asked for."""
 
     def __init__(self) -> None:
-        self._made: dict[str, Any] = {}
-
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._made:
-            self._made[name] = MAKERS[name](self)
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(MAKERS)
-
-    def __len__(self) -> int:
-        return len(MAKERS)
-
-
-def _plant(pool: Pool) -> Any:
-    return _core.Plant(
-        _core.AxisParameters(mass=0.1, coulomb=0.1),
-        cogging=pool["CoggingModel"],
-        effects=[cogging.effects.CableSpring(stiffness=0.4), cogging.effects.CommandDelay(delay=2e-4)],
-    )
-
-
-@ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3, ctypes.c_double)
-def _proportional(state: Any, parameters: Any, reference: Any, reading: float) -> float:
-    state[0] += reading - reference[0]
-    return float(-parameters[0] * (reading - reference[0]) - parameters[1] * state[0])
-
-
-def _compiled() -> cogging.CompiledController:
-    return cogging.CompiledController(_proportional, sample_rate=5000.0, state=[0.0], parameters=[960.0, 20.0])
+        super().__init__(MAKERS)
 
 
 TIME = np.linspace(0.0, 0.1, 50)
-MAKERS: dict[str, Callable[[Pool], Any]] = {
-    "SplineHarmonics": lambda pool: cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2], order=2, control_points=4),
-    "BSpline": lambda pool: pool["SplineHarmonics"].spline,
-    "CoggingModel": lambda pool: cogging.CoggingModel(pool["SplineHarmonics"], np.full((2, 4), 0.1), np.zeros((2, 4))),
-    "Plant": _plant,
-    "Predictor": lambda pool: _core.Predictor(TIME, 0.1 * TIME, TIME),
-    "Prediction": lambda pool: pool["Predictor"].predict(pool["Plant"]),
-    "Sampled": lambda pool: _core.Sampled([0.0, 0.1, 0.3], [0.0, 0.01, 0.02]),
-    "StopFlag": lambda pool: _core.StopFlag(),
-    "CompiledController": lambda pool: _compiled(),
-    "Performance": lambda pool: cogging.performance(TIME, TIME, TIME),
-    **{
-        kind.__name__: lambda pool, kind=kind: kind()
-        for module in (_core, _core.effects)
-        for kind in vars(module).values()
-        if hasattr(kind, "FIELDS")
-    },
-    **{
-        kind.__name__: lambda pool, kind=kind: kind(pool[kind.PARAMETERS.__name__])
-        for kind in (*_core.CONTROLLERS.values(), *_core.REFERENCES.values())
-        if hasattr(kind, "PARAMETERS")
-    },
-    "Reference": lambda pool: pool["Sine"],
+#: Every class of the core by its name, but for exceptions.
+CLASSES = {
+    name: kind
+    for module in (_core, _core.effects)
+    for name, kind in vars(module).items()
+    if inspect.isclass(kind) and not issubclass(kind, Exception)
+}
+MAKERS: dict[str, Callable[[], Any]] = {
+    **{name: kind for name, kind in CLASSES.items() if hasattr(kind, "FIELDS")},
+    **{name: make for name, make in examples.MAKERS.items() if name in CLASSES},
+    "Predictor": lambda: _core.Predictor(TIME, 0.1 * TIME, TIME),
+    "Prediction": lambda: MAKERS["Predictor"]().predict(examples.PLANT),
+    "StopFlag": _core.StopFlag,
+    "Reference": examples.MAKERS["Sine"],
 }

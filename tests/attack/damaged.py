@@ -1,17 +1,11 @@
-"""Sweeps that resume from files of which one bit was flipped: `python -m tests.attack.damaged`.
-
-Each case flips one bit of the files that an interrupted sweep has left. The same call must then give the table of an
-undisturbed sweep. Options: --cases N, --seed S.
-"""
+"""A sweep that resumes from files of which one bit was flipped gives the table of an undisturbed one, or one line."""
 
 from __future__ import annotations
 
-import argparse
+import contextlib
+import functools
 import random
-import sys
 import tempfile
-import traceback
-from collections import Counter
 from pathlib import Path
 from unittest import mock
 
@@ -22,14 +16,15 @@ from tests.fixtures.sweeps import MANY, MOVE, SMALL
 
 OPTIONS = {"method": "random", "runs": 40, "seed": 5, "threads": 1, "duration": 0.02}
 DONE = 24  # runs, in three pieces
+outputs.synced = False
 
 
 class Interrupted(Exception):
     """Interrupts a sweep at its middle."""
 
 
-def run(out: Path, until: int) -> None:
-    """Run the sweep, interrupted before run number `until`."""
+def run(out: Path, until: int) -> bytes:
+    """Run the sweep, interrupted before run number `until`; the bytes of its table."""
     plain = sweeps.run_piece
 
     def run_piece(piece):
@@ -39,54 +34,36 @@ def run(out: Path, until: int) -> None:
 
     with mock.patch.object(sweeps, "run_piece", run_piece):
         cogging.sweep(SMALL, MOVE, MANY, out=out, **OPTIONS)
+    return out.read_bytes()
 
 
-def resume(out: Path, files: dict[str, bytes], whole: bytes) -> str:
-    """Outcome of a sweep that finds these files."""
-    folder = out.with_name(f"{out.name}.pieces")
-    folder.mkdir(exist_ok=True)
-    for path in (*folder.iterdir(), out):
-        path.unlink(missing_ok=True)
-    for name, content in files.items():
-        (folder / name).write_bytes(content)
-    try:
-        run(out, OPTIONS["runs"])
-    except cogging.InputError as error:
-        return "refused in one line" if "\n" not in str(error) and not out.exists() else f"fault: {error}"
-    except Exception:
-        return f"fault: {traceback.format_exc(limit=-1)}"
-    if out.read_bytes() != whole:
-        return "fault: another table"
-    return "fault: the folder remains" if folder.exists() else "the same table"
-
-
-def main() -> int:
-    """Flip bits and print the outcomes; status 1 where anything was wrong."""
-    parser = argparse.ArgumentParser(prog="python -m tests.attack.damaged", description=__doc__)
-    parser.add_argument("--cases", type=int, default=10_000)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    outcomes, chance = Counter(), random.Random(options.seed)
-    outputs.synced = False
-    with tempfile.TemporaryDirectory() as name:
-        out = Path(name) / "runs.csv"
-        run(out, OPTIONS["runs"])
-        whole = out.read_bytes()
+@functools.cache
+def sound() -> tuple[bytes, dict[str, bytes]]:
+    """The table of an undisturbed sweep, and the files that an interrupted one leaves."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "runs.csv"
+        whole = run(out, OPTIONS["runs"])
         out.unlink()
-        try:
+        with contextlib.suppress(Interrupted):
             run(out, DONE)
-        except Interrupted:
-            files = {path.name: path.read_bytes() for path in sorted(out.with_name("runs.csv.pieces").iterdir())}
-        for _ in range(options.cases):
-            name = chance.choices(list(files), [len(content) for content in files.values()])[0]
-            content = bytearray(files[name])
-            place, bit = chance.randrange(len(content)), chance.randrange(8)
-            content[place] ^= 1 << bit
-            outcome = resume(out, {**files, name: bytes(content)}, whole)
-            outcomes[f"{outcome} (bit {bit} of byte {place} of {name})" if "fault" in outcome else outcome] += 1
-    print(f"{options.cases} bits flipped", *(f"{count} {outcome}" for outcome, count in outcomes.items()), sep="\n    ")
-    return int(any("fault" in outcome for outcome in outcomes))
+        return whole, {path.name: path.read_bytes() for path in sorted(out.with_name("runs.csv.pieces").iterdir())}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def run_case(seed: int) -> str | None:
+    """Flip one bit and resume; what is wrong, "~..." for what is no fault, or None."""
+    (whole, files), chance = sound(), random.Random(seed)
+    name = chance.choices(list(files), [len(content) for content in files.values()])[0]
+    content = bytearray(files[name])
+    content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+    with tempfile.TemporaryDirectory() as folder:
+        out, pieces = Path(folder) / "runs.csv", Path(folder) / "runs.csv.pieces"
+        pieces.mkdir()
+        for file, its in {**files, name: bytes(content)}.items():
+            (pieces / file).write_bytes(its)
+        try:
+            table = run(out, OPTIONS["runs"])
+        except cogging.InputError as error:
+            return f"{error}" if "\n" in str(error) or out.exists() else "~refused in one line"
+        if table != whole:
+            return "another table"
+        return "the folder of pieces remains" if pieces.exists() else None

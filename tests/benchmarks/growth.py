@@ -12,7 +12,7 @@ import numpy as np
 
 import cogging
 from tests.benchmarks import child
-from tests.benchmarks.lu2008_loop import SETUP, core_arguments, random_coefficients
+from tests.benchmarks.lu2008_loop import core_arguments, random_coefficients
 
 RATE, PITCH = 5000.0, 0.05
 MOTION = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.1))
@@ -93,7 +93,7 @@ def grown(repeats, with_memory=False):
 
 def many(kind, runs, rows):
     """Seconds of the processor and peak MB of this process for so many runs by "batch" or "sweep"."""
-    plant, controller, motion = core_arguments(SETUP, random_coefficients())
+    plant, controller, motion = core_arguments(random_coefficients())
     parts = {"axis": plant.axis, "cogging": plant.cogging, "encoder": plant.encoder}
     model = cogging.Model(**parts, controller=controller.parameters, controller_type="dcarc")
     duration, begin = (rows - 1) / model.controller.sample_rate, time.process_time()

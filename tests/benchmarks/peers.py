@@ -195,25 +195,20 @@ def by_casadi(problem: Problem) -> Run:
     return run
 
 
-PEERS: dict[str, tuple[Callable[[Problem], Run], str]] = {
-    "cogging": (by_cogging, "cogging"),
-    "numba": (by_numba, "numba"),
-    "JAX": (by_jax, "jax"),
-    "CasADi": (by_casadi, "casadi"),
-    "numpy": (by_numpy, "numpy"),
+PEERS: dict[str, Callable[[Problem], Run]] = {
+    "cogging": by_cogging,
+    "numba": by_numba,
+    "JAX": by_jax,
+    "CasADi": by_casadi,
+    "numpy": by_numpy,
 }
-
-
-def installed() -> list[str]:
-    """Names of the libraries that are installed."""
-    return [name for name, (_, module) in PEERS.items() if importlib.util.find_spec(module) is not None]
 
 
 def differences(names: list[str], runs: int, rows: int) -> dict[str, float]:
     """Largest difference of each answer from the core's, m."""
     problem = Problem.drawn(runs, rows)
     expected = by_cogging(problem)()
-    answers = {name: PEERS[name][0](problem)() for name in names}
+    answers = {name: PEERS[name](problem)() for name in names}
     return {name: float(np.abs(np.subtract(answer, expected)).max()) for name, answer in answers.items()}
 
 
@@ -226,7 +221,7 @@ def measured(name: str, rows: int, repeats: int, counts: list[int]) -> list[dict
     for runs in counts:
         problem, seconds = Problem.drawn(runs, rows), []
         begin = time.perf_counter()
-        run = PEERS[name][0](problem)
+        run = PEERS[name](problem)
         run()
         first = time.perf_counter() - begin
         for _ in range(1 if first > LONG else repeats):
@@ -240,7 +235,7 @@ def measured(name: str, rows: int, repeats: int, counts: list[int]) -> list[dict
 
 def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[tuple[int, str, float, float, float]]:
     """Runs, library, time relative to the core, s to compile, peak MB; of each that gives the core's answer."""
-    names = installed()
+    names = [name for name in PEERS if importlib.util.find_spec(name.lower()) is not None]
     off = child.call(differences, names, 8, min(rows, 501))
     wrong = {name: value for name, value in off.items() if value > CLOSE}
     if wrong:

@@ -1,18 +1,18 @@
 """Counts that come in from files and callers: each is bounded before it is multiplied, indexed or allocated by."""
 
-import itertools
 import math
 import re
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import cogging
 from cogging import _core
-from cogging._core import AdaptiveRobustParameters, BSpline, NumberReader, SplineHarmonics
+from cogging._core import AdaptiveRobustParameters, BSpline, SplineHarmonics
 
 INT_MAX = 2**31 - 1
 STRUCTS = [kind for kind in vars(_core).values() if hasattr(kind, "FIELDS")] + list(cogging.EFFECTS.values())
@@ -97,25 +97,18 @@ def test_a_position_that_is_no_number_is_no_index(position):
 # Threads ---------------------------------------------------------------------------------------------------------
 
 
-def batches():
-    time = np.linspace(0.0, 0.1, 20)
-    predictor = _core.Predictor(time, time, time)
-    plant = _core.Plant(_core.AxisParameters())
-    forces, middle = np.zeros((3000, 20)), np.zeros(20)
-    motion = cogging.PointToPoint(cogging.PointToPointParameters(distance=0.01, velocity=1.0, acceleration=100.0))
-    return {
-        "closed_loop_batch": lambda n: cogging.closed_loop_batch(
-            [plant] * 1500, [cogging.Pid(cogging.PidParameters(sample_rate=100.0))] * 1500, motion, threads=n
-        ),
-        "innovations": lambda n: predictor.innovations([plant] * 1500, threads=n),
-        "net_force": lambda n: predictor.net_force([plant] * 1500, middle, middle, threads=n),
-        "propagate": lambda n: predictor.propagate(predictor.predict(plant), 1.0, forces, threads=n),
-        "whiten": lambda n: _core.whiten(forces, [0.5], threads=n),
-    }
-
-
 def test_threads_are_bounded():
-    for call in batches().values():
+    time, forces = np.linspace(0.0, 0.1, 20), np.zeros((3000, 20))
+    predictor, plants = _core.Predictor(time, time, time), [_core.Plant(_core.AxisParameters())] * 1500
+    pids = [cogging.Pid(cogging.PidParameters(sample_rate=100.0))] * 1500
+    motion = cogging.PointToPoint(cogging.PointToPointParameters(distance=0.01, velocity=1.0, acceleration=100.0))
+    for call in (
+        lambda n: cogging.closed_loop_batch(plants, pids, motion, threads=n),
+        lambda n: predictor.innovations(plants, threads=n),
+        lambda n: predictor.net_force(plants, np.zeros(20), np.zeros(20), threads=n),
+        lambda n: predictor.propagate(predictor.predict(plants[0]), 1.0, forces, threads=n),
+        lambda n: _core.whiten(forces, [0.5], threads=n),
+    ):
         for threads in (1025, 2**32 - 1):
             with pytest.raises(ValueError, match=rf"^threads: must be from 0 to 1024, got {threads}$"):
                 call(threads)
@@ -152,76 +145,31 @@ def test_threads_that_cannot_start_are_one_error():
 # Tables ----------------------------------------------------------------------------------------------------------
 
 
-def reader(**changes):
-    return NumberReader(**{"separator": ",", "fields": 2, "wanted": [0, 1], "labels": ["a", "b"]} | changes)
-
-
-@pytest.mark.parametrize("decimal", [".", ","])
-def test_a_reader_reads_blocks_of_any_length_and_gives_rows_in_between(decimal):
-    table = np.random.default_rng(5).normal(size=(50, 2))
-    forms = [(";", "{};{}\n"), (",", '"{}","{}"\n'), ("\t", "{}\t{}\n"), (" ", "{}  {}\r\n")]
-    for (separator, form), length in itertools.product(forms, (13, 97)):
-        lines = [form.format(*(repr(value).replace(".", decimal) for value in row)) for row in table.tolist()]
-        text = "".join(lines).encode()
-        one, found = reader(separator=separator, decimal=decimal), []
-        for cut in range(0, len(text), length):
-            one.feed(text[cut : cut + length])
-            found.append(np.stack(one.take(), axis=1))
-            assert one.rows == 0
-        one.finish()
-        found.append(np.stack(one.take(), axis=1))
-        np.testing.assert_array_equal(np.concatenate(found), table)
-
-
-def test_a_refused_line_ends_the_reading():
-    one = reader()
-    with pytest.raises(ValueError, match="line 2: b: must be a finite number"):
-        one.feed(b"1,2\n3,x\n5,6\n")
-    assert one.rows == 1
-    for again in (lambda: one.feed(b"7,8\n"), one.finish):
-        with pytest.raises(ValueError, match="may not go on behind a line that was refused, got line 2"):
-            again()
-    assert [column.tolist() for column in one.take()] == [[1.0], [2.0]]
-
-
-def test_threads_that_meet_in_a_reader_are_refused():
-    """Whatever they do, whole rows come out or one is refused; nothing is read from memory that was given back."""
+def test_a_reader_reads_on_after_what_was_taken_and_refuses_threads_that_meet_in_it():
+    """Whole rows come out, or a call is refused; nothing is read from memory that was given back."""
     block = b"".join(b"%d,%d\n" % (i, 2 * i) for i in range(20_000))
-    one = reader()
-    refused, start = [], threading.Barrier(4)
+    one = _core.NumberReader(separator=",", fields=2, wanted=[0, 1], labels=["a", "b"])
+    refused, taken, start = [], [], threading.Barrier(4)
 
-    def work(calls):
+    def work(call):
         start.wait()
         for _ in range(30):
             try:
-                calls()
+                call()
             except ValueError as error:
                 refused.append(str(error))
 
-    taken = []
     jobs = [lambda: one.feed(block), lambda: one.feed(block), lambda: taken.append(one.take()), lambda: one.rows]
-    threads = [threading.Thread(target=work, args=(job,)) for job in jobs]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(work, jobs))
     taken.append(one.take())
-    assert all("must be used by one thread at a time" in text for text in refused)
     assert refused
-    for a, b in taken:
-        np.testing.assert_array_equal(b, 2.0 * a)
+    assert all("must be used by one thread at a time" in text for text in refused)
+    assert all((b == 2.0 * a).all() for a, b in taken)
     assert sum(len(a) for a, _ in taken) % 20_000 == 0
 
 
-def test_more_expected_rows_than_there_can_be_are_refused():
-    for rows in (10**12 + 1, 2**64 - 1):
-        with pytest.raises(ValueError, match=r"expected_rows: must be at most 1e\+12"):
-            reader(expected_rows=rows)
-    with pytest.raises(MemoryError, match="more memory was asked for"):
-        reader(expected_rows=10**12)
-
-
-def test_rows_that_are_not_there_are_refused():
+def test_rows_that_cannot_be_there_are_refused():
     columns = [np.arange(5.0), np.arange(5.0)]
     for first, end in ((3, 2), (0, 6), (2**62, 2**63 - 1), (0, -1), (-1, 2)):
         with pytest.raises(ValueError, match="first: must be at least 0" if first < 0 else "end: must be from first"):
@@ -230,19 +178,14 @@ def test_rows_that_are_not_there_are_refused():
         _core.format_rows([], 0, 1)
     with pytest.raises(ValueError, match="end: must be from first"):
         _core.format_rows([np.arange(5.0), np.arange(4.0)], 0, 5)
-    assert _core.format_rows([np.arange(5.0), np.arange(4.0)], 3, 4) == b"3,3\n"
+    table = {"separator": ",", "fields": 2, "wanted": [0], "labels": ["a"]}
+    with pytest.raises(ValueError, match=r"expected_rows: must be at most 1e\+12"):
+        _core.NumberReader(**table, expected_rows=2**64 - 1)
+    with pytest.raises(MemoryError, match="more memory was asked for"):
+        _core.NumberReader(**table, expected_rows=10**12)
 
 
 # Other numbers ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("value", [math.nan, -math.inf])
-def test_a_prediction_along_what_is_no_number_is_refused(value):
-    for place, name in enumerate(("time", "position", "command")):
-        columns = [np.linspace(0.0, 1.0, 50), np.zeros(50), np.zeros(50)]
-        columns[place][49] = value
-        with pytest.raises(ValueError, match=f"{name}: must be"):
-            _core.Predictor(*columns)
 
 
 def machine(effects=(), width=0.0):

@@ -2,10 +2,7 @@
 
 import copy
 import itertools
-import os
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -15,6 +12,7 @@ from hypothesis import strategies as st
 import cogging
 from cogging.estimation.force_balance import ForceBalance
 from cogging.estimation.innovations import Innovations
+from tests.attack import watched
 from tests.attack.binding_values import Pool
 from tests.attack.bindings import run_case
 from tests.fixtures import command_files
@@ -167,7 +165,7 @@ def test_a_drawn_call_ends_as_it_should(seed):
     assert run_case(seed) is None
 
 
-def test_the_attack_itself_sees_what_it_is_to_see(tmp_path):
+def test_the_attack_itself_sees_what_it_is_to_see(tmp_path, monkeypatch):
     """A crash, a hang cut short, a traceback and nonsense are each counted; what ends well is not."""
     (tmp_path / "cases.py").write_text(
         "import os, time\n"
@@ -177,14 +175,7 @@ def test_the_attack_itself_sees_what_it_is_to_see(tmp_path):
         "    if seed == 7: raise RuntimeError('inside')\n"
         "    return 'nonsense accepted' if seed == 9 else None\n"
     )
-    script = tmp_path / "run.py"
-    script.write_text(
-        "from tests.attack import watched\n"
-        "watched.HANG = 0.5\n"
-        "if __name__ == '__main__':\n"
-        "    tally = watched.attack('cases', range(10))\n"
-        "    print(tally.cases, sorted(tally.crashes), sorted(tally.hangs), sorted(tally.faults))\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.getcwd(), *sys.path])}
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment, check=False)
-    assert done.stdout.split("\n")[0] == "10 [3] [5] [7, 9]", done.stderr[-2000:]
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(watched, "HANG", 0.5)
+    tally = watched.attack("cases", range(10))
+    assert (tally.cases, tally.crashes, tally.hangs, sorted(tally.faults)) == (10, [3], [5], [7, 9])

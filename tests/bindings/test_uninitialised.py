@@ -1,24 +1,16 @@
 """An object whose __init__ has not run is refused with a TypeError wherever it is used, in every class of the core."""
 
 import copy
-import inspect
 import pickle
 
 import numpy as np
 import pytest
 
 import cogging
-from cogging import _core
-from tests.attack.binding_values import KIND, Pool, raw, sound
+from tests.attack.binding_values import CLASSES, KIND, Pool, raw, sound
 from tests.attack.core_signatures import targets
 
 POOL = Pool()
-CLASSES = {
-    name: kind
-    for module in (_core, _core.effects)
-    for name, kind in vars(module).items()
-    if inspect.isclass(kind) and not issubclass(kind, Exception)
-}
 TARGETS = targets()
 
 

@@ -10,17 +10,17 @@ import argparse
 import contextlib
 import json
 import sys
+import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import cogging
 from cogging_command import run_command
 
 from .machines import NULL_FAMILIES
 from .outside import OUTSIDE
-from .report import format_table
-from .runners import run_case
-from .score import Outcome, judge, plain, table
+from .score import format_table, judge, plain, table
 from .suite import KINDS, LAMBDAS, SHARES, draw_suite, plan_suite
 from .vocabulary import CHANGES, VOCABULARY
 
@@ -73,6 +73,22 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     return options
 
 
+def run_case(task: tuple[str, str]) -> tuple[str, dict[str, Any], float]:
+    """Diagnose one case and keep its result: (folder of the case, file of the result).
+
+    A failure is a result too: {"error": "type: text"}; it counts as an error in the table.
+    """
+    case, begin = Path(task[0]), time.perf_counter()
+    try:
+        found = cogging.diagnose(case / "log.csv", case / "model.toml", confirm=[case / "confirm.csv"])
+        result = dict(found.to_dict())
+    except Exception as error:
+        result = {"error": f"{type(error).__name__}: {error}"}
+    seconds = time.perf_counter() - begin
+    Path(task[1]).write_text(json.dumps({"seconds": seconds, "result": result}, indent=1))
+    return case.name, result, seconds
+
+
 def run_suite(out: Path, jobs: int, *, again: bool) -> None:
     """Diagnose all cases of a folder; `again`: also where an answer is there."""
     answers = out / "results_diagnose"
@@ -89,7 +105,7 @@ def run_suite(out: Path, jobs: int, *, again: bool) -> None:
             print(f"{count}/{len(tasks)} {name} {seconds:.1f} s {verdict}", file=sys.stderr, flush=True)
 
 
-def score_suite(out: Path) -> tuple[list[Outcome], dict[str, Any]]:
+def score_suite(out: Path) -> dict[str, Any]:
     """Judge the answers that are there by the key; write DIR/table_diagnose.json."""
     key = json.loads((out / "key" / "key.json").read_text())
     outcomes = []
@@ -97,10 +113,10 @@ def score_suite(out: Path) -> tuple[list[Outcome], dict[str, Any]]:
         path = out / "results_diagnose" / f"{name}.json"
         if path.exists():
             answer = json.loads(path.read_text())
-            outcomes.append(judge(name, entry, answer["result"], answer["seconds"]))
+            outcomes.append(judge(entry, answer["result"], answer["seconds"]))
     figures = table(outcomes)
     (out / "table_diagnose.json").write_text(json.dumps({"seed": key["seed"], **plain(figures)}, indent=1))
-    return outcomes, figures
+    return figures
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -124,7 +140,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     if not options.rescore:
         run_suite(options.out, options.jobs, again=not options.keep)
-    _, figures = score_suite(options.out)
+    figures = score_suite(options.out)
     title = f"== diagnose, seed {options.seed}" + (" (a seed of the tuning)" if options.seed in tuning_seeds() else "")
     print(format_table(figures, title))
     return 0

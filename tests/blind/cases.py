@@ -198,10 +198,8 @@ def _change(
     def apply(plan: Plan, amplitude: float) -> None:
         plan[field_name] = nominal * (1 + sign * amplitude)
 
-    def parameters(amplitude: float) -> dict[str, tuple[float, str, float | None]]:
-        return {"change": (sign * amplitude, "", own * size / deviation / amplitude)}
-
-    effect = Hidden(size, 0.0, 2.0, apply, parameters, name=name)
+    fields = {"change": (lambda a: sign * a, "", lambda a: own * size / deviation / a)}
+    effect = Hidden(size, 0.0, 2.0, apply, fields, name=name)
     return effect, size, float((size / deviation) ** 2)
 
 

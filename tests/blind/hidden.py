@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,8 @@ from .truth import Plan
 
 Apply = Callable[[Plan, float], None]
 #: Field name: value, unit, and the share of the value that is its standard deviation at lambda = 1 (None: not simple).
-Parameters = dict[str, tuple[float, str, float | None]]
+#: What depends on the amplitude is a function of it.
+Parameters = dict[str, tuple[Any, str, Any]]
 
 
 @dataclass
@@ -24,7 +26,7 @@ class Hidden:
     Attributes:
         start: first amplitude tried; low, high: physical range. What the amplitude is depends on the effect.
         apply: puts the effect of an amplitude into a plan, in place.
-        fields: of the contract at an amplitude, for the usual shape, or where `any_shape_has_fields` for all.
+        fields: of the contract, for the usual shape, or where `any_shape_has_fields` for all.
         shape: "usual", or which other form of the same cause.
         tolerated: names that are no error where this effect, outside the vocabulary, is hidden.
         name: of the vocabulary, or of the list of effects outside it.
@@ -34,7 +36,7 @@ class Hidden:
     low: float
     high: float
     apply: Apply
-    fields: Callable[[float], Parameters] = lambda amplitude: {}
+    fields: Parameters = field(default_factory=dict)
     shape: str = "usual"
     any_shape_has_fields: bool = False
     tolerated: tuple[str, ...] = ()
@@ -42,7 +44,10 @@ class Hidden:
 
     def parameters(self, amplitude: float) -> Parameters:
         """Fields of the contract at an amplitude; empty where the shape has none."""
-        return self.fields(amplitude) if self.shape == "usual" or self.any_shape_has_fields else {}
+        fields = self.fields if self.shape == "usual" or self.any_shape_has_fields else {}
+        return {
+            name: tuple(part(amplitude) if callable(part) else part for part in entry) for name, entry in fields.items()
+        }
 
 
 Draw = Callable[[np.random.Generator, Machine, Motion], Hidden]
@@ -78,13 +83,12 @@ def wave(x: np.ndarray, period: float, phase: float, form: Callable[[np.ndarray]
     return form(2 * np.pi * x / period + phase)
 
 
-def quadratures(period_field: str, period: float, unit: str, phase: float, size: float, key: str = "m") -> Parameters:
-    """Parameters of size sin(2 pi x / period + phase) as sine and cosine; each is known to size / sqrt(lambda)."""
-    sine, cosine = size * np.cos(phase), size * np.sin(phase)
+def quadratures(phase: float, unit: str) -> Parameters:
+    """Fields of a wave of this phase as sine and cosine; each is known to amplitude / sqrt(lambda)."""
+    cos, sin = np.cos(phase), np.sin(phase)
     return {
-        period_field: (period, key, None),
-        "sine": (sine, unit, abs(size / sine)),
-        "cosine": (cosine, unit, abs(size / cosine)),
+        "sine": (lambda a: a * cos, unit, lambda a: abs(a / (a * cos))),
+        "cosine": (lambda a: a * sin, unit, lambda a: abs(a / (a * sin))),
     }
 
 

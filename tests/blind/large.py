@@ -13,7 +13,7 @@ import numpy as np
 
 from . import truth
 from .cases import Case, Specification, Unreachable, with_hidden
-from .hidden import Hidden, Parameters, add_map
+from .hidden import Hidden, add_map
 from .machines import Machine, draw_machine, log_uniform
 from .motions import Motion
 from .truth import Plan
@@ -52,10 +52,8 @@ def gravity(rng: np.random.Generator, machine: Machine, turn: float) -> Hidden:
     angle, peak = rng.uniform(-np.pi, np.pi), machine.peak
     push = add_map("force", lambda plan: -np.sin(2 * np.pi * plan.positions / turn - angle))
 
-    def parameters(amplitude: float) -> Parameters:
-        return {"moment": (amplitude, "V", None), "angle": (angle, "rad", None)}
-
-    return Hidden(peak, 1e-3 * peak, 20 * peak, push, parameters, name="gravity")
+    fields = {"moment": (lambda a: a, "V", None), "angle": (angle, "rad", None)}
+    return Hidden(peak, 1e-3 * peak, 20 * peak, push, fields, name="gravity")
 
 
 def mass_change(rng: np.random.Generator, machine: Machine, nominal: float) -> Hidden:
@@ -65,10 +63,8 @@ def mass_change(rng: np.random.Generator, machine: Machine, nominal: float) -> H
     def apply(plan: Plan, amplitude: float) -> None:
         plan["mass"] = bare * (1 + amplitude)
 
-    def parameters(amplitude: float) -> Parameters:
-        return {"change": (bare * (1 + amplitude) / nominal - 1, "", None)}
-
-    return Hidden(1.0, 0.5, 6.0, apply, parameters, name="mass_change")
+    fields = {"change": (lambda a: bare * (1 + a) / nominal - 1, "", None)}
+    return Hidden(1.0, 0.5, 6.0, apply, fields, name="mass_change")
 
 
 NAMES = (*(name for name in VOCABULARY if name not in LEFT_OUT), "gravity", "mass_change")

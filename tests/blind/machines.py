@@ -201,7 +201,6 @@ def draw_machine(
         if feed and rng.random() < 0.8
         else 0.0,
         "ff_width": float(f"{nominal_width * log_uniform(rng, 1.0, 4.0):.3g}"),
-        "ff_measured": 0.0,
     }
     # a bristle that is too stiff for the step would ring: its frequency stays below 0.2 of the step's
     stiffest = coulomb / mass * (1 / rate / substeps / 0.3) ** 2

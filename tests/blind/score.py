@@ -12,7 +12,8 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -75,59 +76,25 @@ class Rate:
         return {"hits": self.hits, "count": self.count, "value": self.value, "wilson95": list(self.bounds)}
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """One case judged.
+def judge(key: Mapping[str, Any], result: Mapping[str, Any], seconds: float = math.nan) -> SimpleNamespace:
+    """Judge one result (the contract's JSON, or {"error": text}) by the case's key.
 
-    Attributes:
-        truths: names hidden. verdict: as in the result, or `error`.
+    Returns, beside what the key says of the case:
+        truths: names hidden. verdict: as in the result, or `error`. detected: whether something was found.
         right: all truths are named, up to alternatives. names: how many names the result gave, alternatives included;
         apart: the same without the look-alikes of the truths.
-        exact: `named` with exactly the truths.
+        exact: `named` with exactly the truths. first: the first name.
         wrong: names that are confident and wrong.
         stated: (confidence, was right) of each entry without alternatives.
         closed: share of what the true model closes on the confirm log, of the truth's first-order prediction; None
             where nothing can be closed.
         worse: the confirm log got worse by more than 1 %; None without one.
-        covered: whether each interval holds its truth; errors: (field, error / Cramer-Rao deviation).
+        covered: whether each interval holds its truth; errors: error / Cramer-Rao deviation, one a parameter.
         largest: in the large, the first name, or an alternative of it, is the largest effect; None of misread logs.
         found: how many of the truths are named. said: of a misread log, whether it is said: "kind" with its kind and
             column, "verdict" without, "" not; None of others. A log that is refused with a message that says it counts.
         grows: a gap is larger than one that it should lie under by more than 1 %.
     """
-
-    case: str
-    kind: str
-    family: str
-    ratio: float
-    truths: tuple[str, ...]
-    verdict: str
-    right: bool
-    exact: bool
-    names: int
-    apart: int
-    first: str
-    wrong: tuple[str, ...]
-    stated: tuple[tuple[float, bool], ...]
-    closed: float | None
-    worse: bool | None
-    covered: tuple[tuple[str, bool], ...]
-    errors: tuple[tuple[str, float], ...]
-    seconds: float
-    largest: bool | None
-    found: int
-    said: str | None
-    grows: bool
-    key: Mapping[str, Any] = field(repr=False, default_factory=dict)
-
-    @property
-    def detected(self) -> bool:
-        """Whether something was found."""
-        return self.verdict in DETECTED
-
-
-def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds: float = math.nan) -> Outcome:
-    """Judge one result (the contract's JSON, or {"error": text}) by the case's key."""
     truths = {entry["name"]: entry for entry in key["effects"]}
     listed = {name for name, entry in truths.items() if entry["in_vocabulary"]}
     fine = listed | {name for entry in truths.values() for name in entry["tolerated"]}
@@ -153,37 +120,36 @@ def judge(case: str, key: Mapping[str, Any], result: Mapping[str, Any], seconds:
                 continue
             if found.get("ci95") and None not in found["ci95"]:
                 low, high = found["ci95"]
-                covered.append((f"{entry['name']}.{name}", bool(low <= known["value"] <= high)))
+                covered.append(bool(low <= known["value"] <= high))
             if known["deviation"]:
-                errors.append((f"{entry['name']}.{name}", (found["value"] - known["value"]) / known["deviation"]))
+                errors.append((found["value"] - known["value"]) / known["deviation"])
     closed, worse = _gap(key, result.get("gap") or {})
     misreading, largest = key.get("misreading"), None
     if key["kind"] == "large" and not misreading:
         largest = bool(classes and classes[0] & set(key["largest"]))
-    return Outcome(
-        case=case,
+    return SimpleNamespace(
         kind=key["kind"],
         family=key["family"],
         ratio=key["ratio"],
         truths=tuple(truths),
         verdict=verdict,
+        detected=verdict in DETECTED,
         right=right,
         exact=exact,
         names=sum(len(one) for one in classes),
         apart=sum(len(_apart(one, listed)) for one in classes),
         first=effects[0]["name"] if effects else "",
         wrong=tuple(wrong),
-        stated=tuple(stated),
+        stated=stated,
         closed=closed,
         worse=worse,
-        covered=tuple(covered),
-        errors=tuple(errors),
+        covered=covered,
+        errors=errors,
         seconds=seconds,
         largest=largest,
         found=len(named & set(truths)),
         said=_said(misreading, verdict, f"{result.get('mismatch')} {result.get('error')}") if misreading else None,
         grows=_grows(result.get("gap") or {}),
-        key=key,
     )
 
 
@@ -221,7 +187,7 @@ def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, 
     return None, worse
 
 
-def table(outcomes: list[Outcome]) -> dict[str, Any]:
+def table(outcomes: list[SimpleNamespace]) -> dict[str, Any]:
     """All figures of the suite, by name; rates are Rate objects."""
     nulls = [o for o in outcomes if o.kind == "null"]
     single = [o for o in outcomes if o.kind == "effect"]
@@ -229,19 +195,16 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
     many = [o for o in outcomes if o.kind in ("pair", "triple")]
     ratios = sorted({o.ratio for o in single + outside})
 
-    def by_ratio(group: list[Outcome], flag: Callable[[Outcome], bool]) -> dict[str, Rate]:
+    def by_ratio(group: list[SimpleNamespace], flag: Callable[[SimpleNamespace], bool]) -> dict[str, Rate]:
         return {f"{ratio:g}": Rate.of(flag(o) for o in group if o.ratio == ratio) for ratio in ratios}
-
-    def is_above(o: Outcome) -> bool:
-        return o.key.get("law_ratio", 0.0) >= 30
 
     found = [o for o in single if o.right]
     large = [o for o in single + many if o.ratio >= 300]
     stated = [pair for o in outcomes for pair in o.stated]
     large_cases = [o for o in outcomes if o.kind == "large"]
     times = [o.seconds for o in outcomes if math.isfinite(o.seconds)]
-    coverage = [flag for o in outcomes if o.right for _, flag in o.covered]
-    errors = np.array([error for o in outcomes if o.right for _, error in o.errors])
+    coverage = [flag for o in outcomes if o.right for flag in o.covered]
+    errors = np.array([error for o in outcomes if o.right for error in o.errors])
     return {
         "cases": len(outcomes),
         "errors": Rate.of(o.verdict == "error" for o in outcomes),
@@ -249,10 +212,6 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "false_alarm_by_family": {
             family: Rate.of(o.verdict in ALARMS for o in nulls if o.family == family)
             for family in sorted({o.family for o in nulls})
-        },
-        "false_alarm_by_law_ratio": {
-            f"friction law {side} 30": Rate.of(o.verdict in ALARMS for o in nulls if is_above(o) == (side == "above"))
-            for side in ("under", "above")
         },
         "detected": by_ratio(single, lambda o: o.detected),
         "named": by_ratio(single, lambda o: o.right),
@@ -268,13 +227,10 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
         "outside_confident_wrong_all": Rate.of(bool(o.wrong) for o in outside),
         "pairs_right": Rate.of(o.right for o in many if o.kind == "pair"),
         "triples_right": Rate.of(o.right for o in many if o.kind == "triple"),
-        "unknown_controller_named": Rate.of(o.right for o in single if not o.key["stated_controller"]),
         "gap_closed_median": _median([o.closed for o in large]),
         "made_worse": Rate.of(bool(o.worse) for o in outcomes if o.worse is not None),
         "coverage": Rate.of(coverage),
-        "error_to_bound": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
         "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,
-        "error_count": len(errors),
         "calibration": {
             f"{low:g} to {high:g}": {
                 "stated": float(np.mean(here)) if (here := [c for c, _ in stated if _within(c, low, high)]) else None,
@@ -293,7 +249,7 @@ def table(outcomes: list[Outcome]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def in_the_large(outcomes: list[Outcome]) -> dict[str, Rate]:
+def in_the_large(outcomes: list[SimpleNamespace]) -> dict[str, Rate]:
     """Figures of the large cases, by what stands in the table."""
     right = [o for o in outcomes if o.said is None]
     misread = [o for o in outcomes if o.said is not None]
@@ -317,7 +273,7 @@ def _median(values: Iterable[float | None]) -> float | None:
     return float(np.median(known)) if known else None
 
 
-def confusion(outcomes: list[Outcome]) -> dict[str, dict[str, int]]:
+def confusion(outcomes: list[SimpleNamespace]) -> dict[str, dict[str, int]]:
     """Rows: what is hidden; columns: the verdict, or for `named` and `ambiguous` the first name (? if ambiguous)."""
     rows: dict[str, Counter[str]] = {}
     for o in outcomes:
@@ -338,3 +294,44 @@ def plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: plain(entry) for key, entry in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+TARGETS = {
+    "false_alarm": "at most 1 %",
+    "detected": "85 % at 30, 99 % at 100",
+    "named": "95 % at 100, 98 % at 300",
+    "mean_names_apart": "at most 1.3",
+    "confident_wrong_all": "at most 1 %, at any lambda",
+    "outside_confident_wrong_all": "at most 2 %, at any lambda",
+    "outside_unlisted": "80 % at 100, 95 % at 300",
+    "gap_closed_median": "95 % at 300",
+    "coverage": "92 to 98 %",
+    "error_to_bound_robust": "at most 1.3",
+    "made_worse": "at most 1 %",
+    "seconds_max": "10 s",
+}
+
+
+def format_table(figures: Mapping[str, Any], title: str = "") -> str:
+    """Return the figures of score.table as text, a line each, with the target of each beside it."""
+    lines = [title] if title else []
+    for name, value in figures.items():
+        if value is None:
+            continue
+        label, target = name.replace("_", " "), f"   [{TARGETS[name]}]" if name in TARGETS else ""
+        if isinstance(value, Mapping):
+            lines.append(f"{label}{target}")
+            lines.extend(f"    {key:38s} {_cell(entry)}" for key, entry in value.items())
+        else:
+            lines.append(f"{label:42s} {_cell(value)}{target}")
+    return "\n".join(lines)
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(
+            f"{key}: {one.hits}/{one.count}" if isinstance(one, Rate) else f"{key}: {_cell(one)}"
+            for key, one in value.items()
+            if not isinstance(one, Rate) or one.count
+        )
+    return f"{value:.3g}" if isinstance(value, float | int) else "-" if value is None else str(value)

@@ -110,19 +110,15 @@ def any_rise(rng: np.random.Generator) -> Shape:
 
         low, high = logistic(np.zeros(1))[0], logistic(np.ones(1))[0]
         return lambda s: (logistic(s) - low) / (high - low)
-    return _monotone(rng)
+    return any_spring(rng)
 
 
 def any_spring(rng: np.random.Generator) -> Shape:
     """A force over the share of the travel that never falls, of slope about one: softer here, harder there."""
-    return _monotone(rng)
-
-
-def _monotone(rng: np.random.Generator) -> Shape:
     steps = rng.uniform(0.15, 1.0, int(rng.integers(3, 6)))
     knots = np.linspace(0.0, 1.0, len(steps) + 1)
     spline = PchipInterpolator(knots, np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum(), extrapolate=True)
-    return lambda s: spline(s)
+    return spline
 
 
 def any_pulse(rng: np.random.Generator) -> Shape:

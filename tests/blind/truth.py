@@ -10,6 +10,7 @@ One sample: read the encoder at the true instant, compute the command with Ts = 
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,29 +18,20 @@ from numba import njit
 
 _SCALARS = """
 mass viscous coulomb width law bristle bristle_damping resolution x_start v_start
-controller rate kp ki kd kv ff_mass ff_viscous ff_coulomb ff_width ff_measured limit
+controller rate kp ki kd kv ff_mass ff_viscous ff_coulomb ff_width limit
 coulomb_asymmetry viscous_asymmetry stribeck stribeck_velocity stribeck_exponent stribeck_shape drag drag_exponent
 delay lag second_lag lag_damping saturation_up saturation_down saturation_soft saturation_knee
 dead_zone dead_zone_shape
 coupling load_ratio mode_frequency mode_damping hardening gap
 hysteresis hysteresis_length hysteresis_period gain_speed
-encoder_scale encoder_origin encoder_period encoder_sine encoder_cosine encoder_triangular
-encoder_harmonics encoder_turn lost_at lost_counts grid_step share
+encoder_scale encoder_period encoder_sine encoder_cosine encoder_triangular
+encoder_harmonics encoder_turn lost_at lost_counts share
 """
-#: Scalars of a plan, by name; each is one place of the vector that the compiled loop reads.
-SCALARS = _SCALARS.split()
-(
-    MASS, VISCOUS, COULOMB, WIDTH, LAW, BRISTLE, BRISTLE_DAMPING, RESOLUTION, X_START, V_START,
-    CONTROLLER, RATE, KP, KI, KD, KV, FF_MASS, FF_VISCOUS, FF_COULOMB, FF_WIDTH, FF_MEASURED, LIMIT,
-    COULOMB_ASYMMETRY, VISCOUS_ASYMMETRY, STRIBECK, STRIBECK_VELOCITY, STRIBECK_EXPONENT, STRIBECK_SHAPE, DRAG,
-    DRAG_EXPONENT, DELAY, LAG, SECOND_LAG, LAG_DAMPING, SATURATION_UP, SATURATION_DOWN, SATURATION_SOFT,
-    SATURATION_KNEE, DEAD_ZONE, DEAD_ZONE_SHAPE,
-    COUPLING, LOAD_RATIO, MODE_FREQUENCY, MODE_DAMPING, HARDENING, GAP,
-    HYSTERESIS, HYSTERESIS_LENGTH, HYSTERESIS_PERIOD, GAIN_SPEED,
-    ENCODER_SCALE, ENCODER_ORIGIN, ENCODER_PERIOD, ENCODER_SINE, ENCODER_COSINE, ENCODER_TRIANGULAR,
-    ENCODER_HARMONICS, ENCODER_TURN, LOST_AT, LOST_COUNTS, MAP_STEP, SHARE,
-) = range(len(SCALARS))  # fmt: skip
-
+SCALARS = _SCALARS.split()  # of a plan, by name
+#: Those that are not 0 in a plan at rest.
+AT_REST = {"saturation_up": np.inf, "saturation_down": np.inf, "saturation_knee": 2.0, "drag_exponent": 2.0}
+AT_REST |= {"stribeck_velocity": 0.01, "stribeck_exponent": 2.0, "width": 1e-3, "encoder_period": 1.0}
+AT_REST |= {"hysteresis_length": 1e-3, "bristle": 1e-6}
 #: Rows of a plan over the samples: reference, force (noise included), additions to gain, viscous and Coulomb, what is
 #: added to the reading, and 1 where the amplifier misses the new command.
 ROWS = ("position", "velocity", "acceleration", "force", "gain", "viscous", "coulomb", "reading", "held")
@@ -57,7 +49,7 @@ STRIBECK_SHAPES = ("usual", "rational", "hyperbolic", "two_speeds")
 DEAD_ZONES = ("usual", "one_sided", "rounded")
 PID, CASCADE = 0, 1
 RIGID, FLEXIBLE, BACKLASH = 0, 1, 2
-GRID_STEP = 4e-5  # m, of the maps where none is given; cubic interpolation between
+GRID_STEP = 4e-5  # m, of the maps; cubic interpolation between
 
 
 @dataclass
@@ -65,12 +57,12 @@ class Plan:
     """All that one run needs: scalars, instants, rows over the samples, maps over the travel.
 
     Attributes:
-        scalars: (len(SCALARS),), see SCALARS.
+        scalars: by the names of SCALARS, one record, (1,).
         instants: true sampling instants, s, (n,).
         stamps: what the log says of them, s, (n,).
         rows: (n, len(ROWS)).
         grid_start: position of the maps' first point, m.
-        maps: (len(MAPS), points), spaced by the scalar `grid_step`, m.
+        maps: (len(MAPS), points), spaced by GRID_STEP.
         substeps: steps of Heun in one sample.
         force_noise, reading_noise: the part of the rows that is noise, (n,) each.
     """
@@ -86,20 +78,12 @@ class Plan:
     reading_noise: np.ndarray
 
     @classmethod
-    def empty(
-        cls, instants: np.ndarray, travel: tuple[float, float], substeps: int = 10, grid_step: float = GRID_STEP
-    ) -> Plan:
+    def empty(cls, instants: np.ndarray, travel: tuple[float, float], substeps: int = 10) -> Plan:
         """Make a plan at rest: no forces, infinite limits, no encoder faults."""
-        margin = 0.05 * (travel[1] - travel[0]) + 4 * grid_step
-        points = int(np.ceil((travel[1] - travel[0] + 2 * margin) / grid_step)) + 1
-        scalars = np.zeros(len(SCALARS))
-        scalars[MAP_STEP] = grid_step
-        scalars[[SATURATION_UP, SATURATION_DOWN]] = np.inf
-        scalars[[DRAG_EXPONENT, STRIBECK_VELOCITY, STRIBECK_EXPONENT]] = 2.0, 0.01, 2.0
-        scalars[[WIDTH, ENCODER_PERIOD, HYSTERESIS_LENGTH, BRISTLE]] = 1e-3, 1.0, 1e-3, 1e-6
-        scalars[SATURATION_KNEE] = 2.0
-        return cls(
-            scalars=scalars,
+        margin = 0.05 * (travel[1] - travel[0]) + 4 * GRID_STEP
+        points = int(np.ceil((travel[1] - travel[0] + 2 * margin) / GRID_STEP)) + 1
+        plan = cls(
+            scalars=np.zeros(1, [(name, float) for name in SCALARS]),
             instants=instants.copy(),
             stamps=instants.copy(),
             rows=np.zeros((len(instants), len(ROWS))),
@@ -109,6 +93,9 @@ class Plan:
             force_noise=np.zeros(len(instants)),
             reading_noise=np.zeros(len(instants)),
         )
+        for name, value in AT_REST.items():
+            plan[name] = value
+        return plan
 
     def add_noise(self, force: np.ndarray, reading: np.ndarray) -> None:
         """Add force noise (command unit) and white noise of the reading (m), in place."""
@@ -118,40 +105,30 @@ class Plan:
 
     def smooth(self) -> Plan:
         """A copy without the quantiser."""
-        copy = self.copy()
-        copy["resolution"] = 0.0
-        return copy
+        plan = self.copy()
+        plan["resolution"] = 0.0
+        return plan
 
     def silent(self) -> Plan:
         """A copy without quantiser and noise; effects stay."""
-        copy = self.smooth()
-        copy.add_noise(-self.force_noise, -self.reading_noise)
-        return copy
+        plan = self.smooth()
+        plan.add_noise(-self.force_noise, -self.reading_noise)
+        return plan
 
     def copy(self) -> Plan:
         """A copy that shares nothing with this one."""
-        return Plan(
-            self.scalars.copy(),
-            self.instants.copy(),
-            self.stamps.copy(),
-            self.rows.copy(),
-            self.grid_start,
-            self.maps.copy(),
-            self.substeps,
-            self.force_noise,
-            self.reading_noise,
-        )
+        return copy.deepcopy(self)
 
     @property
     def positions(self) -> np.ndarray:
         """Where the maps are known, m."""
-        return self.grid_start + self["grid_step"] * np.arange(self.maps.shape[1])
+        return self.grid_start + GRID_STEP * np.arange(self.maps.shape[1])
 
     def __getitem__(self, name: str) -> float:
-        return float(self.scalars[SCALARS.index(name)])
+        return float(self.scalars[name][0])
 
     def __setitem__(self, name: str, value: float) -> None:
-        self.scalars[SCALARS.index(name)] = value
+        self.scalars[name] = value
 
     def run(self) -> Run:
         """Simulate.
@@ -161,7 +138,7 @@ class Plan:
         """
         active = np.any(self.maps != 0.0, axis=1)
         ok, readings, commands, positions, velocities = _loop(
-            self.scalars, self.instants, self.rows, self.maps, active, self.grid_start, self.substeps
+            self.scalars[0], self.instants, self.rows, self.maps, active, self.grid_start, self.substeps
         )
         if not ok:
             raise ArithmeticError("the closed loop is unstable or leaves the travel")
@@ -199,67 +176,79 @@ def _controller_sign(v, width):
 
 
 @njit(cache=True, error_model="numpy")
-def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
-    """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
-    s = (x - grid_start) / p[MAP_STEP]
+def _read_map(m, s):
+    """A map at a place in steps of the grid, with Catmull-Rom weights."""
     i = int(s)
     f = s - i
-    # Catmull-Rom weights
     w0 = f * (-0.5 + f * (1.0 - 0.5 * f))
     w1 = 1.0 + f * f * (-2.5 + 1.5 * f)
     w2 = f * (0.5 + f * (2.0 - 1.5 * f))
     w3 = f * f * (-0.5 + 0.5 * f)
-    gain = 1.0 + row[R_GAIN] + p[GAIN_SPEED] * abs(v)
-    viscous = p[VISCOUS] + row[R_VISCOUS] + 0.5 * np.sign(v) * p[VISCOUS_ASYMMETRY]
-    level = p[COULOMB] + row[R_COULOMB]
+    return w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _friction(p, law, level, direction, bristle, v):
+    """Coulomb friction: of an axis that sticks by its direction, of bristles by their state, else by the speed."""
+    if law == STICK:
+        return direction * level + 0.5 * p.coulomb_asymmetry
+    share = bristle / p.bristle if law == BRISTLES else _smooth_sign(law, v, p.width, p.share)
+    friction = level * share + 0.5 * p.coulomb_asymmetry * abs(share)
+    if law == BRISTLES:
+        friction += p.bristle_damping * (v - abs(v) * share)
+    return friction
+
+
+@njit(cache=True, error_model="numpy")
+def _forces(p, maps, active, grid_start, row, x, v, u, force, hysteresis):
+    """Force without Coulomb friction, and the Coulomb level at this place, speed and time."""
+    s = (x - grid_start) / GRID_STEP
+    gain = 1.0 + row[R_GAIN] + p.gain_speed * abs(v)
+    viscous = p.viscous + row[R_VISCOUS] + 0.5 * np.sign(v) * p.viscous_asymmetry
+    level = p.coulomb + row[R_COULOMB]
     total = force
     if active[M_FORCE]:
-        m = maps[M_FORCE]
-        total += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        total += _read_map(maps[M_FORCE], s)
     if active[M_COULOMB]:
-        m = maps[M_COULOMB]
-        level += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        level += _read_map(maps[M_COULOMB], s)
     if active[M_VISCOUS]:
-        m = maps[M_VISCOUS]
-        viscous += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        viscous += _read_map(maps[M_VISCOUS], s)
     if active[M_GAIN]:
-        m = maps[M_GAIN]
-        gain += w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2]
+        gain += _read_map(maps[M_GAIN], s)
     if active[M_RELUCTANCE]:
-        m = maps[M_RELUCTANCE]
-        total += u * u * (w0 * m[i - 1] + w1 * m[i] + w2 * m[i + 1] + w3 * m[i + 2])
+        total += u * u * _read_map(maps[M_RELUCTANCE], s)
     total += u * gain - viscous * v
-    if p[DRAG] != 0.0:
-        total -= p[DRAG] * np.sign(v) * abs(v) ** p[DRAG_EXPONENT]
-    if p[HYSTERESIS] != 0.0:
-        pull = p[HYSTERESIS] * hysteresis / p[HYSTERESIS_LENGTH]
-        if p[HYSTERESIS_PERIOD] > 0.0:
-            pull *= np.sin(2.0 * np.pi * x / p[HYSTERESIS_PERIOD])
+    if p.drag != 0.0:
+        total -= p.drag * np.sign(v) * abs(v) ** p.drag_exponent
+    if p.hysteresis != 0.0:
+        pull = p.hysteresis * hysteresis / p.hysteresis_length
+        if p.hysteresis_period > 0.0:
+            pull *= np.sin(2.0 * np.pi * x / p.hysteresis_period)
         total -= pull
-    if p[STRIBECK] != 0.0:
-        ratio = abs(v) / p[STRIBECK_VELOCITY]
-        if p[STRIBECK_SHAPE] == 0.0:
-            level += p[STRIBECK] * np.exp(-(ratio ** p[STRIBECK_EXPONENT]))
-        elif p[STRIBECK_SHAPE] == 1.0:
-            level += p[STRIBECK] / (1.0 + ratio * ratio)
-        elif p[STRIBECK_SHAPE] == 2.0:
-            level += p[STRIBECK] / np.cosh(ratio)
+    if p.stribeck != 0.0:
+        ratio = abs(v) / p.stribeck_velocity
+        if p.stribeck_shape == 0.0:
+            level += p.stribeck * np.exp(-(ratio**p.stribeck_exponent))
+        elif p.stribeck_shape == 1.0:
+            level += p.stribeck / (1.0 + ratio * ratio)
+        elif p.stribeck_shape == 2.0:
+            level += p.stribeck / np.cosh(ratio)
         else:
-            level += p[STRIBECK] * (0.6 * np.exp(-ratio) + 0.4 * np.exp(-ratio / 4.0))
+            level += p.stribeck * (0.6 * np.exp(-ratio) + 0.4 * np.exp(-ratio / 4.0))
     return total, level
 
 
 @njit(cache=True, error_model="numpy")
 def _actuator(p, u):
-    if p[SATURATION_SOFT] > 0.0:  # the larger the exponent, the sharper the knee
-        n = p[SATURATION_KNEE]
-        u = u / (1.0 + abs(u / p[SATURATION_SOFT]) ** n) ** (1.0 / n)
-    u = min(max(u, -p[SATURATION_DOWN]), p[SATURATION_UP])
-    if p[DEAD_ZONE] > 0.0:
-        if p[DEAD_ZONE_SHAPE] == 2.0:
-            u = u - p[DEAD_ZONE] * np.tanh(u / p[DEAD_ZONE])
-        elif p[DEAD_ZONE_SHAPE] == 0.0 or u > 0.0:
-            u = np.sign(u) * max(abs(u) - p[DEAD_ZONE], 0.0)
+    if p.saturation_soft > 0.0:  # the larger the exponent, the sharper the knee
+        n = p.saturation_knee
+        u = u / (1.0 + abs(u / p.saturation_soft) ** n) ** (1.0 / n)
+    u = min(max(u, -p.saturation_down), p.saturation_up)
+    if p.dead_zone > 0.0:
+        if p.dead_zone_shape == 2.0:
+            u = u - p.dead_zone * np.tanh(u / p.dead_zone)
+        elif p.dead_zone_shape == 0.0 or u > 0.0:
+            u = np.sign(u) * max(abs(u) - p.dead_zone, 0.0)
     return u
 
 
@@ -286,9 +275,9 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
     readings, commands = np.zeros(n), np.zeros(n)
     positions, velocities = np.zeros(n), np.zeros(n)
     held = np.zeros(n)  # what the amplifier was given
-    ts = 1.0 / p[RATE]
-    law = int(p[LAW])
-    x, v = p[X_START], p[V_START]
+    ts = 1.0 / p.rate
+    law = int(p.law)
+    x, v = p.x_start, p.v_start
     xl, vl = x, v
     engaged = 0
     bristle, hysteresis = 0.0, 0.0
@@ -297,52 +286,51 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
     error_sum, error_before, reading_before = 0.0, 0.0, 0.0
     stiffness = 0.0
     damping = 0.0
-    m_motor, m_load = p[MASS], 0.0
-    if p[COUPLING] != RIGID:
-        m_load = p[MASS] * p[LOAD_RATIO]
-        m_motor = p[MASS] - m_load
-        reduced = m_load * m_motor / p[MASS]
-        omega = 2.0 * np.pi * p[MODE_FREQUENCY]
+    m_motor, m_load = p.mass, 0.0
+    if p.coupling != RIGID:
+        m_load = p.mass * p.load_ratio
+        m_motor = p.mass - m_load
+        reduced = m_load * m_motor / p.mass
+        omega = 2.0 * np.pi * p.mode_frequency
         stiffness = reduced * omega * omega
-        damping = 2.0 * p[MODE_DAMPING] * omega * reduced
-    x_low = grid_start + 2 * p[MAP_STEP]
-    x_high = grid_start + (maps.shape[1] - 3) * p[MAP_STEP]
+        damping = 2.0 * p.mode_damping * omega * reduced
+    x_low = grid_start + 2 * GRID_STEP
+    x_high = grid_start + (maps.shape[1] - 3) * GRID_STEP
     active_index = 0
     for k in range(n):
         # the encoder
-        y = x + p[ENCODER_SCALE] * (x - p[ENCODER_ORIGIN]) + rows[k, R_READING] + lost
-        if p[ENCODER_SINE] != 0.0 or p[ENCODER_COSINE] != 0.0:
-            phase = 2.0 * np.pi * x / p[ENCODER_PERIOD]
-            if p[ENCODER_TRIANGULAR] > 0.0:
-                amplitude = np.hypot(p[ENCODER_SINE], p[ENCODER_COSINE])
-                shift = np.arctan2(p[ENCODER_COSINE], p[ENCODER_SINE])
+        y = x + p.encoder_scale * x + rows[k, R_READING] + lost
+        if p.encoder_sine != 0.0 or p.encoder_cosine != 0.0:
+            phase = 2.0 * np.pi * x / p.encoder_period
+            if p.encoder_triangular > 0.0:
+                amplitude = np.hypot(p.encoder_sine, p.encoder_cosine)
+                shift = np.arctan2(p.encoder_cosine, p.encoder_sine)
                 y += amplitude * 2.0 / np.pi * np.arcsin(np.sin(phase + shift))
             else:
-                y += p[ENCODER_SINE] * np.sin(phase) + p[ENCODER_COSINE] * np.cos(phase)
-            if p[ENCODER_HARMONICS] > 0.0:
-                amplitude = np.hypot(p[ENCODER_SINE], p[ENCODER_COSINE])
+                y += p.encoder_sine * np.sin(phase) + p.encoder_cosine * np.cos(phase)
+            if p.encoder_harmonics > 0.0:
+                amplitude = np.hypot(p.encoder_sine, p.encoder_cosine)
                 for order in range(2, 5):
-                    turned = order * phase + (order - 1) * p[ENCODER_TURN]
-                    y += amplitude * p[ENCODER_HARMONICS] ** (order - 1) * np.sin(turned)
-        if p[RESOLUTION] > 0.0:
-            y = p[RESOLUTION] * np.rint(y / p[RESOLUTION])
+                    turned = order * phase + (order - 1) * p.encoder_turn
+                    y += amplitude * p.encoder_harmonics ** (order - 1) * np.sin(turned)
+        if p.resolution > 0.0:
+            y = p.resolution * np.rint(y / p.resolution)
         readings[k], positions[k], velocities[k] = y, x, v
         # the controller
         error = y - rows[k, R_POSITION]
         if k == 0:
             error_before, reading_before = error, y
         measured = (y - reading_before) / ts
-        v_forward = measured if p[FF_MEASURED] > 0.0 else rows[k, R_VELOCITY]
-        u = p[FF_MASS] * rows[k, R_ACCELERATION] + p[FF_VISCOUS] * v_forward
-        u += p[FF_COULOMB] * _controller_sign(v_forward, p[FF_WIDTH])
+        u = p.ff_mass * rows[k, R_ACCELERATION] + p.ff_viscous * rows[k, R_VELOCITY]
+        u += p.ff_coulomb * _controller_sign(rows[k, R_VELOCITY], p.ff_width)
         step = error * ts
-        if p[CONTROLLER] == PID:
+        if p.controller == PID:
             error_sum += step
-            u += -p[KP] * error - p[KI] * error_sum - p[KD] * (error - error_before) / ts
+            u += -p.kp * error - p.ki * error_sum - p.kd * (error - error_before) / ts
         else:
-            u += p[KV] * (-p[KP] * error - measured)
-        if p[LIMIT] > 0.0:
-            cut = min(max(u, -p[LIMIT]), p[LIMIT])
+            u += p.kv * (-p.kp * error - measured)
+        if p.limit > 0.0:
+            cut = min(max(u, -p.limit), p.limit)
             if (u - cut) * step < 0.0:
                 error_sum -= step
             u = cut
@@ -358,8 +346,8 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
         row = rows[k]
         u_now = _actuator(p, held[k])
         for j in range(substeps):
-            if p[DELAY] > 0.0:
-                late = t[k] + (j + 1) * h - p[DELAY]
+            if p.delay > 0.0:
+                late = t[k] + (j + 1) * h - p.delay
                 while active_index < k and t[active_index + 1] <= late:
                     active_index += 1
                 u_now = _actuator(p, held[active_index])
@@ -371,82 +359,66 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                     u_now = u_before + (u_now - u_before) * since / h
             u_0 = u_now
             u_1 = u_now
-            if p[LAG] > 0.0:
+            if p.lag > 0.0:
                 u_0 = lag_1
                 if k == 0 and j == 0:
                     lag_1 = u_now
                     u_0 = u_now
-                if p[LAG_DAMPING] > 0.0:  # two poles that are no real ones, solved exactly for a command that is held
-                    lag_1, lag_slope = _swung(lag_1 - u_now, lag_slope, p[LAG], p[LAG_DAMPING], h)
+                if p.lag_damping > 0.0:  # two poles that are no real ones, solved exactly for a command that is held
+                    lag_1, lag_slope = _swung(lag_1 - u_now, lag_slope, p.lag, p.lag_damping, h)
                     lag_1 += u_now
                 else:
-                    lag_1 += (u_now - lag_1) * (1.0 - np.exp(-h / p[LAG]))
+                    lag_1 += (u_now - lag_1) * (1.0 - np.exp(-h / p.lag))
                 u_1 = lag_1
-                if p[SECOND_LAG] > 0.0:
+                if p.second_lag > 0.0:
                     if k == 0 and j == 0:
                         lag_2 = u_now
                     before = lag_2
-                    lag_2 += (0.5 * (u_0 + u_1) - lag_2) * (1.0 - np.exp(-h / p[SECOND_LAG]))
+                    lag_2 += (0.5 * (u_0 + u_1) - lag_2) * (1.0 - np.exp(-h / p.second_lag))
                     u_0, u_1 = before, lag_2
             f_0 = force_0 + force_slope * j
             f_1 = f_0 + force_slope
             # slope at the start
             total, level = _forces(p, maps, active, grid_start, row, x, v, u_0, f_0, hysteresis)
             pull = 0.0
-            if p[COUPLING] == FLEXIBLE:
+            if p.coupling == FLEXIBLE:
                 d = x - xl
-                pull = stiffness * d * (1.0 + p[HARDENING] * d * d) + damping * (v - vl)
+                pull = stiffness * d * (1.0 + p.hardening * d * d) + damping * (v - vl)
                 total -= pull
             direction = np.sign(v)
-            if law == STICK:
-                if v == 0.0:
-                    direction = np.sign(total)
-                    if abs(total) <= level + 0.5 * direction * p[COULOMB_ASYMMETRY]:
-                        continue
-                friction = direction * level + 0.5 * p[COULOMB_ASYMMETRY]
-            elif law == BRISTLES:
-                share = bristle / p[BRISTLE]
-                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
-                friction += p[BRISTLE_DAMPING] * (v - abs(v) * share)
-            else:
-                share = _smooth_sign(law, v, p[WIDTH], p[SHARE])
-                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
+            if law == STICK and v == 0.0:
+                direction = np.sign(total)
+                if abs(total) <= level + 0.5 * direction * p.coulomb_asymmetry:
+                    continue
+            friction = _friction(p, law, level, direction, bristle, v)
             inertia = m_motor
-            if p[COUPLING] == BACKLASH and engaged != 0:
+            if p.coupling == BACKLASH and engaged != 0:
                 if engaged * (total - friction) < 0.0:
                     engaged = 0
                 else:
-                    inertia = p[MASS]
+                    inertia = p.mass
             a_0 = (total - friction) / inertia
             # predictor
             vp = v + h * a_0
             xp = x + 0.5 * h * (v + vp)
-            bristle_p = _relaxed(bristle, 0.5 * (v + vp), p[BRISTLE], h) if law == BRISTLES else 0.0
-            if p[HYSTERESIS] != 0.0:
-                hysteresis = _relaxed(hysteresis, 0.5 * (v + vp), p[HYSTERESIS_LENGTH], h)
+            bristle_p = _relaxed(bristle, 0.5 * (v + vp), p.bristle, h) if law == BRISTLES else 0.0
+            if p.hysteresis != 0.0:
+                hysteresis = _relaxed(hysteresis, 0.5 * (v + vp), p.hysteresis_length, h)
             if not (x_low < xp < x_high):
                 return False, readings, commands, positions, velocities
             # slope at the end
             total, level = _forces(p, maps, active, grid_start, row, xp, vp, u_1, f_1, hysteresis)
-            if p[COUPLING] == FLEXIBLE:
+            if p.coupling == FLEXIBLE:
                 al_0 = pull / m_load
                 vlp = vl + h * al_0
                 xlp = xl + 0.5 * h * (vl + vlp)
                 d = xp - xlp
-                pull_1 = stiffness * d * (1.0 + p[HARDENING] * d * d) + damping * (vp - vlp)
+                pull_1 = stiffness * d * (1.0 + p.hardening * d * d) + damping * (vp - vlp)
                 total -= pull_1
                 vl_new = vl + 0.5 * h * (al_0 + pull_1 / m_load)
                 xl += 0.5 * h * (vl + vl_new)
                 vl = vl_new
-            if law == STICK:
-                friction = direction * level + 0.5 * p[COULOMB_ASYMMETRY]
-            elif law == BRISTLES:
-                share = bristle_p / p[BRISTLE]
-                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
-                friction += p[BRISTLE_DAMPING] * (vp - abs(vp) * share)
-            else:
-                share = _smooth_sign(law, vp, p[WIDTH], p[SHARE])
-                friction = level * share + 0.5 * p[COULOMB_ASYMMETRY] * abs(share)
+            friction = _friction(p, law, level, direction, bristle_p, vp)
             a_1 = (total - friction) / inertia
             v_new = v + 0.5 * h * (a_0 + a_1)
             stop = 1.0
@@ -455,23 +427,23 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 v_new = 0.0
             x_new = x + 0.5 * h * stop * (v + v_new)
             if law == BRISTLES:
-                bristle = _relaxed(bristle, 0.5 * (v + v_new), p[BRISTLE], h)
-            if p[LOST_COUNTS] != 0.0 and x < p[LOST_AT] <= x_new:
-                lost -= p[LOST_COUNTS]
-            if p[COUPLING] == BACKLASH:
+                bristle = _relaxed(bristle, 0.5 * (v + v_new), p.bristle, h)
+            if p.lost_counts != 0.0 and x < p.lost_at <= x_new:
+                lost -= p.lost_counts
+            if p.coupling == BACKLASH:
                 if engaged != 0:
                     vl = v_new
-                    xl = x_new - engaged * 0.5 * p[GAP]
+                    xl = x_new - engaged * 0.5 * p.gap
                 else:
                     xl += h * vl
                     play = x_new - xl
-                    if abs(play) >= 0.5 * p[GAP]:
+                    if abs(play) >= 0.5 * p.gap:
                         side = 1 if play > 0.0 else -1
                         if side * (v_new - vl) > 0.0:  # an impact without rebound: momentum is kept
-                            v_new = (m_motor * v_new + m_load * vl) / p[MASS]
+                            v_new = (m_motor * v_new + m_load * vl) / p.mass
                             vl = v_new
                             engaged = side
-                        xl = x_new - side * 0.5 * p[GAP]
+                        xl = x_new - side * 0.5 * p.gap
             x, v = x_new, v_new
             if not abs(v) < 1e3:
                 return False, readings, commands, positions, velocities

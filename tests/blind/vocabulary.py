@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from . import truth
 from .hidden import (
     Draw,
     Hidden,
-    Parameters,
     add_map,
     add_row,
     listed,
@@ -39,10 +36,6 @@ def _shape(rng: np.random.Generator, *others: str) -> str:
     return str(rng.choice(others)) if others and rng.random() < ODD else "usual"
 
 
-def _one(name: str, value: float, unit: str) -> Parameters:
-    return {name: (value, unit, 1.0)}
-
-
 def _length(machine: Machine) -> float:
     return machine.travel[1] - machine.travel[0]
 
@@ -51,7 +44,7 @@ def _length(machine: Machine) -> float:
 def constant_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     way = sign(rng)
     push = add_map("force", lambda plan: np.full(plan.maps.shape[1], way))
-    return Hidden(*sizes(machine.peak, 1e-3, 1e-6, 0.5), push, lambda a: _one("force", way * a, "V"))
+    return Hidden(*sizes(machine.peak, 1e-3, 1e-6, 0.5), push, {"force": (lambda a: way * a, "V", 1.0)})
 
 
 @listed(VOCABULARY)
@@ -66,8 +59,7 @@ def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
             return -way * (spring(s) - spring(np.array([(center - machine.travel[0]) / length])))
         return -way * (plan.positions - center) / length
 
-    def fields(a: float) -> Parameters:
-        return {"stiffness": (way * a / length, "V/m", 1.0), "center": (center, "m", None)}
+    fields = {"stiffness": (lambda a: way * a / length, "V/m", 1.0), "center": (center, "m", None)}
 
     return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.5), add_map("force", pull), fields, shape)
 
@@ -86,8 +78,7 @@ def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hi
             return way * (right_side * fall(right) - left_side * fall(left))
         return way * (np.exp(-right) - np.exp(-left))
 
-    def fields(a: float) -> Parameters:
-        return {"force": (way * a, "V", 1.0), "decay_length": (decay, "m", None)}
+    fields = {"force": (lambda a: way * a, "V", 1.0), "decay_length": (decay, "m", None)}
 
     return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.5), add_map("force", push), fields, shape)
 
@@ -103,8 +94,7 @@ def local_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> H
         distance = (plan.positions - center) / width
         return way * (pulse(distance / 3 + 0.5) if shape == DRAWN else np.exp(-(distance**2)))
 
-    def fields(a: float) -> Parameters:
-        return {"force": (way * a, "V", 1.0), "center": (center, "m", None), "width": (width, "m", None)}
+    fields = {"force": (lambda a: way * a, "V", 1.0), "center": (center, "m", None), "width": (width, "m", None)}
 
     return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.5), add_map("force", push), fields, shape)
 
@@ -121,7 +111,7 @@ def cogging_harmonic(rng: np.random.Generator, machine: Machine, motion: Motion)
     shape, phase = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi)
     period, form = _free_period(rng, machine), any_wave(rng)
     push = add_map("force", lambda plan: -wave(plan.positions, period, phase, form if shape == DRAWN else np.sin))
-    fields = partial(quadratures, "period", period, "V", phase)
+    fields = {"period": (period, "m", None)} | quadratures(phase, "V")
     return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.3), push, fields, shape)
 
 
@@ -143,19 +133,21 @@ def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motio
         return -envelope * np.sin(2 * np.pi * plan.positions / period + phase)
 
     fields = {"period": (period, "m", None)}
-    return Hidden(*sizes(machine.peak, 4e-3, 1e-5, 0.3), add_map("force", force), lambda a: fields, shape, True)
+    return Hidden(*sizes(machine.peak, 4e-3, 1e-5, 0.3), add_map("force", force), fields, shape, True)
 
 
 @listed(VOCABULARY)
 def coulomb_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     way, amplitudes = sign(rng), sizes(machine.scalars["coulomb"], 0.02, 1e-5, 1.2)
-    return Hidden(*amplitudes, set_scalars("coulomb_asymmetry", way), lambda a: _one("difference", way * a, "V"))
+    return Hidden(*amplitudes, set_scalars("coulomb_asymmetry", way), {"difference": (lambda a: way * a, "V", 1.0)})
 
 
 @listed(VOCABULARY)
 def viscous_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     way, amplitudes = sign(rng), sizes(machine.scalars["viscous"], 0.05, 1e-5, 1.5)
-    return Hidden(*amplitudes, set_scalars("viscous_asymmetry", way), lambda a: _one("difference", way * a, "V/(m/s)"))
+    return Hidden(
+        *amplitudes, set_scalars("viscous_asymmetry", way), {"difference": (lambda a: way * a, "V/(m/s)", 1.0)}
+    )
 
 
 @listed(VOCABULARY)
@@ -165,8 +157,7 @@ def stribeck_friction(rng: np.random.Generator, machine: Machine, motion: Motion
     form = float(truth.STRIBECK_SHAPES.index(shape))
     apply = set_scalars("stribeck", stribeck_velocity=speed, stribeck_exponent=exponent, stribeck_shape=form)
 
-    def fields(a: float) -> Parameters:
-        return {"static_excess": (a, "V", None), "velocity": (speed, "m/s", None)}
+    fields = {"static_excess": (lambda a: a, "V", None), "velocity": (speed, "m/s", None)}
 
     return Hidden(*sizes(machine.scalars["coulomb"], 0.05, 1e-5, 1.5), apply, fields, shape)
 
@@ -183,7 +174,7 @@ def presliding_friction(rng: np.random.Generator, machine: Machine, motion: Moti
         plan["bristle_damping"] = ratio * np.sqrt(level / amplitude * mass) if shape == "lugre" else 0.0
 
     low = max(3.0 * machine.scalars["bristle"], 2 * machine.scalars["resolution"], 5e-7)  # below, it is sticking
-    return Hidden(3 * low, low, 1e-3, apply, lambda a: {"stiffness": (level / a, "V/m", None)}, shape, True)
+    return Hidden(3 * low, low, 1e-3, apply, {"stiffness": (lambda a: level / a, "V/m", None)}, shape, True)
 
 
 @listed(VOCABULARY)
@@ -211,8 +202,7 @@ def quadratic_drag(rng: np.random.Generator, machine: Machine, motion: Motion) -
         plan["drag"] = way * amplitude * unit
         plan["drag_exponent"] = exponent
 
-    def fields(a: float) -> Parameters:
-        return _one("coefficient", way * a * unit, "V/(m/s)^2")
+    fields = {"coefficient": (lambda a: way * a * unit, "V/(m/s)^2", 1.0)}
 
     return Hidden(0.01, 1e-5, 0.4 if way > 0 else 0.05, apply, fields, shape)
 
@@ -222,7 +212,7 @@ def force_constant_ripple(rng: np.random.Generator, machine: Machine, motion: Mo
     shape, phase, form = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi), any_wave(rng)
     period = machine.pitch * float(rng.choice([1.0, 0.5, rng.uniform(0.6, 1.7)]))
     gain = add_map("gain", lambda plan: wave(plan.positions, period, phase, form if shape == DRAWN else np.sin))
-    return Hidden(5e-3, 1e-5, 0.3, gain, partial(quadratures, "period", period, "", phase), shape)
+    return Hidden(5e-3, 1e-5, 0.3, gain, {"period": (period, "m", None)} | quadratures(phase, ""), shape)
 
 
 @listed(VOCABULARY)
@@ -234,8 +224,7 @@ def force_constant_drift(rng: np.random.Generator, machine: Machine, motion: Mot
         t = times(plan)
         return way * (rise(t / t[-1]) if shape == DRAWN else 1 - np.exp(-t / tau))
 
-    def fields(a: float) -> Parameters:
-        return {"change": (way * a, "", None), "time_constant": (tau, "s", None)}
+    fields = {"change": (lambda a: way * a, "", None), "time_constant": (tau, "s", None)}
 
     return Hidden(5e-3, 1e-5, 0.3, add_row("gain", change), fields, shape)
 
@@ -243,7 +232,7 @@ def force_constant_drift(rng: np.random.Generator, machine: Machine, motion: Mot
 @listed(VOCABULARY)
 def command_delay(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     high = min(6e-3, 0.25 / _bandwidth(machine))
-    return Hidden(3e-4, 2e-6, high, set_scalars("delay"), lambda a: _one("delay", a, "s"))
+    return Hidden(3e-4, 2e-6, high, set_scalars("delay"), {"delay": (lambda a: a, "s", 1.0)})
 
 
 @listed(VOCABULARY)
@@ -257,7 +246,7 @@ def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
         plan["lag_damping"] = damping if shape == "second_order" else 0.0
 
     high = min(8e-3, 0.3 / _bandwidth(machine))
-    return Hidden(5e-4, 5e-6, high, apply, lambda a: _one("time_constant", a, "s"), shape)
+    return Hidden(5e-4, 5e-6, high, apply, {"time_constant": (lambda a: a, "s", 1.0)}, shape)
 
 
 def _bandwidth(machine: Machine) -> float:
@@ -285,14 +274,14 @@ def command_saturation(rng: np.random.Generator, machine: Machine, motion: Motio
         else:
             plan["saturation_up"] = plan["saturation_down"] = limit
 
-    return Hidden(0.2, 0.01, 0.7, apply, lambda a: {"limit": (full * (1.1 - a), "V", None)}, shape)
+    return Hidden(0.2, 0.01, 0.7, apply, {"limit": (lambda a: full * (1.1 - a), "V", None)}, shape)
 
 
 @listed(VOCABULARY)
 def command_dead_zone(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, level = _shape(rng, "one_sided", "rounded"), machine.scalars["coulomb"]
     apply = set_scalars("dead_zone", dead_zone_shape=float(truth.DEAD_ZONES.index(shape)))
-    return Hidden(0.05 * level, 1e-5 * level, 0.15 * machine.peak, apply, lambda a: {"width": (a, "V", None)}, shape)
+    return Hidden(0.05 * level, 1e-5 * level, 0.15 * machine.peak, apply, {"width": (lambda a: a, "V", None)}, shape)
 
 
 @listed(VOCABULARY)
@@ -309,7 +298,7 @@ def encoder_periodic_error(rng: np.random.Generator, machine: Machine, motion: M
         plan["x_start"] -= amplitude * np.sin(2 * np.pi * plan["x_start"] / period + phase) * (shape == "usual")
 
     high = min(1e-4, period / 20)
-    return Hidden(1e-6, 1e-8, high, apply, partial(quadratures, "period", period, "m", phase), shape)
+    return Hidden(1e-6, 1e-8, high, apply, {"period": (period, "m", None)} | quadratures(phase, "m"), shape)
 
 
 @listed(VOCABULARY)
@@ -321,14 +310,14 @@ def encoder_scale_error(rng: np.random.Generator, machine: Machine, motion: Moti
         plan["encoder_scale"] = way * amplitude
         plan["x_start"] /= 1 + way * amplitude
 
-    return Hidden(1e-3, 1e-6, 0.03, apply, lambda a: _one("scale", way * a, ""))
+    return Hidden(1e-3, 1e-6, 0.03, apply, {"scale": (lambda a: way * a, "", 1.0)})
 
 
 @listed(VOCABULARY)
 def backlash(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     ratio = log_uniform(rng, 0.02, 0.5)
     apply = set_scalars("gap", coupling=truth.BACKLASH, load_ratio=ratio)
-    return Hidden(2e-5, 1e-6, 2e-3, apply, lambda a: {"gap": (a, "m", None), "mass_ratio": (ratio, "", None)})
+    return Hidden(2e-5, 1e-6, 2e-3, apply, {"gap": (lambda a: a, "m", None), "mass_ratio": (ratio, "", None)})
 
 
 @listed(VOCABULARY)
@@ -340,7 +329,7 @@ def flexible_mode(rng: np.random.Generator, machine: Machine, motion: Motion) ->
     mode["hardening"] = hardness / deflection**2 if shape == "hardening" else 0.0
     known = {"frequency": (frequency, "Hz", None), "damping_ratio": (damping, "", None)}
     apply = set_scalars("load_ratio", **mode)
-    return Hidden(0.02, 1e-4, 0.6, apply, lambda a: known | {"mass_ratio": (a, "", None)}, shape)
+    return Hidden(0.02, 1e-4, 0.6, apply, known | {"mass_ratio": (lambda a: a, "", None)}, shape)
 
 
 @listed(VOCABULARY)
@@ -354,8 +343,7 @@ def disturbance_step(rng: np.random.Generator, machine: Machine, motion: Motion)
         t = times(plan)
         return way * (pulse((t - begin) / (end - begin)) if shape == DRAWN else (t >= begin) & (t <= end))
 
-    def fields(a: float) -> Parameters:
-        return {"force": (way * a, "V", 1.0), "start": (begin, "s", None), "stop": (end, "s", None)}
+    fields = {"force": (lambda a: way * a, "V", 1.0), "start": (begin, "s", None), "stop": (end, "s", None)}
 
     return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.5), add_row("force", force), fields, shape)
 
@@ -365,5 +353,5 @@ def disturbance_tone(rng: np.random.Generator, machine: Machine, motion: Motion)
     shape, phase = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi)
     frequency, form = log_uniform(rng, 2.0, min(120.0, machine.rate / 12)), any_wave(rng)
     push = add_row("force", lambda plan: wave(times(plan), 1 / frequency, phase, form if shape == DRAWN else np.sin))
-    fields = partial(quadratures, "frequency", frequency, "V", phase, key="Hz")
+    fields = {"frequency": (frequency, "Hz", None)} | quadratures(phase, "V")
     return Hidden(*sizes(machine.peak, 2e-3, 1e-6, 0.3), push, fields, shape)

@@ -25,7 +25,7 @@ def folder(tmp_path, monkeypatch):
 
 
 #: How many calls of each kind the default run makes; `python -m tests.attack` makes thousands.
-CALLS = {"model": 6, "option": 8, "signal": 3, "name": 6, "reference": 4, "header": 3, "document": 5, "sidecar": 3}
+CALLS = {"model": 6, "option": 8, "signal": 3, "name": 6, "reference": 4, "document": 5, "sidecar": 3}
 
 
 @pytest.mark.parametrize("kind", hostile_calls.KINDS)

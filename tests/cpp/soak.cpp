@@ -1,8 +1,8 @@
 // Every controller as a drive would run it, built without exceptions and run-time types, for millions of samples with
 // readings that are stuck, jump, are no numbers or are lost, and commands that are cut off: `soak [STEPS [SEED]]`. A
 // sample allocates nothing, commands stay numbers, samples that are no measurement are counted and the command held
-// within the limit, and the axis comes back to its error before the fault; the longest time that it needs is printed.
-// `soak refuse` makes a controller with a parameter that breaks its rule.
+// within the limit, and the axis comes back to its error before the fault. `soak refuse` makes a controller with a
+// parameter that breaks its rule.
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +128,7 @@ void soak(const typename C::Parameters& parameters, long steps, std::uint64_t se
     return std::abs(std::same_as<C, Speed<>> ? axis.velocity - next.velocity : axis.position - next.position);
   };
 
-  double usual = 0.0, longest[faults] = {};
+  double usual = 0.0;
   while (step < 5.0 * rate) {
     const double error = error_of_sample(none, 0.0);
     if (step > 3.0 * rate) usual = std::max(usual, error);
@@ -143,10 +143,7 @@ void soak(const typename C::Parameters& parameters, long steps, std::uint64_t se
       for (; within < 0.1 * rate && waited < patience * rate; ++waited)
         within = error_of_sample(none, 0.0) <= 2.0 * usual + 1e-6 ? within + 1 : 0;
       check::holds(within >= 0.1 * rate, name + " does not come back from a reading that is " + names[fault]);
-      longest[fault] = std::max(longest[fault], static_cast<double>(waited - within) * period);
     }
-  for (int fault = stuck; fault < faults; ++fault)
-    std::printf("%s, %s: back after %.4f s at most\n", name.c_str(), names[fault], longest[fault]);
   check::holds(allocated == 0, name + " allocates in a sample");
   check::holds(wrong == 0, name + ": commands that are no numbers, or not held where a sample is no measurement");
   check::holds(controller.samples_refused() == static_cast<double>(refused), name + ": samples counted as refused");
