@@ -23,8 +23,8 @@ from cogging.logs.log import Log
 from cogging.model.model import Model
 from cogging.resources import on_threads
 
-THRESHOLD = 20.0  # minimum score of an accepted candidate: above those of 36 drawn logs with nothing missing
-PREFERRED = 0.5  # of the gain of a force without a law: a law that explains more is accepted, the rest may follow
+THRESHOLD = 30.0  # minimum score of an accepted candidate: of 228 drawn logs with nothing missing 5 score higher
+PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
 MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
 NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
 SHARE = 0.05  # minimum probability of an alternative name
@@ -231,12 +231,11 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
                 laws = [other for other in contenders if not other.found.name.startswith("~")]
             else:
                 laws = [other for other in contenders if other.found.name in along and other.is_lawful]
-            rival = max(laws, key=lambda other: other.ratio - other.found.k, default=None)
-            gain = c.ratio - c.found.k
-            if rival is not None and (law_gain := rival.ratio - rival.found.k) >= PREFERRED * gain:
-                if law_gain < NESTED * gain:
-                    likeness = min(rival.found.likeness, float(law_gain / gain))
-                    rival.found = replace(rival.found, likeness=likeness)
+            rival = max(laws, key=lambda other: other.score, default=None)
+            if rival is not None and rival.score >= PREFERRED * c.score:
+                share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
+                if share < NESTED:
+                    rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
                 continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)

@@ -1,0 +1,78 @@
+"""Candidates that are not linear at the model without them, and forces that re-tuning absorbs."""
+
+import numpy as np
+import pytest
+
+import cogging
+from cogging.diagnosis.balance.candidates import search_once
+from cogging.diagnosis.balance.decision import contender, search
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
+from cogging.diagnosis.balance.evidence import Evidence
+from tests.fixtures import pid_axis
+
+PITCH = 0.012  # m
+WAVE = cogging.CoggingModel(cogging.SplineHarmonics(periods=[PITCH]), sine=[[0.2]], cosine=[[0.0]])
+MODEL = pid_axis.MODEL.replace(cogging=WAVE)
+
+
+def logs(monkeypatch, *effects):
+    monkeypatch.setattr(pid_axis, "MODEL", MODEL)
+    return pid_axis.run(*effects), pid_axis.other(*effects)
+
+
+def balances(*made):
+    return [DifferencedBalance(log, MODEL.axis.coulomb_width, MODEL.encoder.resolution) for log in made]
+
+
+@pytest.mark.parametrize("scale", [-0.002, 0.001, 0.004])
+def test_a_scale_error_that_turns_the_known_cogging_is_not_taken_for_a_modulation(scale, monkeypatch):
+    """It turns the cogging by up to 0.8 rad: the model without it has the mean phase and too little cogging."""
+    given, confirm = logs(monkeypatch, cogging.EFFECTS["encoder_scale_error"](scale=scale))
+    outcome = search([given], [confirm], MODEL)
+    first = outcome.accepted[0]
+    assert first.found.name == "encoder_scale_error"
+    assert first.share > 0.8
+    assert outcome.both.model.effects[0].scale == pytest.approx(scale, rel=0.1)
+
+
+def test_retuning_finds_phase_and_gain_of_cogging_from_afar(monkeypatch):
+    turned = cogging.CoggingModel(WAVE.basis, sine=[[0.25 * np.cos(1.2)]], cosine=[[0.25 * np.sin(1.2)]])
+    [balance] = balances(logs(monkeypatch)[0])
+    evidence = Evidence([balance], MODEL, MODEL.replace(cogging=turned)).prepare(3, listen=True)
+    found = evidence.model.cogging
+    assert np.array([found.sine, found.cosine]).ravel() == pytest.approx([0.2, 0.0], abs=4e-3)
+
+
+def test_an_error_of_the_reading_scales_noise_and_motion_alike(monkeypatch):
+    """Else one of two models of the same force is likelier, by the noise alone."""
+    [b] = balances(logs(monkeypatch)[0])
+    bare = MODEL.replace(cogging=None)
+    wrong = bare.replace(effects=(cogging.EFFECTS["encoder_scale_error"](scale=0.01),))
+    lighter = bare.replace(axis=bare.axis.replace(mass=0.99 * bare.axis.mass))
+    inertia = b.residual(wrong) - b.residual(lighter)
+    friction = 0.01 * bare.axis.viscous * np.abs(b.velocity).max()
+    assert np.std(b.residual(bare)) > 10 * friction
+    assert np.abs(inertia[b.keep > 0]).max() < 2 * friction
+
+
+def test_a_change_in_time_or_along_the_travel_has_no_constant_part(monkeypatch):
+    """Constant friction is Coulomb or viscous friction, which re-tuning absorbs whatever its law."""
+    [b] = balances(logs(monkeypatch)[0])
+    evidence = Evidence([b], MODEL, MODEL).prepare(1, listen=True)
+    shapes = {f.name: f for f in search_once(evidence, {})}
+    for name, part in (("~friction in time", np.sign(b.velocity)), ("~viscous along travel", b.velocity)):
+        [columns] = shapes[name].columns(evidence)
+        fast = (b.keep > 0) & (np.abs(b.velocity) > 0.05)
+        basis = columns[:, fast] / part[fast]
+        left = np.ones(fast.sum()) - basis.T @ np.linalg.lstsq(basis.T, np.ones(fast.sum()))[0]
+        assert np.std(left) > 0.02 or abs(left.mean()) > 0.02
+        assert contender(evidence, shapes[name], 1).score < 10.0
+
+
+def test_an_envelope_turns_less_often_than_its_carrier(monkeypatch):
+    """A force of any smooth shape is no modulated wave of two periods in the travel."""
+    bump = cogging.EFFECTS["local_force"](force=0.06, center=0.2, width=0.05)
+    [b] = balances(logs(monkeypatch, bump)[0])
+    found = search_once(Evidence([b], MODEL, MODEL).prepare(1, listen=True), {})
+    modulated = [float(f.label) for f in found if f.name == "cogging_modulation" and f.label.startswith("0.")]
+    assert max(modulated, default=PITCH) < np.ptp(b.position) / 3
