@@ -52,19 +52,21 @@ class Contender:
 
     Attributes:
         found: candidate.
+        fit: of the candidate and, as `none`, without it.
+        inflation: variance inflation of its score, by which the gain is divided.
         ratio: gain in 2 ln likelihood over the model without it.
         score: `ratio` less the expected gain of its amplitudes and trials under the null hypothesis.
-        inflation: variance inflation of its score, by which the gain is divided.
         blocks: gain of each block of motion.
         gains: gain of the given and of the confirm logs.
         expected: expected gains if the candidate is true.
     """
 
     found: Found
-    ratio: float
-    score: float
+    fit: Maximum = field(repr=False)
     inflation: float
-    blocks: FloatArray = field(repr=False)
+    ratio: float = 0.0
+    score: float = 0.0
+    blocks: FloatArray = field(default_factory=lambda: np.zeros(0), repr=False)
     gains: tuple[float, float] = (0.0, 0.0)
     expected: tuple[float, float] = (0.0, 0.0)
 
@@ -291,15 +293,16 @@ def score_of(ratio: float, k: int, trials: float, blocks: int) -> float:
 
 
 def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> list[Contender]:
-    """Fit the candidates to all logs on threads; drop implausible changes of the axis."""
-    made = on_threads(lambda f: contender(evidence, f, given), found)
-    return [c for c in made if c is not None]
+    """Fit the candidates to all logs on threads and re-tune the likeliest; drop implausible changes of the axis."""
+    made = [c for c in on_threads(lambda f: contender(evidence, f, given), found) if c is not None]
+    least = PREFERRED * max((c.score for c in made), default=0.0)
+    on_threads(lambda c: retune(evidence, c), [c for c in made if c.found.columns is not None and c.score > least])
+    return made
 
 
 @np.errstate(all="ignore")
 def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
     """Fit a candidate to all logs, the first `given` of which are given logs; None for an implausible change."""
-    edges = block_edges(evidence)
     if f.columns is None:
         if f.effect not in evidence.paths:
             return None
@@ -308,37 +311,36 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         value = getattr(evidence.model.axis, name) + best.theta[evidence.paths.index(f.effect)]
         if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
             return None
-        ratio = (evidence.null.cost - best.cost) / evidence.alike
-        by_row = (evidence.null.by_row() - best.by_row()) / evidence.alike
-        blocks = np.add.reduceat(by_row, edges)
-        return Contender(f, ratio, score_of(ratio, max(f.k, 1), f.N, len(edges)), evidence.alike, blocks)
+        best.none = evidence.null
+        return weighed(evidence, Contender(f, best, evidence.alike))
     best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
-    retuned = retuned_with(evidence, f, best)
-    ratio = (retuned.none.cost - retuned.cost) / best.inflation
-    by_row = (retuned.none.by_row() - retuned.by_row()) / best.inflation
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in evidence.counted[:given])
-    return Contender(
-        f,
-        ratio,
-        score_of(ratio, max(f.k, 1), f.N, len(edges)),
-        best.inflation,
-        np.add.reduceat(by_row, edges),
-        (float(of_log[:first].sum()), float(of_log[first:].sum())),
-        (float(expected[:first].sum()), float(expected[first:].sum())),
-    )
+    gains, show = ((float(x[:first].sum()), float(x[first:].sum())) for x in (of_log, expected))
+    return weighed(evidence, Contender(f, best, best.inflation, gains=gains, expected=show))
 
 
-def retuned_with(evidence: Evidence, f: Found, best: Maximum) -> Maximum:
-    """Return the fit of the model with a candidate, re-tuned from a linear fit by Gauss-Newton steps.
+def weighed(evidence: Evidence, c: Contender) -> Contender:
+    """Return a contender with gain, score and blocks from its fit."""
+    edges, fit = block_edges(evidence), c.fit
+    c.ratio = (fit.none.cost - fit.cost) / c.inflation
+    c.score = score_of(c.ratio, max(c.found.k, 1), c.found.N, len(edges))
+    c.blocks = np.add.reduceat((fit.none.by_row() - fit.by_row()) / c.inflation, edges)
+    fit.x = fit.r = fit.gram = np.zeros(0)  # free the rows of many candidates
+    return c
+
+
+@np.errstate(all="ignore")
+def retune(evidence: Evidence, c: Contender) -> None:
+    """Re-tune the model with a candidate from its linear fit by Gauss-Newton steps.
 
     The columns are slopes at the model without the candidate, which may be far from the model with it: a scale error
     that the model lacks turns and shrinks its known cogging. All fits have the noise of the linear one, since a smaller
     mass would have less, and each filter is one that the fit without the candidate may have, too.
     """
-    extra = list(evidence.extra)
+    best, f, extra = c.fit, c.found, list(evidence.extra)
     own = replace(f, amplitudes=best.theta[-len(f.amplitudes) :])
     model = added_to(evidence.model, own, extra, [])
     at, fit, law = evidence, best, f.columns(evidence) if len(extra) == len(evidence.extra) else []
@@ -358,8 +360,8 @@ def retuned_with(evidence: Evidence, f: Found, best: Maximum) -> Maximum:
             fit, again.none = again, min(best.none, evidence.fitted(taps), key=lambda one: one.cost)
         if fit.cost - fit.none.cost >= best.cost - best.none.cost:
             break
-        best = fit
-    return best
+        c.fit = best = fit
+    weighed(evidence, c)
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
