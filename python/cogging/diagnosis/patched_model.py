@@ -66,7 +66,8 @@ def with_intervals(model: Model, evidence: Evidence, whole: Model, names: Mappin
         low, high = evidence.interval(k) if path in known else (-np.inf, np.inf)
         if np.isfinite(high - low):
             value = known[path].value
-            centre = fitted[own].value if own.startswith("effects.") and own in fitted else value
+            is_fitted = own.startswith("effects.") and own in fitted
+            centre = fitted[own].value + float(evidence.null.theta[k]) if is_fitted else value
             low, high = min(centre + low, value), max(centre + high, value)
             intervals[path] = (max(0.0, low) if known[path].positive else low, high)
     return model.replace(intervals=intervals)
@@ -149,7 +150,7 @@ def _is_certain(paths: Sequence[str], values: Sequence[float], evidence: Evidenc
     if not values:
         name = paths[0].removeprefix("axis.")
         values = [getattr(evidence.model.axis, name) - getattr(evidence.given.axis, name)]
-    return _excludes_zero(rows, np.array(values), evidence)
+    return _excludes_zero(rows, np.array(values) + evidence.null.theta[rows], evidence)
 
 
 def _excludes_zero(rows: Sequence[int], values: FloatArray, evidence: Evidence) -> bool:
