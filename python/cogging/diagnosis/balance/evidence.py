@@ -251,13 +251,10 @@ class Evidence:
             if self.curvature(self.fit, model, []) < CURVED:
                 self.model = model
                 break
-            own = self.model.axis.coulomb_width
-            models = [self.retuned(share) for share in SHARES_OF_A_STEP]
-            models += [with_values(one, {"axis.coulomb_width": own}) for one in models]
-            costs = [self.cost_of(one) for one in models]
-            if min(costs) > self.fit.cost + CURVED:
-                break
-            self.model = models[int(np.argmin(costs))]
+            own = {"axis.coulomb_width": self.model.axis.coulomb_width}
+            steps = [self.retuned(share) for share in SHARES_OF_A_STEP]
+            tried = (model for step in steps for model in (step, with_values(step, own)))
+            self.model = next((m for m in tried if self.cost_of(m) <= self.fit.cost + CURVED), self.model)
         self.levels = []
         self.make()
         return self
