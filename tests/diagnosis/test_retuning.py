@@ -32,7 +32,7 @@ def test_a_scale_error_that_turns_the_known_cogging_is_not_taken_for_a_modulatio
     first = outcome.accepted[0]
     assert first.found.name == "encoder_scale_error"
     assert first.share > 0.8
-    assert outcome.both.model.effects[0].scale == pytest.approx(scale, rel=0.1)
+    assert outcome.both.model.effects[0].scale == pytest.approx(scale, abs=2e-4)
 
 
 def test_retuning_finds_phase_and_gain_of_cogging_from_afar(monkeypatch):

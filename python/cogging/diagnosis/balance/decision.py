@@ -168,7 +168,7 @@ def search(
         extra = with_amplitudes(extra, evidence)
         same: dict[str, Any] = {"extra": list(extra), "uniform": outcome.nominal.largely}
         if others:
-            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(2)
+            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
         if step == ROUNDS - 1:
             break
 
@@ -184,7 +184,7 @@ def search(
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
                 others = [b.moved(outcome.shift) for b in others]
-                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(2)
+                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
                 contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
@@ -296,7 +296,9 @@ def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> lis
     """Fit the candidates to all logs on threads and re-tune the likeliest; drop implausible changes of the axis."""
     made = [c for c in on_threads(lambda f: contender(evidence, f, given), found) if c is not None]
     least = PREFERRED * max((c.score for c in made), default=0.0)
-    on_threads(lambda c: retune(evidence, c), [c for c in made if c.found.columns is not None and c.score > least])
+    without = retuned(evidence, evidence.model, evidence.null)
+    near = [c for c in made if c.found.columns is not None and c.score > least]
+    on_threads(lambda c: retune(evidence, c, without), near)
     return made
 
 
@@ -333,35 +335,54 @@ def weighed(evidence: Evidence, c: Contender) -> Contender:
 
 
 @np.errstate(all="ignore")
-def retune(evidence: Evidence, c: Contender) -> None:
-    """Re-tune the model with a candidate from its linear fit by Gauss-Newton steps.
+def retune(evidence: Evidence, c: Contender, without: Evidence) -> None:
+    """Compare the model with a candidate, re-tuned from its linear fit, with the re-tuned model without it.
 
     The columns are slopes at the model without the candidate, which may be far from the model with it: a scale error
-    that the model lacks turns and shrinks its known cogging. All fits have the noise of the linear one, since a smaller
-    mass would have less, and each filter is one that the fit without the candidate may have, too.
+    that the model lacks turns and shrinks its known cogging. Both are fitted behind the same filters.
     """
-    best, f, extra = c.fit, c.found, list(evidence.extra)
-    own = replace(f, amplitudes=best.theta[-len(f.amplitudes) :])
-    model = added_to(evidence.model, own, extra, [])
-    at, fit, law = evidence, best, f.columns(evidence) if len(extra) == len(evidence.extra) else []
+    linear, laws = c.fit, c.found.laws(c.fit.theta[-len(c.found.amplitudes) :])
+    if not laws or any("state" in effect.HOOKS for effect in laws):
+        return  # it stays a column
+    steps = dict(zip(evidence.paths, map(float, linear.theta), strict=False))
+    model = evidence.model.replace(effects=(*evidence.model.effects, *laws))
+    moved = [evidence.moved(one, steps) for one in (evidence.model, model)]
+    if evidence.bend(linear, *moved, c.found.columns(evidence)) < CURVED:
+        return
+    at = retuned(evidence, model, linear)
+    if at is not evidence:
+        fits = [at.fitted(linear.taps)]
+        fits.append(at.fitted(at.taps_of(fits[0].theta)))
+        c.fit = min(fits, key=lambda fit: fit.cost)
+        c.fit.none = linear.none if c.fit is fits[0] else evidence.fitted(c.fit.taps)
+    if without is not evidence:
+        c.fit.none = min(c.fit.none, without.fitted(c.fit.taps), key=lambda fit: fit.cost)
+    weighed(evidence, c)
+
+
+def retuned(evidence: Evidence, model: Model, fit: Maximum) -> Evidence:
+    """Return the evidence of a model after Gauss-Newton steps from a linear fit; `evidence` itself if none is better.
+
+    All have the noise of `evidence`, since a smaller mass would have less.
+
+    Args:
+        evidence: evidence that was fitted.
+        model: its model, possibly with a further law.
+        fit: linear fit.
+    """
+    at = evidence
     for _ in range(RETUNED):
         model = at.moved(model, dict(zip(at.paths, map(float, fit.theta), strict=False)))
-        if at.curvature(fit, model, law) < CURVED:
+        if len(model.effects) == len(at.model.effects) and at.curvature(fit, model) < CURVED:
             break
-        at, law = replace(evidence, model=model, extra=extra, base=evidence), []
-        at.levels = evidence.levels
-        at.make()
-        if at.largely != evidence.largely:
+        after = replace(evidence, model=model, base=evidence)
+        after.levels = evidence.levels
+        after.make()
+        better = after.fitted(fit.taps)
+        if after.largely != evidence.largely or better.cost >= fit.cost:
             break
-        fit = at.fitted(best.taps)
-        fit.none, taps = best.none, at.taps_of(fit.theta)
-        again = at.fitted(taps)
-        if again.cost < fit.cost:
-            fit, again.none = again, min(best.none, evidence.fitted(taps), key=lambda one: one.cost)
-        if fit.cost - fit.none.cost >= best.cost - best.none.cost:
-            break
-        c.fit = best = fit
-    weighed(evidence, c)
+        at, fit = after, better
+    return at
 
 
 def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:

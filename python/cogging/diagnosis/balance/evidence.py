@@ -248,44 +248,62 @@ class Evidence:
                     b.set_corner(r, self.model.axis.mass, self.largely)
                 self.make()
             model = self.retuned()
-            if self.curvature(self.fit, model, []) < CURVED:
+            if self.curvature(self.fit, model) < CURVED:
                 self.model = model
                 break
-            own = {"axis.coulomb_width": self.model.axis.coulomb_width}
-            steps = [self.retuned(share) for share in SHARES_OF_A_STEP]
-            tried = (model for step in steps for model in (step, with_values(step, own)))
-            self.model = next((m for m in tried if self.cost_of(m) <= self.fit.cost + CURVED), self.model)
+            before = self.decrement(self.model)
+            for share in SHARES_OF_A_STEP:
+                model = self.retuned(share)
+                if self.decrement(model) <= before:
+                    self.model = model
+                    break
         self.levels = []
         self.make()
         return self
 
-    def cost_of(self, model: Model) -> float:
-        """Return -2 ln likelihood of a re-tuned model, with the columns, filters and noise of this one."""
+    def decrement(self, model: Model) -> float:
+        """Return the Newton decrement of a re-tuned model: the gain in 2 ln likelihood that its parameters still allow.
+
+        The residual power is a weaker criterion: unlike the columns, it contains the noise of the readings.
+        """
         fit, known = self.fit, parameters_of(model, together=True)
         old = parameters_of(self.model, together=True)
+        has = np.array([p in known for p in self.paths] + [False] * (len(fit.w) - len(self.paths)))
         moved = [known[p].value - old[p].value if p in known else 0.0 for p in self.paths]
         sigma, target = fit.prior
-        target = target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size
-        left = self.filtered([b.rows(r) for b, r in zip(self.balances, self.raw_of(model), strict=True)], fit.taps)[0]
-        return float(likeliest(fit.x, left, sigma, target).cost + fit.unit.sum())
+        target = np.where(has, target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size, target)
+        left = self.filtered([b.rows(b.residual(model)) for b in self.balances], fit.taps)[0]
+        slope = fit.x @ (fit.weight * left) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
+        beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
+        own = slope[has] - beside @ slope[~has]
+        return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
 
-    def curvature(self, fit: Maximum, model: Model, law: Sequence[FloatArray]) -> float:
-        """Return the part of a step's effect on the residual that is not linear, as -2 ln likelihood.
+    def curvature(self, fit: Maximum, model: Model) -> float:
+        """Return the part of a step of the nuisance parameters that is not linear, as -2 ln likelihood.
 
         Args:
-            fit: linear fit, whose nuisance parameters have moved the model.
-            model: model after the step, possibly with a further law.
-            law: columns (k, n) of that law for each log, whose amplitudes stand last in `fit`; empty without one.
+            fit: linear fit.
+            model: model that it has moved.
         """
         known = parameters_of(self.model, together=True)
         theta = np.array([t if p in known else 0.0 for p, t in zip(self.paths, fit.theta, strict=False)])
-        bent = []
-        for i, (b, raw) in enumerate(zip(self.balances, self.raw_of(model), strict=True)):
-            change = b.rows(raw - self.raw[i])[0] + theta @ self.nuisances[i][: len(theta)]
-            if len(law):
-                change += fit.theta[-len(law[i]) :] @ b.rows(law[i])
-            bent.append(change[None])
-        return float(fit.weight @ self.filtered(bent, fit.taps)[0] ** 2 / fit.variance)
+        parts = zip(self.raw_of(model), self.raw, self.nuisances, self.balances, strict=True)
+        return self._power(fit, [b.rows(new - old)[0] + theta @ x[: len(theta)] for new, old, x, b in parts])
+
+    def bend(self, fit: Maximum, without: Model, model: Model, law: Sequence[FloatArray]) -> float:
+        """Return the part of a law's force that is not linear, as -2 ln likelihood.
+
+        Args:
+            fit: linear fit, in which the amplitudes of the law stand last.
+            without, model: models that it has moved, without and with the law.
+            law: columns (k, n) of the law for each log.
+        """
+        parts = zip(self.raw_of(model), self.raw_of(without), law, self.balances, strict=True)
+        return self._power(fit, [b.rows(new - old + fit.theta[-len(x) :] @ x)[0] for new, old, x, b in parts])
+
+    def _power(self, fit: Maximum, rows: list[FloatArray]) -> float:
+        """Return the weighted power of a residual of each log, (m,), behind the filters of a fit."""
+        return float(fit.weight @ self.filtered([r[None] for r in rows], fit.taps)[0] ** 2 / fit.variance)
 
     @property
     def drives(self) -> list[FloatArray]:
@@ -522,7 +540,7 @@ class Evidence:
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
         moved, gap, least = np.where(beside, 0.0, moved), self.unfiltered, np.inf
         best = model
-        width = self.likeliest_width()
+        width = self.model.axis.coulomb_width
         for factor in WIDER if width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0 else (1.0,):
             wider = with_values(self.model, {"axis.coulomb_width": factor * width})
             left = self.filtered([b.rows(b.residual(wider)) for b in self.balances], gap.taps)[0]
