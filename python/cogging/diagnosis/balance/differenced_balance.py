@@ -28,7 +28,7 @@ UNEVEN = 0.3  # of the median step: larger deviations require resampling to a un
 GAP_STEPS = 5.0  # median steps: a longer step is a gap, whose rows are invalid
 SKIP = 0.06  # s: invalid rows at both ends (filter transients, start of the loop)
 MOST_SUB_STEPS = 6  # in a row about a reversal of friction; more do not change its mean
-SLOPE_STEP = 1e-6  # of the motion's range: step of the slope of a reading error, far below its period
+SLOPE_STEP = 5e-5  # of the range of the motion: step of the derivatives of a reading error, below its period
 NEAR = 10.0  # friction widths, or speed changes per row: at higher speeds a row needs no sub-steps
 # Speed and rest
 SPEED_NOISE = 0.2  # of `coulomb_width`: target noise of the smoothed speed
