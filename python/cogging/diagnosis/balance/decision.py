@@ -168,7 +168,7 @@ def search(
         extra = with_amplitudes(extra, evidence)
         same: dict[str, Any] = {"extra": list(extra), "uniform": outcome.nominal.largely}
         if others:
-            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
+            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
         if step == ROUNDS - 1:
             break
 
@@ -184,7 +184,7 @@ def search(
             outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
             if outcome.shift:
                 others = [b.moved(outcome.shift) for b in others]
-                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare(1)
+                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
                 contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
@@ -336,14 +336,14 @@ def weighed(evidence: Evidence, c: Contender) -> Contender:
 
 @np.errstate(all="ignore")
 def retune(evidence: Evidence, c: Contender, without: Evidence) -> None:
-    """Compare the model with a candidate, re-tuned from its linear fit, with the re-tuned model without it.
+    """Compare the model with an error of the reading, re-tuned from its linear fit, with the re-tuned model without it.
 
     The columns are slopes at the model without the candidate, which may be far from the model with it: a scale error
     that the model lacks turns and shrinks its known cogging. Both are fitted behind the same filters.
     """
     linear, laws = c.fit, c.found.laws(c.fit.theta[-len(c.found.amplitudes) :])
-    if not laws or any("state" in effect.HOOKS for effect in laws):
-        return  # it stays a column
+    if c.found.period is not None or not any("reading" in effect.HOOKS for effect in laws):
+        return  # its force is linear in the amplitudes
     steps = dict(zip(evidence.paths, map(float, linear.theta), strict=False))
     model = evidence.model.replace(effects=(*evidence.model.effects, *laws))
     moved = [evidence.moved(one, steps) for one in (evidence.model, model)]

@@ -247,10 +247,6 @@ class Evidence:
                 for b, r in zip(self.balances, self.raw, strict=True):
                     b.set_corner(r, self.model.axis.mass, self.largely)
                 self.make()
-            model = self.retuned()
-            if self.curvature(self.fit, model) < CURVED:
-                self.model = model
-                break
             before = self.decrement(self.model)
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
