@@ -346,8 +346,8 @@ def retune(evidence: Evidence, c: Contender, without: Evidence) -> None:
         return  # its force is linear in the amplitudes
     steps = dict(zip(evidence.paths, map(float, linear.theta), strict=False))
     model = evidence.model.replace(effects=(*evidence.model.effects, *laws))
-    moved = [evidence.moved(one, steps) for one in (evidence.model, model)]
-    if evidence.bend(linear, *moved, c.found.columns(evidence)) < CURVED:
+    plain, moved = evidence.moved(evidence.model, steps), evidence.moved(model, steps)
+    if evidence.bend(linear, plain, moved, c.found.columns(evidence)) < CURVED:
         return
     at = retuned(evidence, model, linear)
     if at is not evidence:
