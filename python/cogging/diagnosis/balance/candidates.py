@@ -22,7 +22,6 @@ from cogging.diagnosis.balance.cells import hats, load_response, lost_motion, sp
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
-from cogging.estimation.residuals import quiet_plant
 from cogging.logs.log import Log
 from cogging.resources import on_threads
 
@@ -268,16 +267,15 @@ def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
     return np.asarray(gain**2 / ctx.screen.variance * b.power(frequency))
 
 
-def direction(b: DifferencedBalance) -> FloatArray:
-    """Return the sign of the speed, linear within its noise, (n,)."""
-    return np.asarray(np.clip(b.velocity / max(b.speed_noise, 1e-12) / 3, -1.0, 1.0))
+def direction(b: DifferencedBalance, velocity: FloatArray | None = None) -> FloatArray:
+    """Return the sign of a speed (m/s, (n,); None for that of the rows), linear within its noise, (n,)."""
+    return np.asarray(np.clip((b.velocity if velocity is None else velocity) / (3.0 * b.speed_noise), -1.0, 1.0))
 
 
 def friction_hats(b: DifferencedBalance, speeds: FloatArray) -> FloatArray:
     """Return friction laws that are hats of the logarithm of the speed, averaged as the known law is, (k, n)."""
     v = b.fine.velocity
-    sign = np.clip(v / max(b.speed_noise, 1e-12) / 3, -1.0, 1.0)
-    return b.averaged(hats(np.log(np.maximum(np.abs(v), speeds[0])), np.log(speeds)) * sign)
+    return b.averaged(hats(np.log(np.maximum(np.abs(v), speeds[0])), np.log(speeds)) * direction(b, v))
 
 
 def contrast(table: FloatArray) -> FloatArray:
@@ -516,19 +514,18 @@ def lag(d: FloatArray, step: float, tau: float) -> FloatArray:
     return np.asarray((before - d) * (1 - p) * tau / step)
 
 
-Function = Callable[[FloatArray], Any]
+def misread(effects: Sequence[Effect], size: float) -> Columns:
+    """Return the apparent force of errors of the reading over their size, V, by the acceleration that has no noise."""
 
+    def columns(c: Evidence) -> list[FloatArray]:
+        models = [c.model.replace(effects=made) for made in ((), *((e,) for e in effects))]
+        tables = []
+        for b, one in zip(c.balances, c.instruments, strict=True):
+            alone, *rest = (b.residual(m, one.drive, one.acceleration) for m in models)
+            tables.append((alone - np.array(rest)) / size)
+        return tables
 
-def reading_error(
-    c: Evidence, b: DifferencedBalance, a: FloatArray, error: Function, slope: Function, bend: Function
-) -> FloatArray:
-    """Return the apparent force of a reading error e(x), V, (n,): M (e' a + e'' v^2) plus the change of the forces.
-
-    The acceleration `a` comes from the model, because the measured one contains the noise of its row.
-    """
-    inertia = c.model.axis.mass * (slope(b.position) * a + bend(b.position) * b.velocity**2)
-    plant = quiet_plant(c.model.replace(effects=()))
-    return np.asarray(inertia + b.forces([plant], None, error(b.fine.position))[0] - b.forces([plant])[0])
+    return columns
 
 
 def reading(s: Search) -> None:
@@ -536,10 +533,8 @@ def reading(s: Search) -> None:
     size = UNIT
 
     def scale(size: float) -> Shape:
-        columns = accelerated(
-            lambda c, b, a: reading_error(c, b, a, lambda x: size * x, lambda x: size, lambda x: 0.0) / size
-        )
-        return Shape("", columns, lambda a: E["encoder_scale_error"].replace(scale=float(a[0])))
+        error = E["encoder_scale_error"].replace
+        return Shape("", misread([error(scale=size)], size), lambda a: error(scale=float(a[0])))
 
     for _ in range(SECANTS):  # the phase of known cogging is not linear in the scale
         s.put("encoder_scale_error", scale(size), accept=within((-LARGEST_SCALE, LARGEST_SCALE)))
@@ -824,7 +819,9 @@ def wave_law(name: str, *periods: float) -> Law:
 def wave(s: Search, kappa: float, name: str, orders: Sequence[int]) -> Columns:
     """Return sine and cosine of multiples of a wavenumber (1/m), times the factor of a kind of wave."""
     if name == "encoder_periodic_error":
-        return encoder_wave(kappa, orders)
+        size = 1e-4 / kappa
+        parts = [{"sine": size, "cosine": 0.0}, {"sine": 0.0, "cosine": size}]
+        return misread([E[name].replace(period=1.0 / (o * kappa), **part) for o in orders for part in parts], size)
     w, peak = 2 * np.pi * kappa, s.force
     return driven(
         lambda b, d: np.vstack(
@@ -846,23 +843,6 @@ def modulated_wave(s: Search, kappa: float, count: int) -> Shape:
         return E["cogging_modulation"].replace(period=1.0 / kappa, sine=sine, cosine=cosine, **knots)
 
     return Shape(f"{1 / kappa:.4g}", along(make), law)
-
-
-def encoder_wave(kappa: float, orders: Sequence[int]) -> Columns:
-    """Return the apparent force of a periodic reading error of multiples of a wavenumber (1/m), per unit error."""
-    size = 1e-4 / kappa
-
-    def feigned(c: Evidence, b: DifferencedBalance, a: FloatArray, k: float, turned: float) -> FloatArray:
-        def error(x: FloatArray) -> Any:
-            return size * np.sin(k * x + turned)
-
-        def slope(x: FloatArray) -> Any:
-            return k * size * np.cos(k * x + turned)
-
-        return reading_error(c, b, a, error, slope, lambda x: -k * k * error(x)) / size
-
-    ks = [2 * np.pi * kappa * order for order in orders]
-    return accelerated(lambda c, b, a: np.vstack([feigned(c, b, a, k, turn) for k in ks for turn in (0.0, np.pi / 2)]))
 
 
 def wave_scan(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import CURVED, Evidence, Maximum
+from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -37,7 +37,7 @@ SURVIVORS = 24  # candidates of a round that are pre-selected for all logs
 CLOSE = 8  # of these, candidates that are fitted with whitening filters of their own
 FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum number of shapes of one name
 FAINT = 0.1  # of the largest T: smaller candidates are skipped
-RETUNED = 3  # maximum number of Gauss-Newton steps of a candidate
+RETUNED = 3  # maximum number of Gauss-Newton steps of a scale error
 SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
 LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
 REPEATED = (  # may occur several times, with another period, frequency or time
@@ -293,12 +293,12 @@ def score_of(ratio: float, k: int, trials: float, blocks: int) -> float:
 
 
 def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> list[Contender]:
-    """Fit the candidates to all logs on threads and re-tune the likeliest; drop implausible changes of the axis."""
+    """Fit the candidates to all logs on threads; drop implausible changes of the axis."""
     made = [c for c in on_threads(lambda f: contender(evidence, f, given), found) if c is not None]
     least = PREFERRED * max((c.score for c in made), default=0.0)
-    without = retuned(evidence, evidence.model, evidence.null)
-    near = [c for c in made if c.found.columns is not None and c.score > least]
-    on_threads(lambda c: retune(evidence, c, without), near)
+    for c in made:
+        if c.found.name == "encoder_scale_error" and c.score > least:
+            retune(evidence, c)
     return made
 
 
@@ -335,28 +335,22 @@ def weighed(evidence: Evidence, c: Contender) -> Contender:
 
 
 @np.errstate(all="ignore")
-def retune(evidence: Evidence, c: Contender, without: Evidence) -> None:
-    """Compare the model with an error of the reading, re-tuned from its linear fit, with the re-tuned model without it.
+def retune(evidence: Evidence, c: Contender) -> None:
+    """Compare the model with a scale error and without it after Gauss-Newton steps, behind the same filters.
 
-    The columns are slopes at the model without the candidate, which may be far from the model with it: a scale error
-    that the model lacks turns and shrinks its known cogging. Both are fitted behind the same filters.
+    Its column is the slope at the model without it, whose known cogging is turned and too small: the scale error, which
+    it lacks, moves the cogging along the travel. Other laws are linear in their amplitudes, or nearly so.
     """
-    linear, laws = c.fit, c.found.laws(c.fit.theta[-len(c.found.amplitudes) :])
-    if c.found.period is not None or not any("reading" in effect.HOOKS for effect in laws):
-        return  # its force is linear in the amplitudes
-    steps = dict(zip(evidence.paths, map(float, linear.theta), strict=False))
-    model = evidence.model.replace(effects=(*evidence.model.effects, *laws))
-    plain, moved = evidence.moved(evidence.model, steps), evidence.moved(model, steps)
-    if evidence.bend(linear, plain, moved, c.found.columns(evidence)) < CURVED:
-        return
-    at = retuned(evidence, model, linear)
+    linear = c.fit
+    law = c.found.effect(linear.theta[-1:])
+    at = retuned(evidence, evidence.model.replace(effects=(*evidence.model.effects, law)), linear)
+    without = retuned(evidence, evidence.model, evidence.null)
     if at is not evidence:
         fits = [at.fitted(linear.taps)]
         fits.append(at.fitted(at.taps_of(fits[0].theta)))
         c.fit = min(fits, key=lambda fit: fit.cost)
-        c.fit.none = linear.none if c.fit is fits[0] else evidence.fitted(c.fit.taps)
-    if without is not evidence:
-        c.fit.none = min(c.fit.none, without.fitted(c.fit.taps), key=lambda fit: fit.cost)
+    taps = c.fit.taps
+    c.fit.none = min(linear.none, evidence.fitted(taps), without.fitted(taps), key=lambda fit: fit.cost)
     weighed(evidence, c)
 
 
@@ -373,8 +367,6 @@ def retuned(evidence: Evidence, model: Model, fit: Maximum) -> Evidence:
     at = evidence
     for _ in range(RETUNED):
         model = at.moved(model, dict(zip(at.paths, map(float, fit.theta), strict=False)))
-        if len(model.effects) == len(at.model.effects) and at.curvature(fit, model) < CURVED:
-            break
         after = replace(evidence, model=model, base=evidence)
         after.levels = evidence.levels
         after.make()

@@ -42,7 +42,6 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
-CURVED = 4.0  # 2 ln likelihood: a step that is less nonlinear is the last one
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
 
@@ -273,33 +272,6 @@ class Evidence:
         beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
         own = slope[has] - beside @ slope[~has]
         return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
-
-    def curvature(self, fit: Maximum, model: Model) -> float:
-        """Return the part of a step of the nuisance parameters that is not linear, as -2 ln likelihood.
-
-        Args:
-            fit: linear fit.
-            model: model that it has moved.
-        """
-        known = parameters_of(self.model, together=True)
-        theta = np.array([t if p in known else 0.0 for p, t in zip(self.paths, fit.theta, strict=False)])
-        parts = zip(self.raw_of(model), self.raw, self.nuisances, self.balances, strict=True)
-        return self._power(fit, [b.rows(new - old)[0] + theta @ x[: len(theta)] for new, old, x, b in parts])
-
-    def bend(self, fit: Maximum, without: Model, model: Model, law: Sequence[FloatArray]) -> float:
-        """Return the part of a law's force that is not linear, as -2 ln likelihood.
-
-        Args:
-            fit: linear fit, in which the amplitudes of the law stand last.
-            without, model: models that it has moved, without and with the law.
-            law: columns (k, n) of the law for each log.
-        """
-        parts = zip(self.raw_of(model), self.raw_of(without), law, self.balances, strict=True)
-        return self._power(fit, [b.rows(new - old + fit.theta[-len(x) :] @ x)[0] for new, old, x, b in parts])
-
-    def _power(self, fit: Maximum, rows: list[FloatArray]) -> float:
-        """Return the weighted power of a residual of each log, (m,), behind the filters of a fit."""
-        return float(fit.weight @ self.filtered([r[None] for r in rows], fit.taps)[0] ** 2 / fit.variance)
 
     @property
     def drives(self) -> list[FloatArray]:
