@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import importlib
+import os
 import threading
 from collections.abc import Callable, Iterable, Sized
 from concurrent.futures import ThreadPoolExecutor
@@ -52,12 +53,12 @@ def require_table(name: str, rows: float, columns: float, copies: float = 1.0) -
 
 
 def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job], threads: int | None = None) -> list[Result]:
-    """Return the results of jobs in order, run on threads (None: as many as Python chooses).
+    """Return the results of jobs in order, run on threads (None: one for each processor).
 
     An exception stops the other jobs in the core.
     """
     stop = _core.StopFlag()
-    with ThreadPoolExecutor(max_workers=threads, initializer=stop.heed) as pool:
+    with ThreadPoolExecutor(max_workers=threads or os.cpu_count(), initializer=stop.heed) as pool:
         try:
             return list(pool.map(run, jobs))
         except BaseException:

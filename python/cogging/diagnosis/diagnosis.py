@@ -33,7 +33,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import renamed_path
 from cogging.model.units import Units
 from cogging.progress import Progress, steps
-from cogging.resources import on_one_blas_thread, require_rows
+from cogging.resources import on_one_blas_thread, on_threads, require_rows
 from cogging.simulation.arguments import LOGS, MODEL
 
 MOTION_MIN = 1.0  # s: minimum time in motion, over all given logs
@@ -276,7 +276,8 @@ Gaps = tuple[list[Discrepancy], list[Discrepancy | None]]  # of given and confir
 
 def _gaps(yardstick: Yardstick, models: Sequence[Model]) -> Gaps:
     """Return the gaps of each model on given and confirm logs."""
-    return [yardstick.on_given(model) for model in models], [yardstick.on_confirm(model) for model in models]
+    quiet = np.errstate(all="ignore")  # each thread has its own
+    return on_threads(quiet(yardstick.on_given), models), on_threads(quiet(yardstick.on_confirm), models)
 
 
 def _replayed(yardstick: Yardstick, models: Sequence[Model]) -> tuple[Gaps | None, str]:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,8 @@ def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
 
 def convolved(rows: FloatArray, taps: FloatArray) -> FloatArray:
     """Return rows (..., n) behind a filter with an impulse response, (..., n), by one transform."""
+    if taps.shape[-1] == 1:
+        return np.asarray(rows * taps)
     size = next_fast_len(rows.shape[-1] + len(taps) - 1, real=True)
     return np.asarray(irfft(rfft(rows, size) * rfft(taps, size), size)[..., : rows.shape[-1]])
 
@@ -252,6 +255,8 @@ class Evidence:
                 if self.decrement(model) <= before:
                     self.model = model
                     break
+            else:
+                break
         self.levels = []
         self.make()
         return self
@@ -331,8 +336,9 @@ class Evidence:
         if stale:
             self.levels = self.local_levels(taps)
             taps = self.taps_of(self.fitted(self.plain, rounds=1).theta)
-        self.keep_positive(taps)
-        self.start, self.fit = taps, self.fitted(taps)
+        first = self.fitted(taps, rounds=1)
+        self.keep_positive(first)
+        self.start, self.fit = taps, self.fitted(taps, base=first)
         self.theta = self.fit.theta
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
@@ -458,7 +464,7 @@ class Evidence:
         none.unit = best.unit
         none.cost += best.unit.sum()
         best.same, best.none = none, none if none.cost < self.null.cost else self.null
-        near = (x[:n] * best.weight) @ x[n:].T
+        near = x[:n] @ (x[n:] * best.weight).T
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
         best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance)), initial=1.0))
@@ -506,22 +512,22 @@ class Evidence:
         # fit the effects beside all nuisance parameters, then the axis alone with the friction width
         moved = self.null.solved(free, moved)
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
-        moved, gap, least = np.where(beside, 0.0, moved), self.unfiltered, np.inf
-        best = model
+        moved, gap = np.where(beside, 0.0, moved), self.unfiltered
         width = self.model.axis.coulomb_width
-        for factor in WIDER if width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0 else (1.0,):
+
+        def tuned(factor: float, share: float = 1.0) -> tuple[float, float, Model]:
+            """Return the residual power, the factor of the width, and the model at a share of its step."""
             wider = with_values(self.model, {"axis.coulomb_width": factor * width})
             left = self.filtered([b.rows(b.residual(wider)) for b in self.balances], gap.taps)[0]
             whole = gap.solved(own & free, moved, left)
-            for share in SHARES_OF_A_STEP:
-                steps = dict(zip(paths, map(float, moved + share * (whole - moved)), strict=False))
-                tuned = self.moved(model.replace(axis=wider.axis), steps)
-                kept_effects = [effect for path, effect in effect_paths(tuned.effects) if path not in gone]
-                tuned = tuned.replace(effects=tuple(kept_effects))
-                power = sum(float(np.mean(b.rows(b.residual(tuned))[0][b.mask] ** 2)) for b in self.balances)
-                if power < least:
-                    least, best = power, tuned
-        return best
+            steps = dict(zip(paths, map(float, moved + share * (whole - moved)), strict=False))
+            at = self.moved(model.replace(axis=wider.axis), steps)
+            at = at.replace(effects=tuple(effect for path, effect in effect_paths(at.effects) if path not in gone))
+            return sum(float(np.mean(b.rows(b.residual(at))[0][b.mask] ** 2)) for b in self.balances), factor, at
+
+        is_free = width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0
+        best = min(map(tuned, WIDER if is_free else (1.0,)), key=itemgetter(0))
+        return min(best, *(tuned(best[1], share) for share in SHARES_OF_A_STEP[1:]), key=itemgetter(0))[2]
 
     def paths_in(self, model: Model) -> list[str]:
         """Return `paths` as named in a model with further effects: effects of one name are numbered."""
@@ -559,9 +565,8 @@ class Evidence:
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
-    def keep_positive(self, taps: list[FloatArray]) -> None:
-        """Remove the friction widths whose non-negative least-squares weight is zero."""
-        fit = self.fitted(taps, rounds=1)
+    def keep_positive(self, fit: Maximum) -> None:
+        """Remove the friction widths whose non-negative least-squares weight is zero, also from the rows of a fit."""
         sigma, target = fit.prior
         own = self.mixture
         if not len(own):
@@ -573,6 +578,7 @@ class Evidence:
         self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
         self.nuisances = [t[kept] for t in self.nuisances]
+        fit.x, fit.size = fit.x[kept], fit.size[kept]
 
     @property
     def mixture(self) -> NDArray[np.intp]:
@@ -633,11 +639,12 @@ class Evidence:
         for base in self.bases:
             c = self.filtered(tables, base.taps)
             c /= np.linalg.norm(c, axis=1)[:, None] + 1e-300
-            near = (base.x * base.weight) @ c.T
-            beside = (c * base.weight) @ c.T - near.T @ np.linalg.solve(base.gram, near)
+            weighted = c * base.weight
+            near = base.x @ weighted.T
+            beside = weighted @ c.T - near.T @ np.linalg.solve(base.gram, near)
             value, vector = np.linalg.eigh(beside)
             good = value > 1e-6
-            along = vector[:, good].T @ (c @ (base.weight * base.rest)) / np.sqrt(value[good])
+            along = vector[:, good].T @ (weighted @ base.rest) / np.sqrt(value[good])
             costs.append(base.cost - float(along @ along) / base.variance)
         return costs
 
