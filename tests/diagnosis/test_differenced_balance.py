@@ -11,6 +11,7 @@ from cogging.diagnosis.balance.candidates import Search, wave_scan
 from cogging.diagnosis.balance.cells import dahl, load_response, lost_motion
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter
+from cogging.diagnosis.balance.nuisances import instruments_of
 from cogging.effects.effect import VOCABULARY as E
 
 RATE = 5000.0  # Hz
@@ -125,6 +126,30 @@ def test_the_balance_of_a_simulated_run_is_zero(name):
     left, without = (b.rows(b.residual(m))[0][rows] for m in (model, model.replace(effects=())))
     limit = 5e-3 * np.sqrt(np.mean(without**2)) + 5e-5 * np.sqrt(np.mean(b.command**2))
     assert np.sqrt(np.mean(left**2)) < limit
+
+
+NEUTRAL = {
+    "force_constant_ripple": {"period": 0.02, "sine": 1e-12},
+    "force_constant_drift": {"change": 1e-12, "time_constant": 1.0},
+    "command_saturation": {"limit": 1e6},
+    "command_dead_zone": {"width": 1e-12},
+    "command_delay": {"delay": 1e-12},
+    "actuator_lag": {"time_constant": 1e-9},
+    "encoder_scale_error": {"scale": 1e-12},
+    "flexible_mode": {"frequency": 40.0, "mass_ratio": 1e-12},
+    "backlash": {"gap": 1e-4, "mass_ratio": 1e-12},
+}
+
+
+@pytest.mark.parametrize("name", NEUTRAL)
+def test_an_effect_without_size_leaves_the_residual_and_its_noise_as_they_are(name):
+    """The noise of the command is that of M a: a mean over the rows would smooth one of the two."""
+    balance = DifferencedBalance(moved(0.2, rate_noise=0.1))
+    instruments = instruments_of(balance, machine())
+    alone, beside = (instruments.residual(balance, m) for m in (machine(), machine(E[name].replace(**NEUTRAL[name]))))
+    counted = balance.keep > 0
+    assert np.std(alone[counted]) > 0.02
+    np.testing.assert_allclose(beside[counted], alone[counted], atol=1e-4)
 
 
 @pytest.mark.parametrize("rate", [1000.0, 5000.0, 20000.0])

@@ -77,3 +77,20 @@ def test_a_modulated_wave_has_more_periods_than_its_envelope_has_turns(periods, 
     [b] = balances(logs(monkeypatch, cogging.EFFECTS["cogging_modulation"](**wave, **knots))[0])
     found = search_once(Evidence([b], MODEL, MODEL).prepare(1, listen=True), {})
     assert any(f.name == "cogging_modulation" and f.T > 50.0 for f in found) is (periods > 5)
+
+
+@pytest.mark.parametrize("seed", [1, 11])
+def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
+    """Its ringing is in the command too, for as long as it lasts."""
+    true = {"frequency": 40.0, "damping_ratio": 0.05, "mass_ratio": 0.1}
+    mode = cogging.EFFECTS["flexible_mode"](**true)
+    given, confirm = pid_axis.run(mode, seed=seed), pid_axis.other(mode)
+    found = cogging.diagnose(given, pid_axis.MODEL, confirm=confirm)
+    assert found.verdict == "named"
+    assert [effect.name for effect in found.effects] == ["flexible_mode"]
+    for name, value in true.items():
+        low, high = found.effects[0].parameters[name].ci95
+        assert low < value < high
+        assert high - low < (0.03 if name == "frequency" else 0.6) * value
+    assert found.gap.confirm_after < 0.95 * found.gap.confirm_before
+    assert found.model.effects[0].NAME == "flexible_mode"

@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 from scipy.stats import ncx2, norm
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.cells import load_response
 from cogging.diagnosis.balance.decision import THRESHOLD, Outcome, block_edges, score_of
 from cogging.diagnosis.balance.evidence import Evidence, orthonormal
 from cogging.diagnosis.entries import Limit
@@ -96,8 +95,6 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
             for amount, shape, rows in _evaluations(evidence, law, size):
                 filtered = [b.rows(row)[0] for b, row in zip(evidence.balances, rows, strict=True)]
                 out.append((filtered, (name, amount, shape)))
-        except NotImplementedError as why:
-            return out, str(why)
         except ValueError:
             return out, "it cannot be evaluated along these logs"
         return out, ""
@@ -218,8 +215,6 @@ def _evaluations(
 def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) -> list[FloatArray]:
     """Return the force (V) of an effect of size 1, or of the size that its shape sets, along each log."""
     balances, model, wave = evidence.balances, evidence.model, kind_of(law, Wave)
-    if "state" in law.HOOKS:
-        return _rows_with_state(evidence, law, shape)
     if kind_of(law, SplineKnots) is not None and wave is not None:  # its amplitude grows from -1 to 1
         period, rows = shape[wave.shape], []
         for b in balances:
@@ -240,27 +235,7 @@ def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) ->
     if not size.of_shape:
         effect = effect.replace(**{size.field: small})
     beside = model.replace(effects=(*model.effects, effect))
-    return [(b.residual(model) - b.residual(beside)) / small for b in balances]
-
-
-def _rows_with_state(evidence: Evidence, law: Effect, shape: dict[str, Any]) -> list[FloatArray]:
-    """Return the force (V) along each log of a load behind a spring, or of an elastic contact.
-
-    Raises:
-        NotImplementedError: the force balance cannot represent the effect.
-    """
-    fields = {role["quantity"]: shape[field] for field, role in law.ROLES.items() if field in shape}
-    axis = evidence.model.axis
-    if "frequency" in fields:
-        ratio = fields.get("relative", 0.2)
-        return [
-            ratio * axis.mass * (a - load_response(a, b.step, fields["frequency"], 0.05))
-            for b, a in zip(evidence.balances, evidence.accelerations, strict=True)
-        ]
-    if "stiffness" in fields and axis.coulomb > 0.0:
-        length = max(axis.coulomb / fields["stiffness"], 1e-12)
-        return [b.bristle(axis, length) for b in evidence.balances]
-    raise NotImplementedError("the force balance does not show it")
+    return [one.change(b, beside, model) / small for b, one in zip(balances, evidence.instruments, strict=True)]
 
 
 def _change_limits(evidence: Evidence, blocks: int) -> dict[str, Limit]:

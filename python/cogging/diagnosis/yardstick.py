@@ -12,6 +12,7 @@ from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.decision import Outcome
 from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.nuisances import instruments_of
 from cogging.diagnosis.running_controller import obeys
 from cogging.estimation.replay import Replay
 from cogging.logs.log import Log
@@ -116,7 +117,8 @@ class Yardstick:
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
         if not self.replay:
             along = tuple(_motion(b, b.time[:: b.every], slice(None, None, b.every)) for b in balances)
-            left = tuple(b._low_pass(b.residual(model) * b.keep, b.corner)[:: b.every] for b in balances)
+            rests = [instruments_of(b, model).residual(b, model) for b in balances]
+            left = tuple(b._low_pass(r * b.keep, b.corner)[:: b.every] for b, r in zip(balances, rests, strict=True))
             return Discrepancy(BALANCED, left, along, tuple(b.mask for b in balances))
         series, rows, masks, errors = [], [], [], []
         for log, b in zip(logs, balances, strict=True):

@@ -18,7 +18,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.signal import lfilter
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.cells import hats, load_response, lost_motion, splines
+from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
@@ -550,16 +550,10 @@ def motor_and_load(s: Search) -> None:
     coarse = np.geomspace(lowest, highest, 18)
 
     def mode(f: float, damping: float) -> Shape:
-        seen = float(f < 1.1 * highest)
-        columns = accelerated(lambda c, b, a: seen * c.model.axis.mass * (a - load_response(a, b.step, f, damping)))
-
-        def law(a: FloatArray) -> Effect:
-            # the command drives mass_ratio / (1 - mass_ratio) of the response at the free-free frequency
-            return E["flexible_mode"].replace(
-                frequency=float(f), damping_ratio=damping, mass_ratio=float(a[0] / (1.0 + a[0]))
-            )
-
-        return Shape(f"{f:.4g} Hz, damping {damping}", columns, law)
+        half = E["flexible_mode"].replace(frequency=float(f), damping_ratio=damping, mass_ratio=0.5)
+        columns = loaded(half if f < 1.1 * highest else half.replace(mass_ratio=0.0), 1.0)
+        law = half.replace  # its force is proportional to r / (1 - r) of its share r of the mass
+        return Shape(f"{f:.4g} Hz, damping {damping}", columns, lambda a: law(mass_ratio=float(a[0] / (1.0 + a[0]))))
 
     for damping in DAMPINGS:
         shape = partial(mode, damping=damping)
@@ -572,15 +566,22 @@ def motor_and_load(s: Search) -> None:
             s.varied("flexible_mode", f, shape, 3 * len(fine), lambda a: bool(a[0] > 0.0))
 
     def play(gap: float) -> Shape:
-        columns = accelerated(
-            lambda c, b, a: c.model.axis.mass * np.gradient(lost_motion(a * ~b.resting, b.step, gap), b.step)
-        )
-        return Shape(f"{gap:.4g}", columns, lambda a: E["backlash"].replace(gap=float(gap), mass_ratio=float(a[0])))
+        half = E["backlash"].replace(gap=float(gap), mass_ratio=0.5)
+        return Shape(f"{gap:.4g}", loaded(half, 0.5), lambda a: half.replace(mass_ratio=float(a[0])))
 
     gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), LONGEST * s.length, 12)
     s.least["backlash"] = gaps[0]
     for gap in gaps:
         s.varied("backlash", gap, play, 12, within(LOAD))
+
+
+def loaded(effect: Effect, size: float) -> Columns:
+    """Return the force of a load behind a spring or a gap over its size."""
+
+    def column(c: Evidence, b: DifferencedBalance, a: FloatArray) -> FloatArray:
+        return b.loads(c.model.replace(effects=(effect,)), a) / size
+
+    return accelerated(column)
 
 
 def product_with(weights: Sequence[FloatArray], columns: Sequence[FloatArray]) -> float:

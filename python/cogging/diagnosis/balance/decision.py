@@ -254,15 +254,15 @@ def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
 
 
 def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:
-    """Return the model with the law of a candidate; without a law append it to `extra`, a change of the axis to `free`.
+    """Return the model with the law of a candidate.
 
-    A law with a state is kept as columns too.
+    A candidate without a law is appended to `extra`, a change of the axis to `free`.
     """
     if f.columns is None:
         free.append(f.effect)
         return model
     laws = f.laws(f.amplitudes)
-    if not laws or any("state" in effect.HOOKS for effect in laws):
+    if not laws:
         extra.append(f)
         return model
     return model.replace(effects=(*model.effects, *laws))

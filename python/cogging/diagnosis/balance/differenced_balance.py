@@ -14,7 +14,7 @@ from scipy.signal import butter, firwin, lfilter, sosfilt, sosfiltfilt, sosfreqz
 
 from cogging._core import AxisParameters, Plant, Predictor
 from cogging.arrays import FloatArray, Mask
-from cogging.diagnosis.balance.cells import dahl
+from cogging.diagnosis.balance.cells import dahl, load_response, lost_motion
 from cogging.effects.effect import Effect, laws_of
 from cogging.estimation.force_balance import mean_held
 from cogging.estimation.residuals import quiet_plant
@@ -331,11 +331,33 @@ class DifferencedBalance:
             a = (1.0 - slope) * a - bend * self.velocity**2
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
+        if shaped:  # only what the effects change: a mean over the rows would smooth the command, but not M a
+            force = force - self.averaged(np.interp(self.fine.instant, self.time, command)[None])[0]
         # the plant's force is that of sliding friction: a bristle has a state
         for stiffness in (getattr(e, "stiffness", 0.0) for e in model.effects if e.NAME == "presliding_friction"):
             if 0.0 < stiffness < np.inf and model.axis.coulomb > 0.0:
                 force = force + self.bristle(model.axis, model.axis.coulomb / stiffness)
-        return np.asarray(model.axis.mass * a - force - (0.0 if shaped else command))
+        return np.asarray(model.axis.mass * a - force - command)
+
+    def loads(self, model: Model, acceleration: FloatArray) -> FloatArray:
+        """Return what loads behind a spring or a gap add to the residual of a rigid axis, V, (n,).
+
+        The command drives r / (1 - r) of the response of a load of share r at the free-free frequency.
+
+        Args:
+            model: model, whose effects may have loads.
+            acceleration: of the rigid axis under the same forces, m/s^2, (n,).
+        """
+        out = np.zeros(len(self.time))
+        for e in model.effects:
+            share = getattr(e, "mass_ratio", 0.0)
+            if e.NAME == "flexible_mode" and share > 0.0 and np.isfinite(e.frequency):
+                swing = acceleration - load_response(acceleration, self.step, e.frequency, e.damping_ratio)
+                out += share / (1.0 - share) * model.axis.mass * swing
+            elif e.NAME == "backlash" and share > 0.0 and e.gap > 0.0:
+                apart = lost_motion(acceleration * ~self.resting, self.step, e.gap)
+                out += share * model.axis.mass * np.gradient(apart, self.step)
+        return out
 
     def bristle(self, axis: AxisParameters, length: float) -> FloatArray:
         """Return the force of a Dahl contact with a presliding length (m) less that of Coulomb friction, V, (n,)."""

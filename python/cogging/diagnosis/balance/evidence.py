@@ -41,7 +41,7 @@ FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
-WIDER = (1.0, 0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
+WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
@@ -272,7 +272,7 @@ class Evidence:
         moved = [known[p].value - old[p].value if p in known else 0.0 for p in self.paths]
         sigma, target = fit.prior
         target = np.where(has, target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size, target)
-        left = self.filtered([b.rows(b.residual(model)) for b in self.balances], fit.taps)[0]
+        left = self.rows_under(model, fit.taps)
         slope = fit.x @ (fit.weight * left) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
         beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
         own = slope[has] - beside @ slope[~has]
@@ -287,6 +287,15 @@ class Evidence:
     def accelerations(self) -> list[FloatArray]:
         """Accelerations of the drives, m/s^2, (n,) of each log."""
         return [one.acceleration for one in self.instruments]
+
+    def raw_under(self, model: Model) -> list[FloatArray]:
+        """Return the residual of each log under a model, V, (n,)."""
+        return [one.residual(b, model) for b, one in zip(self.balances, self.instruments, strict=True)]
+
+    def rows_under(self, model: Model, taps: Sequence[FloatArray]) -> FloatArray:
+        """Return the residual under a model behind the filter of each log, logs concatenated, (n,)."""
+        rows = [b.rows(r) for b, r in zip(self.balances, self.raw_under(model), strict=True)]
+        return np.asarray(self.filtered(rows, taps)[0])
 
     def raw_of(self, model: Model) -> list[FloatArray]:
         """Return the residual of each log under another model, with the noise that it has under this one, V, (n,)."""
@@ -310,9 +319,7 @@ class Evidence:
         count = len(tables[0]) - len(self.paths)
         self.prior_sigma = np.array(known.sigma + [np.inf] * count)
         self.prior_offset = np.array(known.offset + [0.0] * count)
-        self.raw = (
-            [b.residual(self.model) for b in self.balances] if self.base is None else self.base.raw_of(self.model)
-        )
+        self.raw = self.raw_under(self.model) if self.base is None else self.base.raw_of(self.model)
         self.masks = [b.mask for b in self.balances]
         self.counted = [b.counted for b in self.balances]
         if (count := sum(int(m.sum()) for m in self.counted)) < FEWEST:
@@ -489,18 +496,16 @@ class Evidence:
             gone: paths of effects to remove, and of axis parameters to reset to their stated values.
             kept: indexes in `extra` of the terms that the model has as effects.
         """
-        known, effects = parameters_of(model, together=True), dict(effect_paths(model.effects))
+        known = parameters_of(model, together=True)
         free, moved = np.ones(len(self.null.theta), dtype=bool), np.zeros(len(self.null.theta))
         paths = self.paths_in(model)
         for k, path in enumerate(paths):
-            owner = next((one for one in gone if path == one or path.startswith(one + ".")), "")
-            free[k] = not owner
-            if owner == path:
+            free[k] = not any(path == one or path.startswith(one + ".") for one in gone)
+            if path in gone:
                 moved[k] = getattr(self.given.axis, path.removeprefix("axis.")) - known[path].value
-            elif owner:  # zero amplitudes are enough to remove a law that has any
-                roles = {name: role["role"] for name, role in effects[owner].ROLES.items()}
-                if roles[path[len(owner) + 1 :].split("[")[0]] == "amplitude" or "amplitude" not in roles.values():
-                    moved[k] = -known[path].value
+        own_paths = [path for path, _ in effect_paths(model.effects)]
+        remain = [e for path, e in zip(own_paths, self.model.effects, strict=False) if path not in gone]
+        bare = self.model.replace(effects=tuple(remain))
         own = np.array(
             [p in known and not p.startswith("effects.") for p in paths] + [False] * (len(free) - len(paths))
         )
@@ -510,24 +515,24 @@ class Evidence:
             free[at : at + len(column.amplitudes)] = place in kept
             at += len(column.amplitudes)
         # fit the effects beside all nuisance parameters, then the axis alone with the friction width
-        moved = self.null.solved(free, moved)
+        moved = self.null.solved(free, moved, self.rows_under(bare, self.null.taps))
         beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
         moved, gap = np.where(beside, 0.0, moved), self.unfiltered
         width = self.model.axis.coulomb_width
 
-        def tuned(factor: float, share: float = 1.0) -> tuple[float, float, Model]:
-            """Return the residual power, the factor of the width, and the model at a share of its step."""
-            wider = with_values(self.model, {"axis.coulomb_width": factor * width})
-            left = self.filtered([b.rows(b.residual(wider)) for b in self.balances], gap.taps)[0]
-            whole = gap.solved(own & free, moved, left)
+        def tuned(share: float, factor: float = 1.0) -> tuple[float, float, Model]:
+            """Return the residual power, the share of a step, and the model after it with a factor of the width."""
+            wider = with_values(bare, {"axis.coulomb_width": factor * width})
+            whole = gap.solved(own & free, moved, self.rows_under(wider, gap.taps))
             steps = dict(zip(paths, map(float, moved + share * (whole - moved)), strict=False))
             at = self.moved(model.replace(axis=wider.axis), steps)
             at = at.replace(effects=tuple(effect for path, effect in effect_paths(at.effects) if path not in gone))
-            return sum(float(np.mean(b.rows(b.residual(at))[0][b.mask] ** 2)) for b in self.balances), factor, at
+            left = zip(self.balances, self.raw_under(at), strict=True)
+            return sum(float(np.mean(b.rows(r)[0][b.mask] ** 2)) for b, r in left), share, at
 
+        best = min(map(tuned, SHARES_OF_A_STEP), key=itemgetter(0))
         is_free = width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0
-        best = min(map(tuned, WIDER if is_free else (1.0,)), key=itemgetter(0))
-        return min(best, *(tuned(best[1], share) for share in SHARES_OF_A_STEP[1:]), key=itemgetter(0))[2]
+        return min(best, *(tuned(best[1], factor) for factor in WIDER if is_free), key=itemgetter(0))[2]
 
     def paths_in(self, model: Model) -> list[str]:
         """Return `paths` as named in a model with further effects: effects of one name are numbered."""

@@ -28,7 +28,7 @@ ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
 LEAST_SHARE = 0.1  # of an effect's size: least uncertainty of one of its amplitudes
 COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
 # Instruments: regression of the command on the model's force along the reference at several lags
-LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
+LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, *range(32, 320, 16))  # of LAG: loops and modes ring for some 0.1 s
 LAG = 4e-4  # s
 MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
 SLOW = 10.0  # Hz: below it the measured acceleration has little noise
@@ -51,11 +51,16 @@ class Instruments(NamedTuple):
     acceleration: FloatArray
     blur: FloatArray
 
+    def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
+        """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
+        return b.residual(model) - b.loads(model, self.acceleration)
+
     def change(self, b: DifferencedBalance, old: Model, new: Model) -> FloatArray:
         """Return the residual of a balance under a new model less that under an old one, without noise, V, (n,)."""
         # without a reference, the acceleration that is known without noise lacks the fast motion
         a = None if b.reference is None else self.acceleration
-        return b.residual(new, self.drive, a) - b.residual(old, self.drive, a)
+        loads = b.loads(new, self.acceleration) - b.loads(old, self.acceleration)
+        return b.residual(new, self.drive, a) - b.residual(old, self.drive, a) - loads
 
 
 def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
@@ -228,6 +233,8 @@ def add_parameter(
     role, quantity = effect.ROLES[name]["role"], effect.ROLES[name]["quantity"]
     if role == "setting" or (role == "shape" and isinstance(getattr(effect, name), list)):
         return
+    if window is not None and name in (window.start, window.stop):  # the force is not linear in them
+        return
     low, high = min(np.min(b.position) for b in balances), max(np.max(b.position) for b in balances)
     if role == "amplitude":
         same = effect.FIELDS[name][0]  # unit
@@ -236,11 +243,10 @@ def add_parameter(
         sigma = max(abs(value), LEAST_SHARE * size)
     elif wave is not None and name == wave.shape and quantity == "distance":
         sigma = 0.5 * value**2 / (high - low)
-    elif window is not None and name in (window.start, window.stop):
-        sigma = 0.02
+    elif wave is not None and quantity == "frequency":
+        sigma = 0.3 / balances[0].time[-1]
     else:
-        sizes = {"frequency": 0.3 / balances[0].time[-1], "position": 0.1 * (high - low)}
-        sigma = sizes.get(quantity, 0.3 * abs(value))
+        sigma = 0.1 * (high - low) if quantity == "position" else 0.3 * abs(value)
     if sigma == 0.0:
         return
     try:
