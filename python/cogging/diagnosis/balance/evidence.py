@@ -43,6 +43,7 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
+CONVERGED = 1.0  # gain in 2 ln likelihood that is not worth a step
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
 
@@ -250,6 +251,8 @@ class Evidence:
                     b.set_corner(r, self.model.axis.mass, self.largely)
                 self.make()
             before = self.decrement(self.model)
+            if before < CONVERGED:
+                break
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
                 if self.decrement(model) <= before:
