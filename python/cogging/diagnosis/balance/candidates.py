@@ -139,11 +139,6 @@ def driven(make: Callable[[DifferencedBalance, FloatArray], Any]) -> Columns:
     return lambda c: [np.atleast_2d(make(b, d)) for b, d in zip(c.balances, c.drives, strict=True)]
 
 
-def accelerated(make: Callable[[Evidence, DifferencedBalance, FloatArray], Any]) -> Columns:
-    """Return columns made from the evidence, each balance and its acceleration."""
-    return lambda c: [np.atleast_2d(make(c, b, a)) for b, a in zip(c.balances, c.accelerations, strict=True)]
-
-
 def within(limits: tuple[float, float]) -> Callable[[FloatArray], bool]:
     """Return a test of whether the first amplitude is between limits."""
     return lambda a: bool(limits[0] < a[0] < limits[1])
@@ -430,7 +425,9 @@ def friction(s: Search) -> None:
 
     def presliding(length: float) -> Shape:
         law = E["presliding_friction"].replace(stiffness=max(float(s.model.axis.coulomb), 1e-12) / length)
-        return Shape(f"{length:.4g}", accelerated(lambda c, b, a: b.bristle(c.model.axis, length)), lambda a: law)
+        return Shape(
+            f"{length:.4g}", lambda c: [b.bristle(c.model.axis, length)[None] for b in c.balances], lambda a: law
+        )
 
     lengths = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in s.balances)), LONGEST * s.length, 10)
     s.least["presliding_friction"] = lengths[0]
@@ -578,10 +575,11 @@ def motor_and_load(s: Search) -> None:
 def loaded(effect: Effect, size: float) -> Columns:
     """Return the force of a load behind a spring or a gap over its size."""
 
-    def column(c: Evidence, b: DifferencedBalance, a: FloatArray) -> FloatArray:
-        return b.loads(c.model.replace(effects=(effect,)), a) / size
+    def columns(c: Evidence) -> list[FloatArray]:
+        model = c.model.replace(effects=(effect,))
+        return [b.loads(model, one.force)[None] / size for b, one in zip(c.balances, c.instruments, strict=True)]
 
-    return accelerated(column)
+    return columns
 
 
 def product_with(weights: Sequence[FloatArray], columns: Sequence[FloatArray]) -> float:

@@ -339,23 +339,23 @@ class DifferencedBalance:
                 force = force + self.bristle(model.axis, model.axis.coulomb / stiffness)
         return np.asarray(model.axis.mass * a - force - command)
 
-    def loads(self, model: Model, acceleration: FloatArray) -> FloatArray:
+    def loads(self, model: Model, force: FloatArray) -> FloatArray:
         """Return what loads behind a spring or a gap add to the residual of a rigid axis, V, (n,).
 
-        The command drives r / (1 - r) of the response of a load of share r at the free-free frequency.
+        A net force drives r / (1 - r) of the response of a load of share r at the free-free frequency.
 
         Args:
             model: model, whose effects may have loads.
-            acceleration: of the rigid axis under the same forces, m/s^2, (n,).
+            force: net force on the axis, V, (n,).
         """
         out = np.zeros(len(self.time))
         for e in model.effects:
             share = getattr(e, "mass_ratio", 0.0)
             if e.NAME == "flexible_mode" and share > 0.0 and np.isfinite(e.frequency):
-                swing = acceleration - load_response(acceleration, self.step, e.frequency, e.damping_ratio)
-                out += share / (1.0 - share) * model.axis.mass * swing
+                swing = force - load_response(force, self.step, e.frequency, e.damping_ratio)
+                out += share / (1.0 - share) * swing
             elif e.NAME == "backlash" and share > 0.0 and e.gap > 0.0:
-                apart = lost_motion(acceleration * ~self.resting, self.step, e.gap)
+                apart = lost_motion(force / model.axis.mass * ~self.resting, self.step, e.gap)
                 out += share * model.axis.mass * np.gradient(apart, self.step)
         return out
 

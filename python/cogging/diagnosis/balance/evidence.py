@@ -286,11 +286,6 @@ class Evidence:
         """Part of the command that the reference motion explains, V, (n,) of each log (see `Instruments`)."""
         return [one.drive for one in self.instruments]
 
-    @property
-    def accelerations(self) -> list[FloatArray]:
-        """Accelerations of the drives, m/s^2, (n,) of each log."""
-        return [one.acceleration for one in self.instruments]
-
     def raw_under(self, model: Model) -> list[FloatArray]:
         """Return the residual of each log under a model, V, (n,)."""
         return [one.residual(b, model) for b, one in zip(self.balances, self.instruments, strict=True)]

@@ -42,24 +42,27 @@ class Instruments(NamedTuple):
 
     Attributes:
         drive: command regressed on the model's force along the reference at several lags, V, (n,).
-        acceleration: the one that the drive causes, m/s^2, (n,).
+        force: net force of drive and model, V, (n,).
+        acceleration: the one that this force causes without loads, m/s^2, (n,): with their ringing in it, mass and the
+            share of a load could replace each other.
         blur: force of the bare axis along the measured motion less that along the reference: mostly noise of the speed,
             V, (n,).
     """
 
     drive: FloatArray
+    force: FloatArray
     acceleration: FloatArray
     blur: FloatArray
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
         """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
-        return b.residual(model) - b.loads(model, self.acceleration)
+        return b.residual(model) - b.loads(model, self.force)
 
     def change(self, b: DifferencedBalance, old: Model, new: Model) -> FloatArray:
         """Return the residual of a balance under a new model less that under an old one, without noise, V, (n,)."""
         # without a reference, the acceleration that is known without noise lacks the fast motion
         a = None if b.reference is None else self.acceleration
-        loads = b.loads(new, self.acceleration) - b.loads(old, self.acceleration)
+        loads = b.loads(new, self.force) - b.loads(old, self.force)
         return b.residual(new, self.drive, a) - b.residual(old, self.drive, a) - loads
 
 
@@ -74,8 +77,8 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
         # below SLOW use the measured acceleration: the command also balances forces that the model lacks
         read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
         caused = caused + sosfiltfilt(read, b.acceleration - caused)
-        slow = model.axis.mass * caused - forces
-        return Instruments(slow, caused, np.zeros_like(slow))
+        net = model.axis.mass * caused
+        return Instruments(net - forces, net, net / model.axis.mass, np.zeros_like(net))
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -91,7 +94,8 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     explained = w @ table
     bare = quiet_plant(model.replace(effects=()))
     blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
-    return Instruments(explained, (explained + along) / model.axis.mass, blur)
+    net = explained + along
+    return Instruments(explained, net, net / model.axis.mass, blur)
 
 
 def nuisances_of(
