@@ -12,6 +12,7 @@ from cogging.datasets.emps import SCREW_LEAD
 from studies.laas import motor as laas_motor
 from tests.fixtures import emps
 from tests.fixtures.measured import FOLDER
+from tests.fixtures.notebooks import FOLDER_OF_NOTEBOOKS, differences, texts
 
 pytestmark = pytest.mark.data
 
@@ -28,6 +29,15 @@ def axis(request, logs):
     result = cogging.diagnose(logs[0], emps.published(request.param), confirm=logs[1])
     print("\n" + result.text())
     return result
+
+
+@pytest.fixture(scope="module")
+def in_notebook():
+    """The results of axis and motor as notebooks/measured_gaps.ipynb prints them."""
+    import nbformat
+
+    cells = nbformat.read(FOLDER_OF_NOTEBOOKS / "measured_gaps.ipynb", as_version=4).cells
+    return [text for cell in cells for text in texts(cell) if text.startswith("verdict")]
 
 
 def names(result):
@@ -63,6 +73,10 @@ def test_the_gap_shrinks_on_other_motion(axis):
     assert axis.gap.confirm_after < 0.85 * axis.gap.confirm_before
 
 
+def test_the_notebook_prints_the_axis(axis, in_notebook):
+    assert axis.model.controller is None or not differences(axis.text() + "\n", in_notebook[0])
+
+
 def laps_of(log):
     """The rows of each lap from rest to rest at the start, as the reference repeats itself: a list of slices."""
     span = log.reference - log.reference.min()
@@ -96,6 +110,7 @@ def motor():
             mass=axis["mass"].value, viscous=axis["viscous"].value, coulomb=axis["coulomb"].value, coulomb_width=0.0
         ),
         uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2},
+        units=cogging.Units(command="A", position="rad"),
     )
     result = cogging.diagnose(rows.log(), model)
     print("\n" + result.text())
@@ -125,6 +140,10 @@ def test_cogging_makes_most_of_its_current(motor):
     assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.172 A, then 0.063 A
     # No delay is stated with confidence: laas_motor.current_lateness has the opposite sign.
     assert not any(e.name == "command_delay" and e.confidence >= 0.9 for e in result.effects)
+
+
+def test_the_notebook_prints_the_motor(motor, in_notebook):
+    assert not differences(motor[0].text() + "\n", in_notebook[1])
 
 
 # Hidden by hand in the axis -------------------------------------------------------------------------------------------
