@@ -30,7 +30,7 @@ SLOW = (TESTS / "slow.txt").read_text().split()
 
 
 #: Folders whose files share a build or the reproductions of the papers.
-TOGETHER = {"cpp": "cpp", "papers": "papers", "golden": "papers"}
+TOGETHER = {"cpp": "cpp", "papers": "papers"}
 
 
 def is_slow(path):
