@@ -30,7 +30,7 @@ SLOW = (TESTS / "slow.txt").read_text().split()
 
 
 #: Folders whose files share a build or the reproductions of the papers.
-TOGETHER = {"cpp": "cpp", "papers": "papers", "golden": "papers"}
+TOGETHER = {"cpp": "cpp", "papers": "papers"}
 
 
 def is_slow(path):
@@ -47,7 +47,7 @@ def pytest_ignore_collect(collection_path, config):
 def pytest_collection_modifyitems(config, items):
     """Mark what SLOW names; with `-n` that comes first, so that no process is left with a long file at the end."""
     for item in items:
-        apart = any(item.get_closest_marker(name) for name in ("study", "data", "pages", "root", "notebook"))
+        apart = any(item.get_closest_marker(name) for name in ("study", "data", "pages", "notebook"))
         if apart or is_slow(item.path):
             item.add_marker("slow")
     if hasattr(config, "workerinput"):

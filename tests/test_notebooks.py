@@ -9,12 +9,10 @@ import pytest
 
 from tests.fixtures.notebooks import MEASURED, NOTEBOOKS, differences, executed, pictures, texts
 
-#: They compute what tests/papers and test_first_page.py check: `.ci/run` and the weekly studies compare their outputs.
-CHECKED_ELSEWHERE = ("01_lu2008", "02_xu2001", "03_malaize2009", "04_comparison", "05_from_log_to_model")
-
 
 def marks_of(path):
-    return [pytest.mark.data] * (path in MEASURED) + [pytest.mark.study] * (path.stem in CHECKED_ELSEWHERE)
+    """What they compute other tests check: `.ci/run` and the weekly studies compare those without measured data."""
+    return [pytest.mark.data] * (path in MEASURED) + [pytest.mark.study] * (path.stem != "measured_axes")
 
 
 @pytest.mark.notebook

@@ -1,6 +1,6 @@
 """Memory and threads: what a call needs is checked before it is allocated, BLAS runs on one thread, jobs on many.
 
-The bytes for each task were measured as the growth of a process over the call (`python -m tests.attack.memory_peaks`).
+The bytes for each task were measured as the growth of a process over the call (`python -m studies.memory_peaks`).
 """
 
 from __future__ import annotations

@@ -14,8 +14,6 @@ ATTACKS = {
     "model": ("tests.attack.commands", {"kinds": ("model", "sidecar", "document")}, 1_000),
     "reference": ("tests.attack.commands", {"kinds": ("reference",)}, 1_000),
     "options": ("tests.attack.commands", {"kinds": ("option", "name", "signal")}, 1_000),
-    "damaged": ("tests.attack.damaged", {}, 10_000),
-    "killed": ("tests.attack.killed", {}, 42),
 }
 
 

@@ -4,7 +4,7 @@ Addresses and undefined behaviour: the module, built with both and put into a co
 of the bindings (`calls`) and the tests of the core (`rooms`); the programs of tests/cpp (`programs`), which hold no
 Python, are checked for leaks too. Threads: batches on 1 to 16 of them (`threads`). Two commands run at once; each
 prints its processor time. Needs a compiler with its sanitizers' libraries, as GCC has them, and the build requirements
-of the package. `--cases N` drawn calls, `--build FOLDER` keeps the builds, `--long` adds the slow tests.
+of the package. `--cases N` drawn calls, `--build FOLDER` keeps the builds, `--long` adds slow tests and a longer soak.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 #: Tests of the core in three processes; `bindings` would ask for the system's limits, and sweeps are Python.
-RUNS = ("batch", "lanes", "own_controllers", "simulation", "steps_per_sample")
+RUNS = ("batch", "lanes", "own_controllers", "simulation")
 ROOMS = (("control", "estimation"), ("basis", "plant", "reference"), [f"simulation/test_{name}.py" for name in RUNS])
-PROGRAMS = ("numbers", "soak")
+#: Programs with their arguments, and those of soak unless `--long`: the samples of each controller.
+PROGRAMS = {"numbers": [], "soak": ["300000"]}
 PARTS = ("calls", "rooms", "programs", "threads")
 #: GCC's undefined behaviour leaves out numbers that no integer holds. Not optimised: the build is then half as long.
 CHECKED = "-O0 -g1 -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer"
@@ -60,7 +61,7 @@ def main() -> int:
 
         running = [pool.submit(run_threads)] if "threads" in parts else []
         in_python = bool({"calls", "rooms"} & parts)
-        programs = PROGRAMS if "programs" in parts else ()
+        programs = PROGRAMS if "programs" in parts else {}
         targets = [*(["_core"] if in_python else []), *programs]
         if targets and not build(checked, CHECKED, targets, python=in_python):
             return 1
@@ -74,7 +75,10 @@ def main() -> int:
             words = [[*pytest, *(f"tests/{room}" for room in rooms)] for rooms in ROOMS if "rooms" in parts]
             words += [calls] if "calls" in parts else []
             running += [pool.submit(run, [sys.executable, "-m", *some], environment) for some in words]
-        running += [pool.submit(run, [f"{checked / 'tests' / 'cpp' / name}"], ALONE) for name in programs]
+        for name, words in programs.items():
+            running.append(
+                pool.submit(run, [f"{checked / 'tests' / 'cpp' / name}", *([] if options.long else words)], ALONE)
+            )
         return int(not all(one.result() for one in running))
 
 

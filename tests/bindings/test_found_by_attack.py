@@ -6,8 +6,6 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import cogging
 from cogging.estimation.force_balance import ForceBalance
@@ -158,11 +156,9 @@ def test_a_time_below_zero_counts_from_its_first_row():
         assert np.abs(shifted - first).max() < 1e-6 * size
 
 
-@settings(deadline=None, max_examples=30)
-@given(seed=st.integers(0, 10_000))
-def test_a_drawn_call_ends_as_it_should(seed):
+def test_drawn_calls_end_as_they_should():
     """A few of those that the attack makes, in this process; the whole of it watches its processes from outside."""
-    assert run_case(seed) is None
+    assert {seed: found for seed in range(30) if (found := run_case(seed))} == {}
 
 
 def test_the_attack_itself_sees_what_it_is_to_see(tmp_path, monkeypatch):

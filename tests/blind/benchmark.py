@@ -18,18 +18,13 @@ from typing import Any
 import cogging
 from cogging_command import run_command
 
-from .machines import NULL_FAMILIES
-from .outside import OUTSIDE
 from .score import format_table, judge, plain, table
 from .suite import KINDS, LAMBDAS, SHARES, draw_suite, plan_suite
-from .vocabulary import CHANGES, VOCABULARY
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
-
-EFFECTS = (*VOCABULARY, *CHANGES)
 
 
 def tuning_seeds() -> list[int]:
@@ -42,25 +37,15 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="python -m tests.blind.benchmark", description=__doc__)
 
-    def listed(known: tuple[str, ...]) -> Any:
-        def read(text: str) -> list[str]:
-            names = text.split(",")
-            unknown = [name for name in names if name not in known]
-            if unknown:
-                raise argparse.ArgumentTypeError(f"must be of {', '.join(known)}, got {', '.join(unknown)}")
-            return names
-
-        return read
+    def kinds(text: str) -> list[str]:
+        if unknown := set(text.split(",")) - set(KINDS):
+            raise argparse.ArgumentTypeError(f"must be of {', '.join(KINDS)}, got {', '.join(sorted(unknown))}")
+        return text.split(",")
 
     parser.add_argument("--seed", type=int, required=True, help="of the suite")
     parser.add_argument("--cases", type=int, default=60)
     parser.add_argument("--jobs", type=int, default=2, help="worker processes")
-    parser.add_argument(
-        "--kinds", type=listed(KINDS), default=list(SHARES), help=f"{', '.join(KINDS)}; all but the last"
-    )
-    parser.add_argument("--family", type=listed(NULL_FAMILIES), default=list(NULL_FAMILIES), help="families of nulls")
-    parser.add_argument("--effects", type=listed(EFFECTS), default=list(EFFECTS), help="of the vocabulary")
-    parser.add_argument("--outside", type=listed(tuple(OUTSIDE)), default=list(OUTSIDE), help="outside the vocabulary")
+    parser.add_argument("--kinds", type=kinds, default=list(SHARES), help=f"{', '.join(KINDS)}; all but the last")
     parser.add_argument("--lambdas", type=lambda s: [float(v) for v in s.split(",")], default=list(LAMBDAS))
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only-draw", action="store_true")
@@ -123,15 +108,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Draw, run, score, print; exit status 0."""
     options = parse(arguments)
     if not (options.keep or options.rescore):
-        specifications = plan_suite(
-            options.seed,
-            options.cases,
-            kinds=options.kinds,
-            families=options.family,
-            effects=options.effects,
-            outside=options.outside,
-            ratios=options.lambdas,
-        )
+        specifications = plan_suite(options.seed, options.cases, kinds=options.kinds, ratios=options.lambdas)
         key = draw_suite(options.seed, options.out / "cases", options.out / "key", specifications, options.jobs)
         print(f"{len(key['cases'])} cases in {options.out}", file=sys.stderr)
         for reason in key["unreachable"]:

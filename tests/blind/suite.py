@@ -31,7 +31,6 @@ def plan_suite(
     kinds: Sequence[str] = tuple(SHARES),
     families: Sequence[str] = NULL_FAMILIES,
     effects: Sequence[str] = (*VOCABULARY, *CHANGES),
-    outside: Sequence[str] = tuple(OUTSIDE),
     ratios: Sequence[float] = LAMBDAS,
 ) -> list[Specification]:
     """Decide what the cases hold: families, effects and ratios each as even as the count allows, in random order."""
@@ -50,7 +49,7 @@ def plan_suite(
             pool = NAMES if set(VOCABULARY) <= set(effects) else [name for name in NAMES if name in effects]
             specifications += [Specification(kind, (name,)) for name in _even(rng, pool, number)]
         elif kind in ("effect", "outside"):
-            names = _even(rng, effects if kind == "effect" else outside, number)
+            names = _even(rng, effects if kind == "effect" else tuple(OUTSIDE), number)
             drawn = _even(rng, ratios, number)
             specifications += [Specification(kind, (n,), float(r)) for n, r in zip(names, drawn, strict=True)]
         else:

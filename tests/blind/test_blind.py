@@ -417,7 +417,7 @@ def test_the_command_draws_runs_scores_and_prints(tmp_path, capsys, monkeypatch)
     result = SimpleNamespace(to_dict=lambda: answer("named", ("constant_force", 0.95)))
     monkeypatch.setattr(cogging, "diagnose", lambda *files, **options: result)
     arguments = ["--seed", "9", "--cases", "1", "--jobs", "1", "--out", str(tmp_path)]
-    assert benchmark.main([*arguments, "--kinds", "null", "--family", "plain"]) == 0
+    assert benchmark.main([*arguments, "--kinds", "null"]) == 0
     first = capsys.readouterr().out
     assert "false alarm" in first
     assert json.loads((tmp_path / "table_diagnose.json").read_text())["cases"] == 1

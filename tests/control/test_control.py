@@ -3,12 +3,11 @@
 Theorem 1 and matrix (29) on drawn machines: tests/papers/test_lu2008_claims.py.
 """
 
+import itertools
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.interpolate import BSpline as ScipySpline
 
 import cogging
@@ -240,16 +239,15 @@ def test_the_law_is_the_paper_step_by_step(law, desired):
     assert touched > 500
 
 
-@given(
-    rate=st.floats(-1e3, 1e3), low=st.floats(-10, 10), width=st.floats(0, 10), where=st.sampled_from([0.0, 0.3, 1.0])
-)
-@settings(deadline=None, derandomize=True, max_examples=100)
-def test_projection_is_eq_14(rate, low, width, where):
-    high = low + width
-    estimate = {0.0: low, 1.0: high}.get(where, low + where * width)
-    leaves = (estimate == high and rate > 0) or (estimate == low and rate < 0)
-    expected = 0.0 if leaves else rate
-    assert cogging.project(rate, estimate, low, high) == expected
+def test_projection_is_eq_14():
+    rng = np.random.default_rng(14)
+    bounds = [
+        (low, low + width) for low, width in zip(rng.uniform(-10, 10, 20), [0.0, *rng.uniform(0, 10, 19)], strict=True)
+    ]
+    for (low, high), rate in itertools.product(bounds, [0.0, *rng.uniform(-1e3, 1e3, 9)]):
+        for estimate in (low, low + 0.3 * (high - low), high):
+            leaves = (estimate == high and rate > 0) or (estimate == low and rate < 0)
+            assert cogging.project(rate, estimate, low, high) == (0.0 if leaves else rate)
 
 
 @pytest.mark.parametrize(("law", "desired"), ADAPTIVE)

@@ -13,8 +13,7 @@ def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
     places = np.linspace(0.0, 0.51, 103)
     bump = 0.08 * np.exp(-(((places - 0.26) / 0.06) ** 2))
     hidden = effects.EmpiricalForce(position_nodes=list(places), position_forces=list(bump))
-    logs, confirm = [run(hidden), run(hidden, velocity=0.1, seed=5)], other(hidden)
-    result = cogging.diagnose(logs, MODEL, confirm=confirm, empirical=True)
+    result = cogging.diagnose(run(hidden), MODEL, confirm=other(hidden), empirical=True)
     assert result.verdict == "unlisted"
     assert result.unlisted["coordinate"] == "position"
     told = result.unlisted["added"]

@@ -25,8 +25,8 @@ def hidden_in(name):
     return fields, record(machine([cogging.EFFECTS[name](**fields)]), 21)
 
 
-#: The others are a longer study.
-SOME = {"cable_spring", "encoder_periodic_error"}
+#: The others are a longer study; a force of a user's own is in docs/own_effect.md, below.
+SOME = {"encoder_periodic_error"}
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_identify_fits_a_copy_as_the_effect():
     own = Custom("own_spring", force=law, parameters=own_spring()._definition.parameters)
     fields, log = hidden_in("cable_spring")
     fits = [
-        cogging.identify(log, machine([one.replace(center=fields["center"])]))
+        cogging.identify(log[:4001], machine([one.replace(center=fields["center"])]))
         for one in (own, cogging.effects.CableSpring())
     ]
     for mine, its in zip(fits[0].parameters, fits[1].parameters, strict=True):

@@ -85,7 +85,7 @@ def two_mass(kind):
     from scipy.io import loadmat
 
     table = loadmat(measured.FOLDER / "two_mass" / f"MultisineType{kind}.mat", squeeze_me=True)
-    rows = slice(2500, 17500)
+    rows = slice(2500, 10_000)
     return cogging.Log(
         *(np.ravel(table[name])[rows] * unit for name, unit in (("time", 1e-6), ("theta_mx", 1.0), ("iq_adx", 1.0)))
     )

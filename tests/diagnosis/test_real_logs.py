@@ -1,17 +1,14 @@
-"""Missing effects of machines that other people measured; what is not met is asserted as it is, and said."""
+"""Missing effects of a ball screw that other people measured; what is not met is asserted as it is, and said."""
 
 import itertools
-import re
 
 import numpy as np
 import pytest
 
 import cogging
-from cogging.datasets import laas
 from cogging.datasets.emps import SCREW_LEAD
-from studies.laas import motor as laas_motor
 from tests.fixtures import emps
-from tests.fixtures.measured import FOLDER
+from tests.fixtures.notebooks import differences, in_notebook
 
 pytestmark = pytest.mark.data
 
@@ -63,6 +60,11 @@ def test_the_gap_shrinks_on_other_motion(axis):
     assert axis.gap.confirm_after < 0.85 * axis.gap.confirm_before
 
 
+def test_the_notebook_prints_the_axis(axis):
+    (printed, _) = in_notebook("measured_gaps", "verdict")
+    assert axis.model.controller is None or not differences(axis.text() + "\n", printed)
+
+
 def laps_of(log):
     """The rows of each lap from rest to rest at the start, as the reference repeats itself: a list of slices."""
     span = log.reference - log.reference.min()
@@ -82,49 +84,6 @@ def test_the_floor_of_four_laps(logs):
     print(f"\n{len(laps)} laps of {length} rows; the command differs between them by {spread:.3f} N rms")
     assert len(laps) >= 3
     assert 0.1 < spread < 2.0
-
-
-# A direct-drive motor -------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def motor():
-    scan, rows = laas.read("stopped_data", FOLDER), laas.read("speed_test1", FOLDER)
-    axis = laas_motor.axis_from_acceleration(laas.read("acc_current", FOLDER))
-    model = cogging.Model(
-        axis=cogging.AxisParameters(
-            mass=axis["mass"].value, viscous=axis["viscous"].value, coulomb=axis["coulomb"].value, coulomb_width=0.0
-        ),
-        uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2},
-    )
-    result = cogging.diagnose(rows.log(), model)
-    print("\n" + result.text())
-    return result, cogging.fit_map(scan.position, scan.current, pitch=laas.TURN)
-
-
-def test_the_detent_of_the_motor_is_named(motor):
-    result, scan = motor
-    found = next(e for e in result.effects if e.name == "cogging_harmonic")
-    terms = {round(laas.TURN / term["period"].value, 2): term for term in (found.parameters, *found.further)}
-    term = terms[72.0]
-    place = scan.cogging.basis.harmonics.index(72)
-    static = complex(scan.cogging.sine[place, 0], scan.cogging.cosine[place, 0])
-    moving = complex(term["sine"].value, term["cosine"].value)
-    turned = np.degrees(np.angle(moving / static))
-    print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
-    # Seen: 0.13. The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness); half a sample more,
-    # as it is measured and not held.
-    assert abs(moving / static - 1.0) < 0.15
-    (late,) = re.findall(r"the command is logged (\S+) s after it acts", "\n".join(result.notes))
-    assert float(late) == pytest.approx(0.9e-3, rel=0.1)
-
-
-def test_cogging_makes_most_of_its_current(motor):
-    result, _ = motor
-    assert result.effects[0].name == "cogging_harmonic"
-    assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.172 A, then 0.063 A
-    # No delay is stated with confidence: laas_motor.current_lateness has the opposite sign.
-    assert not any(e.name == "command_delay" and e.confidence >= 0.9 for e in result.effects)
 
 
 # Hidden by hand in the axis -------------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ def balances(*made):
     return [DifferencedBalance(log, MODEL.axis.coulomb_width, MODEL.encoder.resolution) for log in made]
 
 
-@pytest.mark.parametrize("scale", [-0.002, 0.001, 0.004])
+@pytest.mark.parametrize("scale", [0.004, *(pytest.param(scale, marks=pytest.mark.study) for scale in (-0.002, 0.001))])
 def test_a_scale_error_that_turns_the_known_cogging_is_not_taken_for_a_modulation(scale, monkeypatch):
     """It turns the cogging by up to 0.8 rad: the model without it has the mean phase and too little cogging."""
     given, confirm = logs(monkeypatch, cogging.EFFECTS["encoder_scale_error"](scale=scale))

@@ -1,1 +1,0 @@
-"""Tests of `first_model`."""

@@ -1,1 +1,1 @@
-"""What must not change while the house is rebuilt: a few logs, tables and verdicts as they were."""
+"""What must not change unnoticed: a few logs and verdicts as they were."""

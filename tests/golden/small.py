@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import cogging
-from tests.fixtures.reproduced import reproduced
 from tests.golden import logs as golden_logs
 
 FILE = Path(__file__).parent / "values.json"
-PAPERS = ("lu2008", "xu2001")  # tests/papers/numbers.json holds every table within 2 %
 NOMINAL = {"mass": 0.3, "viscous": 2.0, "coulomb": 0.6, "coulomb_width": 4e-3, "travel": [-0.15, 0.55]}
 UNCERTAINTY = {"mass": 0.03, "viscous": 0.2, "coulomb": 0.2}
 MOTION = {"type": "sine", "center": 0.1, "amplitude": 0.09, "frequency": 0.7, "duration": 3.0}
@@ -33,11 +31,6 @@ def logs() -> dict[str, list[float]]:
         else:
             found[f"effect {name}, {friction}"] = golden_logs.summary(golden_logs.effect_log([name], friction))
     return found
-
-
-def paper(name: str) -> list[float]:
-    """The simulated numbers of the first table of a paper."""
-    return [row["simulated"] for row in reproduced(name).to_dict()["tables"][0]["rows"]]
 
 
 def axis(fields: dict[str, float], effects: list[str]) -> cogging.Model:
@@ -68,6 +61,5 @@ def text(document: dict[str, dict[str, list[Any]]]) -> str:
 
 
 if __name__ == "__main__":
-    papers, verdicts = {name: paper(name) for name in PAPERS}, {hidden: verdict(hidden) for hidden in HIDDEN}
-    FILE.write_text(text({"logs": logs(), "papers": papers, "verdicts": verdicts}))
+    FILE.write_text(text({"logs": logs(), "verdicts": {hidden: verdict(hidden) for hidden in HIDDEN}}))
     print(f"{FILE} written")

@@ -19,11 +19,6 @@ def test_the_logs_of_every_controller_and_effect():
         assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-15), name
 
 
-@pytest.mark.parametrize("name", golden_small.PAPERS)
-def test_a_table_of_a_paper(name):
-    assert golden_small.paper(name) == pytest.approx(VALUES["papers"][name], rel=1e-9, abs=1e-15)
-
-
 @pytest.mark.parametrize("hidden", golden_small.HIDDEN)
 def test_the_verdict_on_a_log(hidden):
     assert golden_small.verdict(hidden) == VALUES["verdicts"][hidden]

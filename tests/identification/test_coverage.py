@@ -16,8 +16,12 @@ from tests.fixtures.identify_coverage import draw, draw_thinned, outcome
 SEEDS = (500, 501, 502, 504, 505, 506, 509, 510)  # of machines at 1 and 2 kHz: fits are quick
 
 
+def first_seconds(case, seconds):
+    return replace(case, log=case.log[case.log.time < seconds])
+
+
 def test_intervals_of_the_usual_machines_hold_the_truth_as_often_as_they_state():
-    usual = [outcome(draw(seed)) for seed in SEEDS]
+    usual = [outcome(first_seconds(draw(seed), 8.0)) for seed in SEEDS]
     width = "axis.coulomb_width"
     entries = [entry for found, _ in usual for path, entry in found.items() if entry or path != width]
     assert {len(found) for found, _ in usual} <= {8, 9}
@@ -35,8 +39,7 @@ def test_intervals_of_the_usual_machines_hold_the_truth_as_often_as_they_state()
 
 @pytest.fixture(scope="module")
 def case():
-    drawn = draw(500)
-    return replace(drawn, log=drawn.log[drawn.log.time < 3.0])
+    return first_seconds(draw(500), 3.0)
 
 
 @pytest.fixture(scope="module")

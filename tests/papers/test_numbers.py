@@ -10,7 +10,8 @@ from cogging.papers.reproduction import PAPERS
 from tests.fixtures.reproduced import reproduced, with_progress
 from tests.papers.numbers import FILE, numbers
 
-ROUGH = {"theorem_3": 0.5}  # where a solver's digits differ by machine
+#: Where a solver's digits differ by machine.
+ROUGH = {"theorem_3": 0.5}
 
 
 @pytest.mark.parametrize("paper", PAPERS)
@@ -18,7 +19,8 @@ def test_every_number_is_the_committed_one(paper):
     committed, found = json.loads(FILE.read_text())[paper], numbers(reproduced(paper).to_dict())
     assert found.keys() == committed.keys()
     for name, values in committed.items():
-        assert found[name] == pytest.approx(values, rel=ROUGH.get(name, 0.02), nan_ok=True), name
+        usual = 0.02 if paper == "malaize2009" else 1e-4
+        assert found[name] == pytest.approx(values, rel=ROUGH.get(name, usual), nan_ok=True), name
 
 
 def test_each_step_is_reported():

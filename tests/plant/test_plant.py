@@ -127,9 +127,6 @@ def test_an_effect_with_neutral_parameters_vanishes(name, axis):
             np.testing.assert_array_equal(getattr(neutral, column), getattr(without, column))
 
 
-# Integration -----------------------------------------------------------------------------------------------
-
-
 # Amplifier -------------------------------------------------------------------------------------------------
 
 

@@ -113,7 +113,7 @@ def renamed(piece, first):
 
 @posix
 def test_changed_pieces_are_computed_again_and_copies_used_once(tmp_path, monkeypatch, computed, whole):
-    """Other numbers, half a file, no archive, a pipe, one piece twice, and one under another number."""
+    """Other numbers, half a file, no archive, a pipe, drawn bits, one piece twice, and one under another number."""
     out = tmp_path / "runs.csv"
     pieces = sorted(end_sweep(out, monkeypatch).glob("*.npz"))
     computed.clear()
@@ -124,10 +124,14 @@ def test_changed_pieces_are_computed_again_and_copies_used_once(tmp_path, monkey
     pieces[9].write_bytes(b"PK\x03\x04 no archive")
     pieces[11].unlink()
     os.mkfifo(pieces[11])
+    for seed, piece in enumerate(pieces[13:17]):
+        content, draw = bytearray(piece.read_bytes()), random.Random(seed)
+        content[draw.randrange(len(content))] ^= 1 << draw.randrange(8)
+        piece.write_bytes(content)
     shutil.copy(pieces[1], renamed(pieces[1], 32))
     pieces[19].rename(renamed(pieces[19], 8))
     same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), whole)
-    assert computed == [0, 56, 72, 88, *range(160, 320, 8)]
+    assert computed == [0, 56, 72, 88, *range(104, 136, 8), *range(160, 320, 8)]
     assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
 
 

@@ -1,4 +1,4 @@
-"""Memory of a call, bytes a row, and its time: `python -m tests.attack.memory_peaks [TASK ROWS ...]`; Linux alone.
+"""Memory of a call, bytes a row, and its time: `python -m studies.memory_peaks [TASK ROWS ...]`; Linux alone.
 
 Each task runs in a process of its own. `read_log 20000000` makes a CSV of 1 GB in a temporary folder and reads it.
 """
