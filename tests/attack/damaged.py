@@ -1,4 +1,4 @@
-"""A sweep that resumes from files of which one bit was flipped gives the table of an undisturbed one, or one line."""
+"""A sweep that resumes from a file of which one bit was flipped gives the table of an undisturbed one, or one line."""
 
 from __future__ import annotations
 
@@ -38,32 +38,29 @@ def run(out: Path, until: int) -> bytes:
 
 
 @functools.cache
-def sound() -> tuple[bytes, dict[str, bytes]]:
-    """The table of an undisturbed sweep, and the files that an interrupted one leaves."""
+def sound() -> tuple[bytes, bytes]:
+    """The table of an undisturbed sweep, and the file that an interrupted one leaves."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "runs.csv"
         whole = run(out, OPTIONS["runs"])
         out.unlink()
         with contextlib.suppress(Interrupted):
             run(out, DONE)
-        return whole, {path.name: path.read_bytes() for path in sorted(out.with_name("runs.csv.pieces").iterdir())}
+        return whole, out.with_name("runs.csv.kept").read_bytes()
 
 
 def run_case(seed: int) -> str | None:
     """Flip one bit and resume; what is wrong, "~..." for what is no fault, or None."""
-    (whole, files), chance = sound(), random.Random(seed)
-    name = chance.choices(list(files), [len(content) for content in files.values()])[0]
-    content = bytearray(files[name])
+    (whole, left), chance = sound(), random.Random(seed)
+    content = bytearray(left)
     content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
     with tempfile.TemporaryDirectory() as folder:
-        out, pieces = Path(folder) / "runs.csv", Path(folder) / "runs.csv.pieces"
-        pieces.mkdir()
-        for file, its in {**files, name: bytes(content)}.items():
-            (pieces / file).write_bytes(its)
+        out, kept = Path(folder) / "runs.csv", Path(folder) / "runs.csv.kept"
+        kept.write_bytes(content)
         try:
             table = run(out, OPTIONS["runs"])
         except cogging.InputError as error:
             return f"{error}" if "\n" in str(error) or out.exists() else "~refused in one line"
         if table != whole:
             return "another table"
-        return "the folder of pieces remains" if pieces.exists() else None
+        return "the file of pieces remains" if kept.exists() else None

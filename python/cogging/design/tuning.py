@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import json
 import math
 import os
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -20,16 +18,15 @@ from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, machines_of, push_of, variations_of
 from cogging.design.tuning_result import MARGINS, ROWS, Reached, Setting, Tuning
 from cogging.file_schema import TUNE_INDEXES
-from cogging.files import FieldError, InputError, refuse_unknown_keys
+from cogging.files import FieldError, refuse_unknown_keys
 from cogging.model.controller import AnyController
 from cogging.model.model import Model, is_number
 from cogging.model.units import Units
-from cogging.outputs import target_of, write_text
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.parameter_sweep import digest_of
+from cogging.simulation.kept_work import KeptWork
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
 from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
@@ -54,7 +51,6 @@ RULE = "a rule of the controller"
 BEYOND = 1e3  # largest relative excess of a limit
 WORST = 1e9  # replaces an infinite objective, of trials that break a limit anyway
 MOST = 1_000_000
-WRITTEN_EVERY = 0.5  # s: the work that a kill may cost
 FRONT = ("error_rms", "command_max", "command_chatter")  # columns of the trade-off
 FRONT_MOST = 8  # points of the trade-off whose margins are measured
 AT_END = 0.01  # of a range, or of its logarithm: closer to its end a gain counts as at the end
@@ -315,11 +311,11 @@ def optuna() -> Any:
         raise ImportError("optuna is needed for this and is not there: pip install 'cogging[tune]'") from error
 
 
-def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
+def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptWork) -> Iterator[Trial]:
     """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
 
-    The same arguments give the same trials. Trials read from `kept` are not run again; the sampler receives them like
-    any other, and continues as it would have.
+    The same arguments give the same trials. Trials in `kept` are not run again; the sampler receives them like any
+    other, and continues as it would have.
     """
     library, against = optuna(), judge.against
     other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
@@ -334,53 +330,19 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     for gain in gains:
         distribution, number = kinds[gain.whole]
         space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
-    for place in range(count):
+    known = {tuple(done.items()): Trial(done, Reached(**reached), excess) for done, reached, excess in kept.parts}
+    for _ in range(count):
         proposed = study.ask(space)
         values = {gain.path: float(proposed.params[gain.path]) for gain in gains}
-        trial = judge.trial(values) if kept is None else kept.trial(place, values, judge)
+        trial = known.get(tuple(values.items()))
+        if trial is None:
+            trial = judge.trial(values)
+            kept.add([dict(trial.gains), vars(trial.reached), dict(trial.excess)])
         objectives = [trial.reached.error_rms, *([] if against is None else [getattr(trial.reached, against)])]
         for name, value in trial.excess.items():
             proposed.set_constraint(name, value)
         study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
         yield trial
-
-
-class KeptTrials:
-    """Finished trials beside the output, with which an interrupted tuning continues; InputError: of another one."""
-
-    def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
-        target = target_of(out)
-        self.path, self.name = target.with_name(f"{target.name}.trials"), f"{os.fspath(out)}.trials"
-        self.digest, self.trials, self.written = digest, list[Trial](), time.monotonic()
-        if not self.path.exists():
-            return
-        try:
-            document = json.loads(self.path.read_text(encoding="utf-8"))
-            known = document["digest"]
-            self.trials = [Trial(gains, Reached(**reached), excess) for gains, reached, excess in document["trials"]]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{self.name}: cannot be used: {error}") from None
-        if known != digest:
-            rule = "holds trials of another tuning, or of another version: remove it, or write to another file"
-            raise InputError(f"{self.name}: {rule}")
-
-    def trial(self, number: int, values: Mapping[str, float], judge: Judge) -> Trial:
-        """Return the trial of this number: the stored one, or a new one, stored every half second."""
-        if number >= len(self.trials) or self.trials[number].gains != values:
-            self.trials[number:] = [judge.trial(values)]
-            if time.monotonic() - self.written > WRITTEN_EVERY:
-                self.write()
-        return self.trials[number]
-
-    def write(self) -> None:
-        """Write the trials; InputError: they cannot be written."""
-        entries = [[dict(t.gains), vars(t.reached), dict(t.excess)] for t in self.trials]
-        try:
-            write_text(self.path, json.dumps({"digest": self.digest, "trials": entries}) + "\n")
-        except InputError as error:
-            said = f"finished trials are in {self.name}, the same call continues from there"
-            raise InputError(f"{error}; {said}") from None
-        self.written = time.monotonic()
 
 
 def best_of(trials: Sequence[Trial]) -> Trial | None:
@@ -434,7 +396,7 @@ def tune(
     present gains come first. The result is evaluated on machines held out.
 
     Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller
-    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an
+    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.kept`) until all are done: after an
     interruption the same call continues, and the best gains so far are in `out`.
 
     Args:
@@ -499,22 +461,19 @@ def tune(
     of_model = with_gains if controller is None else None
     judge = Judge(drawn, make, of_model, given, against, duration, (start, stop), quantile, threads)
     judge.measure_present(present)
-    kept = None
-    if out is not None and controller is None:
-        described = {
-            "reference": reference_to_dict(motion),
-            "gains": [list(gain) for gain in ranges],
-            "vary": dict(vary) if isinstance(vary, Mapping) else vary,
-            "limits": given,
-            "run": [duration, start, stop, quantile, machines, seed, against],
-        }
-        digest = digest_of(model, described)
-        kept = None if digest is None else KeptTrials(out, digest)
+    described = {
+        "reference": reference_to_dict(motion),
+        "gains": [list(gain) for gain in ranges],
+        "vary": dict(vary) if isinstance(vary, Mapping) else vary,
+        "limits": given,
+        "run": [duration, start, stop, quantile, machines, seed, against],
+    }
+    kept = KeptWork(out if controller is None else None, model, described)
     found: list[Trial] = []
     verbosity = library.logging.get_verbosity()
     library.logging.set_verbosity(library.logging.ERROR)
     try:
-        with steps(progress, "tune", trials) as step:
+        with steps(progress, "tune", trials) as step, kept.named_in_errors():
             leader: Trial | None = None
             for number, trial in enumerate(run_trials(ranges, trials, seed, judge, kept), 1):
                 found.append(trial)
@@ -533,9 +492,7 @@ def tune(
             for place in front:
                 margins.append(judge.loops(found[place].gains).delay_margin())
                 step(f"of trial {place}")
-    except BaseException:  # also an interruption: keep the trials, and write the best so far
-        if kept is not None:
-            kept.write()
+    except BaseException:  # also an interruption: write the best so far
         nearest = best_of([judge.present, *found])
         if out is not None and of_model is not None and nearest is not None and nearest is not judge.present:
             of_model(nearest.gains).write(out)
@@ -562,8 +519,7 @@ def tune(
     )
     if out is not None and tuned_model is not None:
         tuned_model.write(out)
-    if kept is not None:
-        kept.path.unlink(missing_ok=True)
+    kept.remove()
     return result
 
 
