@@ -80,7 +80,7 @@ def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Ma
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
-        known = {path: value for path, value in numbers_of(setup).items() if path.startswith(PREFIX)}
+        known = {path: one.value for path, one in numbers_of(setup).items() if one and path.startswith(PREFIX)}
         if ranges is None:
             paths = [f"{PREFIX}{name}" for name in USUAL.get(setup.model.controller_type or "", ())]
             values = {path: float(known.get(path) or 0.0) for path in paths}

@@ -14,7 +14,7 @@ from cogging.calls import did_you_mean
 from cogging.files import LARGEST, FieldError, refuse_unknown_keys
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.model import CONTROLLERS, Model, is_number
-from cogging.model.parameters import parameters_of, with_values
+from cogging.model.parameters import SECTIONS, Parameter, parameters_of, with_fields, with_values
 from cogging.model.units import Units
 from cogging.resources import require_table
 from cogging.shown import nearest, quoted
@@ -22,7 +22,6 @@ from cogging.simulation.reductions import unit_of
 from cogging.simulation.reference import REFERENCES
 
 SEED = "seed"
-SECTIONS = ("encoder", "noise", "controller")  # of the model, whose numbers have a path beside those of parameters_of
 METHODS = ("grid", "random", "latin_hypercube", "sobol")
 BOUNDS = "bounds"  # in place of a variation, or of all of them: the model's intervals
 VARIATION_KEYS = ("values", "from", "to", "points", "scale", "mean", "deviation")
@@ -41,36 +40,26 @@ class Setup(NamedTuple):
     reference: Reference
 
 
-def _structs(setup: Setup) -> dict[str, Any]:
-    """Return the parameter structs whose fields have paths, by section; None if there is none."""
-    structs = {name: getattr(setup.model, name) for name in SECTIONS}
-    return {**structs, "reference": getattr(setup.reference, "parameters", None)}
-
-
-def numbers_of(setup: Setup) -> dict[str, float | None]:
+def numbers_of(setup: Setup) -> dict[str, Parameter | None]:
     """Return every number that can vary by path (see `sweep`); `seed` has no value (None)."""
-    parameters = parameters_of(setup.model, together=True)
-    numbers: dict[str, float | None] = {path: parameter.value for path, parameter in parameters.items()}
-    for name, struct in _structs(setup).items():
+    model = setup.model
+    found: dict[str, Parameter | None] = {**parameters_of(model, together=True)}
+    structs = {name: getattr(model, name) for name in SECTIONS}
+    structs["reference"] = getattr(setup.reference, "parameters", None)
+    for name, struct in structs.items():
         for field, value in ({} if struct is None else struct.to_dict()).items():
             entries = enumerate(value) if isinstance(value, list | tuple) else [(-1, value)]
             for place, entry in entries:
                 if isinstance(entry, int | float) and not isinstance(entry, bool):
-                    numbers[f"{name}.{field}" + f"[{place}]" * (place >= 0)] = float(entry)
-    numbers[SEED] = None
-    return numbers
+                    path = f"{name}.{field}" + f"[{place}]" * (place >= 0)
+                    found[path] = Parameter(path, float(entry), struct.FIELDS[field][0] or "", units=model.units)
+    return {**found, SEED: None}
 
 
 def units_of(setup: Setup, paths: Iterable[str], indexes: Iterable[str] = ()) -> dict[str, str]:
     """Return the units of numbers by path, except of the seed; those of indexes if the model has its own labels."""
-    labels, parameters, structs = setup.model.units, parameters_of(setup.model, together=True), _structs(setup)
-    units = {}
-    for path in paths:
-        section, _, rest = path.partition(".")
-        if section in structs:
-            units[path] = labels.of(structs[section].FIELDS[rest.partition("[")[0]][0] or "")
-        elif path != SEED:
-            units[path] = parameters[path].unit
+    labels, known = setup.model.units, numbers_of(setup)
+    units = {path: number.unit for path in paths if (number := known[path]) is not None}
     if labels != Units():
         units |= {name: labels.of(unit) for name in indexes if (unit := unit_of(name))}
     return units
@@ -88,28 +77,12 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
     """Return the setup with the numbers at these paths changed, except the seed."""
     model, reference = setup
-    structs = _structs(setup)
-    changes: dict[str, dict[str, Any]] = {name: {} for name in structs}  # of fields, by section
-    inside: dict[str, float] = {}
-    for path, value in values.items():
-        name, _, rest = path.partition(".")
-        if name not in structs:
-            inside |= {path: value} if path != SEED else {}
-            continue
-        field, _, place = rest.partition("[")
-        old = structs[name].to_dict()[field]
-        if place:
-            entries, at = changes[name].setdefault(field, list(old)), int(place.rstrip("]"))
-            entries[at] = _like(entries[at], value, path)
-        else:
-            changes[name][field] = _like(old, value, path)
-    if inside:
-        model = with_values(model, inside)
-    new = {name: getattr(model, name).replace(**changes[name]) for name in SECTIONS if changes[name]}
-    if changes["reference"]:
+    own = {path: value for path, value in values.items() if path != SEED}
+    moved = {path.removeprefix("reference."): own.pop(path) for path in [*own] if path.startswith("reference.")}
+    if moved:
         motion = next(motion for _, motion in REFERENCES.values() if isinstance(reference, motion))
-        reference = motion(structs["reference"].replace(**changes["reference"]))
-    return Setup(model.replace(**new) if new else model, reference)
+        reference = motion(with_fields("reference", reference.parameters, moved))
+    return Setup(with_values(model, own), reference)
 
 
 def make_controller(model: Model) -> Any:
@@ -117,14 +90,6 @@ def make_controller(model: Model) -> Any:
     if model.controller is None or model.controller_type not in CONTROLLERS:
         raise ValueError("controller: must be given to run the model, got none")
     return model.make_controller()
-
-
-def _like(old: Any, value: float, path: str) -> float | int:
-    if not isinstance(old, int):
-        return float(value)
-    if value != int(value):
-        raise ValueError(f"{path}: must be a whole number, got {value:g}")
-    return int(value)
 
 
 class Variation(NamedTuple):
