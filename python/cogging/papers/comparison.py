@@ -86,7 +86,8 @@ def controllers() -> dict[str, ListedController]:
     """Return each controller, tuned by its own paper's rule for the X axis."""
     made = {name: scaled(name, AXIS) for name in OWN}
     for name, radius in POLE_RADII.items():
-        made[name] = _observer_based(observer_problem(radius), shipped()["own"][name], AXIS)
+        fields = {"sample_rate": SAMPLE_RATE, "mass": AXIS.mass}
+        made[name] = ObserverBased(observer_problem(radius).controller_parameters(shipped()["own"][name], **fields))
     return made
 
 
@@ -128,7 +129,7 @@ def scaled(
     if name == "observer_based":
         problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
-        return _observer_based(problem, list(gain), axis)
+        return ObserverBased(problem.controller_parameters(list(gain), sample_rate=SAMPLE_RATE, mass=axis.mass))
     law, structure = name.split()
     gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
     return (Arc if law == "arc" else Dcarc)(gantry.controller_parameters(axis, structure, **gains))
@@ -146,21 +147,6 @@ def observer_problem(
         omega=-POLE * factor,
         decay_rate=decay_rate,
         pole_radius=pole_radius * factor,
-    )
-
-
-def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], axis: GantryAxis) -> ObserverBased:
-    return ObserverBased(
-        _core.ObserverBasedParameters(
-            sample_rate=SAMPLE_RATE,
-            periods=list(problem.periods),
-            observer_gain=list(observer_gain),
-            position_gain=problem.omega**2,
-            velocity_gain=2 * problem.omega - problem.viscous,
-            mass=axis.mass,
-            viscous=problem.viscous,
-            velocity_min=0.01 * axis.velocity,
-        )
     )
 
 
