@@ -28,7 +28,7 @@ from cogging.logs.log import Log
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, ESTIMATED, START, GantryAxis, controller_parameters, known
 from cogging.papers.result import Row, Table, explored
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
@@ -425,8 +425,8 @@ def figure_theorem(found: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     """Draw Theorem 1: V with and without u_s2 and its bound, of ARC and DCARC; below the errors of `decays` by axis."""
     from matplotlib.ticker import LogLocator
 
-    figure = new_figure((8.4, 6.6))
-    panels = figure.subplots(2, 2)
+    title = "Theorem 1: V and its bound (X axis, one drawn machine), and the error without d~"
+    figure, panels = titled_panels(title, (8.4, 6.6), 2, 2)
     _draw_bound(panels[0][0], Arc, {}, "A, ARC, printed gains")
     _draw_bound(panels[0][1], Dcarc, sufficient_gains(AXES["X"]), "A, DCARC, sufficient gains")
     for axes, (name, by_case) in zip(panels[1], found.items(), strict=True):
@@ -441,7 +441,6 @@ def figure_theorem(found: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter("")
         legend(axes, 2)
-    figure.suptitle("Theorem 1: V and its bound (X axis, one drawn machine), and the error without d~")
     return figure
 
 

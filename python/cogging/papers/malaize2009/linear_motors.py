@@ -148,7 +148,7 @@ def pid(thrust: float = 1.0) -> ListedController:
 
 
 def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
-    """Return the observer (6) with law (8), frozen below 1 % of the top speed; stretch: its periods over the true ones."""
+    """Return the observer (6) with law (8), frozen below 1 % of the top speed; stretch: its over the true periods."""
     fields: dict[str, Any] = {"sample_rate": SAMPLE_RATE, "mass": thrust, "delay": DELAY}
     fields["periods"] = [stretch * period for period in motor.periods]
     return ObserverBased(problem(motor, gains.pole_radius).controller_parameters(gains.observer_gain, **fields))
