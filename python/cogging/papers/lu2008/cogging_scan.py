@@ -15,8 +15,7 @@ from matplotlib.figure import Figure
 from cogging._core import BSpline, CoggingModel
 from cogging.arrays import FloatArray
 from cogging.mapping.cogging_spectrum import HarmonicSpectrum
-from cogging.mapping.fit_map import fit_map
-from cogging.mapping.map_fit import MapFit
+from cogging.mapping.fit_map import MapFit, fit_map
 from cogging.papers.lu2008.gantry import HARMONICS, ORDER, PITCH, TRAVEL, GantryAxis
 from cogging.papers.result import Row, Table, explored
 from cogging.plot.canvas import drawn, legend, new_figure, titled_panels
