@@ -11,9 +11,9 @@ import argparse
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_audit
-from cogging.cli.terminal import status_line
 from cogging.files import errors_of
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
 EXAMPLES = """\
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> None:
     check_outputs({"--json": json_file(arguments)}, inputs)
     model = Model.read(arguments.model) if arguments.model else None
     documents, texts = [], []
-    with status_line(arguments, "audit") as begin:
+    with steps(not arguments.quiet, "audit") as begin:
         for path, log in zip(arguments.logs, read_logs(arguments, arguments.logs), strict=True):
             begin(printable(path))
             if model is not None:

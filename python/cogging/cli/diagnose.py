@@ -14,9 +14,9 @@ from pathlib import Path
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_diagnose
-from cogging.cli.terminal import status_line
 from cogging.files import read_text
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
 EXAMPLES = """\
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
     names, confirm_names = ([printable(path) for path in logs] for logs in (arguments.logs, arguments.confirm))
     options = {"names": names, "confirm_names": confirm_names, "empirical": arguments.empirical}
-    with status_line(arguments, "diagnose") as begin:
+    with steps(not arguments.quiet, "diagnose") as begin:
         result = diagnose(given, model, confirm=others, progress=begin, **options)
         files = {}
         following = after_diagnose(arguments, result)

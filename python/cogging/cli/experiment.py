@@ -14,9 +14,9 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import again, command_line, files, log_options, option
 from cogging.cli.parser import add_seed
-from cogging.cli.terminal import status_line
 from cogging.files import FieldError, InputError, errors_of, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
 PURPOSES = "separate: detection limits and how the alternatives differ; detect: detection limits; fit: intervals"
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> None:
     limits = MotionLimits.read(arguments.limits)
     result = None if arguments.result is None else read_result(arguments.result)
     options = {"result": result, "logs": logs, "goal": arguments.goal, "seed": arguments.seed}
-    with status_line(arguments, "experiment") as begin:
+    with steps(not arguments.quiet, "experiment") as begin:
         try:
             plan = plan_experiment(model, limits, progress=begin, **options)
         except FieldError as error:  # of the limits beside the model, or of the result

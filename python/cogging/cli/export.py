@@ -11,9 +11,9 @@ from typing import Any
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_export
-from cogging.cli.terminal import status_line
 from cogging.export.forms import FORMS, Option, to
 from cogging.outputs import check_outputs
+from cogging.progress import steps
 
 EXAMPLES = """\
 cogging export motor.toml --to csv --out map.csv
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     options = {name: value for name in _options() if (value := getattr(arguments, name)) is not None}
     json = {"--json": json_file(arguments)}
     check_outputs({"--out": arguments.out, **json}, [arguments.model])
-    with status_line(arguments, "export"):
+    with steps(not arguments.quiet, "export"):
         made = to(arguments.model, arguments.to, **options)
     files = made.files(arguments.out)
     check_outputs({**{name: name for name in files}, **json}, [arguments.model])

@@ -12,9 +12,9 @@ import shlex
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known
 from cogging.cli.next_command import command_line
-from cogging.cli.terminal import status_line
 from cogging.files import InputError
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
 EXAMPLES = """\
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> None:
     how, zero = options_of(arguments, arguments.log)
     if zero:
         raise InputError("--zero: must not be given to init: a model's travel may begin anywhere")
-    with status_line(arguments, "init"):
+    with steps(not arguments.quiet, "init"):
         draft = draft_model(arguments.log, **how)
     written = ", ".join(map(printable, draft.write(arguments.out, arguments.reference)))
     text = f"{draft.text()}\nwritten: {written}: read their comments, and fill in what you know better"

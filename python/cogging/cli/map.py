@@ -13,11 +13,11 @@ from pathlib import Path
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
 from cogging.cli.next_command import after_map
-from cogging.cli.terminal import status_line
 from cogging.files import FieldError, errors_of
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
 from cogging.outputs import check_outputs
+from cogging.progress import steps
 from cogging.shown import printable
 
 EXAMPLES = """\
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     require_known(arguments, [arguments.scan])
     how, zero = options_of(arguments, arguments.scan)
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
-    with status_line(arguments, "map"):
+    with steps(not arguments.quiet, "map"):
         options = {name: getattr(arguments, name) for name in ("pitch", "force_sign", "units")}
         with errors_of(arguments.scan):
             fit = fit_map(table["position"], table["force"], **options)

@@ -11,8 +11,8 @@ import argparse
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import can_predict, command_line, experiment, free_name, option
 from cogging.cli.parser import add_run_files, add_seed, run_model, whole
-from cogging.cli.terminal import status_line
 from cogging.outputs import check_outputs
+from cogging.progress import steps
 from cogging.simulation.reference import files_of_reference
 
 MOST_SAMPLES = 1_000_000  # machines that a prediction draws
@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.design.error_prediction import predict_error
 
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
-    with status_line(arguments, "predict"), run_model(arguments) as (model, controller):
+    with steps(not arguments.quiet, "predict"), run_model(arguments) as (model, controller):
         prediction = predict_error(model, arguments.reference, samples=arguments.samples, seed=arguments.seed)
     if can_predict(model):
         following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))

@@ -11,10 +11,10 @@ import argparse
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, files, option
 from cogging.cli.parser import add_run_files, add_seed, run_model, whole
-from cogging.cli.terminal import status_line
 from cogging.logs.log import performance
 from cogging.model.model import STEPS_MAX
 from cogging.outputs import check_outputs, sidecar
+from cogging.progress import steps
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
 from cogging.simulation.reference import files_of_reference
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Simulate the run, write its log, print its error."""
     outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out), "--json": json_file(arguments)}
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
-    with status_line(arguments, "simulate") as begin:
+    with steps(not arguments.quiet, "simulate") as begin:
         with run_model(arguments) as (model, controller):
             log = simulate(model, arguments.reference, seed=arguments.seed, steps_per_sample=arguments.steps_per_sample)
         begin("writing the log")
