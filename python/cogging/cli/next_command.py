@@ -231,10 +231,10 @@ def can_predict(model: Model) -> bool:
     return model.controller is not None and all(math.isfinite(end) for ends in model.intervals.values() for end in ends)
 
 
-def with_model(path: AnyPath, model: Model, reference: AnyPath | None = None) -> str:
+def with_model(path: AnyPath, model: Model) -> str:
     """Predict the error of a model; if its intervals do not suffice, plan an experiment."""
     if can_predict(model):
-        return command_line("predict", files([path]), option("--reference", reference or "REF.toml"))
+        return command_line("predict", files([path]), ["--reference", "REF.toml"])
     return experiment(path)
 
 

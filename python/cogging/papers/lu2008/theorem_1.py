@@ -325,7 +325,7 @@ def groups(axis: GantryAxis) -> tuple[tuple[Law, str, dict[str, float]], ...]:
     return ((Arc, "printed", {}), (Dcarc, "printed, smooth S_f", smooth), (Dcarc, "sufficient", sufficient_gains(axis)))
 
 
-def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) -> Table:
+def theorem_table(axis: GantryAxis, machine: Plant) -> Table:
     """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains.
 
     held: share of machines whose V stays below its bound; v_settled: largest V over epsilon / lambda after the start;
@@ -346,7 +346,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
         row(law, gains, "u_s2 on", "e_inf", "m", largest)
 
     for law, gains, conditions in groups(axis):
-        trials = [draw(axis, seed, law, **conditions) for seed in range(machines)]
+        trials = [draw(axis, seed, law, **conditions) for seed in range(MACHINES)]
         logs = [trial.run() for trial in trials]
         row(law, gains, "u_s2 on", "decay_rate", "1/s", trials[0].rate)
         against_the_bound(law, gains, "u_s2 on", trials, logs)
@@ -358,7 +358,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
         against_the_bound(law, gains, "u_s2 off", trials, [trial.run(epsilon=0.0) for trial in trials])
         beyond = trials[0].with_disturbance(BEYOND)
         against_the_bound(law, gains, f"{BEYOND:.0f} delta_d, machine 0", [beyond], [beyond.run()])
-    trials = [draw(axis, seed, Dcarc) for seed in range(machines)]
+    trials = [draw(axis, seed, Dcarc) for seed in range(MACHINES)]
     row(Dcarc, "printed", "u_s2 on", "decay_rate", "1/s", trials[0].rate)
     error(Dcarc, "printed", trials, [trial.run() for trial in trials])
     row(Dcarc, "printed", "at rest", "v_growth", "1", growth_at_rest(axis))
@@ -369,7 +369,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
     for epsilon, found in zip(EPSILONS, errors, strict=True):
         case = {"case": f"5 kHz, epsilon {epsilon:g}"}
         rows.append(Row("C3", "e_2", "m", axis.error_rms[2], float(found), "exploratory", case))
-    title = f"Theorem 1 A on {machines} drawn machines, {axis.name} axis: V, and its bound {EPSILON:g} V m/s / lambda"
+    title = f"Theorem 1 A on {MACHINES} drawn machines, {axis.name} axis: V, and its bound {EPSILON:g} V m/s / lambda"
     return Table(f"theorem1a_{axis.name}", title, rows)
 
 
