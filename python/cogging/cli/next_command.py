@@ -168,7 +168,7 @@ def _audit(arguments: argparse.Namespace) -> str:
 def _read_otherwise(arguments: argparse.Namespace, mismatch: Mapping[str, Any]) -> str:
     """Return the same call with the misread column read correctly; the audit if no option does that."""
     if mismatch.get("misreading") in ("derivative", "reference"):
-        wanted = ("position=NAME", {})  # the user names the encoder's column
+        wanted: Given = ("position=NAME", {})  # the user names the encoder's column
         return again(arguments, columns=[*arguments.columns, wanted])
     name, _, pairs = str(mismatch.get("option", "")).partition(" ")
     kind, every = name.removeprefix("--"), [*arguments.logs, *arguments.confirm]

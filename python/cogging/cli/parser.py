@@ -89,7 +89,7 @@ def add_command(commands: argparse._SubParsersAction[Any], name: str, module: An
     """
     first, _, description = (module.__doc__ or "").partition("\n\n")
     examples = EXAMPLES + textwrap.indent(module.EXAMPLES, "  ")
-    parts = {
+    parts: dict[str, Any] = {
         "help": first.partition(": ")[2].rstrip(".\n"),
         "description": description,
         "epilog": "\n\n".join(filter(None, (getattr(module, "EPILOG", ""), examples))),

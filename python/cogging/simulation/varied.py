@@ -76,13 +76,13 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
 
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
     """Return the setup with the numbers at these paths changed, except the seed."""
-    model, reference = setup
+    reference: Any = setup.reference
     own = {path: value for path, value in values.items() if path != SEED}
     moved = {path.removeprefix("reference."): own.pop(path) for path in [*own] if path.startswith("reference.")}
     if moved:
         motion = next(motion for _, motion in REFERENCES.values() if isinstance(reference, motion))
         reference = motion(with_fields("reference", reference.parameters, moved))
-    return Setup(with_values(model, own), reference)
+    return Setup(with_values(setup.model, own), reference)
 
 
 def make_controller(model: Model) -> Any:
