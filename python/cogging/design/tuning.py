@@ -31,7 +31,15 @@ from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.kept_work import KeptWork
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
-from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
+from cogging.simulation.varied import (
+    BOUNDS,
+    Setup,
+    make_controller,
+    numbers_of,
+    range_of,
+    require_numbers,
+    with_numbers,
+)
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -197,7 +205,6 @@ ALL_END = "all runs complete"
 RULE = "a rule of the controller"
 BEYOND = 1e3  # largest relative excess of a limit
 WORST = 1e9  # replaces an infinite objective, of trials that break a limit anyway
-MOST = 1_000_000
 FRONT = ("error_rms", "command_max", "command_chatter")  # columns of the trade-off
 FRONT_MOST = 8  # points of the trade-off whose margins are measured
 AT_END = 0.01  # of a range, or of its logarithm: closer to its end a gain counts as at the end
@@ -258,20 +265,12 @@ def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
     for key, value in given.items():
         if key != "scale" and not (is_number(value) and math.isfinite(value)):
             raise FieldError("gains", path, f"{key}: must be a number, got {quoted(value)}")
-    low, high = float(given["from"]), float(given["to"])
-    scale = given.get("scale", "log" if low > 0.0 else "linear")
-    middle = math.sqrt(low * high) if scale == "log" and low > 0.0 else 0.5 * (low + high)
-    rules = {
-        f"from: must be below to = {high:g}, got {low:g}": low < high,
-        f"scale: must be linear or log, got {quoted(scale)}": scale in ("log", "linear"),
-        f"from: must be above 0 on a logarithmic scale, got {low:g}": scale != "log" or low > 0.0,
-        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low % 1.0 == high % 1.0 == 0.0),
-    }
-    for rule, holds in rules.items():
-        if not holds:
-            raise FieldError("gains", path, rule)
+    low, high, is_log = range_of("gains", path, given, "log" if given["from"] > 0 else "linear")
+    if whole and (low % 1.0 or high % 1.0):
+        raise FieldError("gains", path, f"from, to: must be whole numbers, got {low:g} and {high:g}")
+    middle = math.sqrt(low * high) if is_log else 0.5 * (low + high)
     start = float(given["start"]) if "start" in given else middle if present is None else float(present)
-    return Gain(path, low, high, scale == "log", start, whole)
+    return Gain(path, low, high, is_log, start, whole)
 
 
 # Limits ---------------------------------------------------------------------------------------------------------------
@@ -585,7 +584,12 @@ def tune(
         (True, True)
     """
     library = optuna()
-    _require_numbers({"machines": machines, "held_out": held_out, "trials": trials}, seed, quantile, against)
+    counts = {"machines": machines, "held_out": held_out, "trials": trials}
+    require_numbers(counts, seed, duration, (start, stop, 1.0), threads)
+    if not is_number(quantile) or not 0.0 < quantile <= 1.0:
+        raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
+    if against is not None and against not in TUNE_INDEXES:
+        raise FieldError("", "against", f"is none: {quoted(against)}; {did_you_mean(str(against), TUNE_INDEXES)}")
     model = model if isinstance(model, Model) else Model.read(model)
     motion, own = motion_of(reference)
     setup, duration = Setup(model, motion), duration or own
@@ -722,14 +726,3 @@ def _notes(judge: Judge, best: Trial, gains: Sequence[Gain]) -> list[str]:
         if end and best.gains[gain.path] >= gain.low:
             notes.append(f"{gain.path}: the best is at the {end} end of its range, a wider one may do better")
     return notes
-
-
-def _require_numbers(counts: Mapping[str, int], seed: int, quantile: float, against: str | None) -> None:
-    for name, value in {**counts, "seed": seed}.items():
-        least = int(name != "seed")
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= MOST:
-            raise FieldError("", name, f"must be a whole number from {least} to {MOST}, got {value!r}")
-    if not isinstance(quantile, int | float) or not 0.0 < quantile <= 1.0:
-        raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
-    if against is not None and against not in TUNE_INDEXES:
-        raise FieldError("", "against", f"is none: {quoted(against)}; {did_you_mean(str(against), TUNE_INDEXES)}")

@@ -218,7 +218,7 @@ def sweep(
         >>> len(runs), runs.failed
         (8, 0)
     """
-    varied.require_numbers(seed, runs, duration, (start, stop, final_window), threads)
+    varied.require_numbers({"runs": runs}, seed, duration, (start, stop, final_window), threads)
     path, model = model, model if isinstance(model, Model) else Model.read(model)
     try:
         make_controller(model)

@@ -129,7 +129,27 @@ def variation_of(path: str, stated: Any, model: Model) -> Variation:
         if table["deviation"] < 0:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
         return _normal(path, table["mean"], table["deviation"], table["deviation"])
-    return _between(path, table)
+    low, high, is_log = range_of("vary", path, table)
+    points = table.get("points")
+    if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
+        raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
+    space: Any = np.geomspace if is_log else np.linspace
+    grid = (lambda: np.asarray(space(low, high, points))) if points else None
+    if is_log:
+        return Variation(path, lambda shares: np.asarray(low * (high / low) ** shares), grid)
+    return Variation(path, lambda shares: np.asarray(low + (high - low) * shares), grid)
+
+
+def range_of(section: str, path: str, table: Mapping[str, Any], scale: str = "linear") -> tuple[float, float, bool]:
+    """Return the ends of a range and whether it is logarithmic, from a table with numbers; scale: if it has none."""
+    low, high, scale = float(table["from"]), float(table["to"]), table.get("scale", scale)
+    if scale not in ("linear", "log"):
+        raise FieldError(section, path, f"scale: must be linear or log, got {quoted(scale)}")
+    if not low < high:
+        raise FieldError(section, path, f"from: must be below to = {high:g}, got {low:g}")
+    if scale == "log" and low <= 0.0:
+        raise FieldError(section, path, f"from: must be above 0 on a logarithmic scale, got {low:g}")
+    return low, high, scale == "log"
 
 
 def _within_bounds(path: str, model: Model) -> Variation:
@@ -165,35 +185,19 @@ def _require_seeds(table: Mapping[str, Any]) -> None:
             raise FieldError("vary", SEED, f"must be whole numbers from 0 to {SEED_EXACT}, got {value!r}")
 
 
-def _between(path: str, table: Mapping[str, Any]) -> Variation:
-    low, high, points, scale = (table.get(key) for key in ("from", "to", "points", "scale"))
-    if scale not in (None, "linear", "log"):
-        raise FieldError("vary", path, f"scale: must be linear or log, got {quoted(scale)}")
-    if low is None or high is None or not low < high:
-        raise FieldError("vary", path, f"from: must be below to = {high!r}, got {low!r}")
-    if scale == "log" and low <= 0:
-        raise FieldError("vary", path, f"from: must be above 0 on a logarithmic scale, got {low!r}")
-    if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
-        raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
-    low, high = float(low), float(high)
-    space: Any = np.geomspace if scale == "log" else np.linspace
-    grid = (lambda: np.asarray(space(low, high, points))) if points else None
-    if scale == "log":
-        return Variation(path, lambda shares: np.asarray(low * (high / low) ** shares), grid)
-    return Variation(path, lambda shares: np.asarray(low + (high - low) * shares), grid)
-
-
-def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any, Any], threads: Any = 0) -> None:
-    """Raise FieldError for a number that no sweep can have; `window`: start, stop and final window, s."""
-    start, stop, final_window = window
-    counts = (("seed", seed, 0, SEED_MOST), ("runs", runs, 1, RUNS_MAX), ("threads", threads, 0, THREADS_MOST))
-    for name, value, least, most in counts:
+def require_numbers(
+    counts: Mapping[str, Any], seed: Any, duration: Any, window: tuple[Any, ...] = (0.0, 1.0, 1.0), threads: Any = 0
+) -> None:
+    """Raise FieldError for a number that no runs can have; counts: from 1; window: start, stop, final window, s."""
+    whole = [(name, value, 1, RUNS_MAX) for name, value in counts.items()]
+    for name, value, least, most in (*whole, ("seed", seed, 0, SEED_MOST), ("threads", threads, 0, THREADS_MOST)):
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
             raise FieldError("", name, f"must be a whole number, got {quoted(value)}")
         if not least <= value <= most:
             raise FieldError("", name, f"must be from {least} to {most}, got {value}")
+    start, stop, final_window = window
     for name, value in (("duration", duration), ("start", start), ("stop", stop), ("final_window", final_window)):
-        if not is_number(value) or math.isnan(value):
+        if not (is_number(value) or isinstance(value, np.number)) or math.isnan(value):
             raise FieldError("", name, f"must be a number, got {quoted(value)}")
     if not 0.0 <= duration < math.inf:
         raise FieldError("", "duration", f"must be finite and at least 0, got {duration!r}")
