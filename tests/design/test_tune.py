@@ -210,6 +210,7 @@ WRONG = [
     (KP, {"limits": {"command_mx": 1.0}}, r"^limits.command_mx: is unknown; did you mean command_max"),
     (KP, {"limits": {"command_max": {"present": "twice"}}}, r"^limits.command_max: must be a number above 0"),
     (KP, {"against": "chater"}, r"^against: is none"),
+    (KP, {"duration": -1.0}, r"^duration: must be finite and at least 0"),
     (KP, {"vary": {"controller.kd": [1]}}, r"^vary.controller.kd: .*one for all machines"),
     (KP, {"vary": {"axis.mass": [-1.0]}}, r"^vary: 1000 draws gave no valid machine; the last: .*mass"),
     (KP, {"controller": lambda gain: None}, r"^gains.controller.kp: is no argument of the controller; known: gain"),
