@@ -24,13 +24,13 @@ class KeptWork:
     kept without an output, or of a model with a custom effect, whose law cannot be compared.
 
     Attributes:
-        parts: what is known already.
+        parts: what an earlier call left.
     """
 
     def __init__(self, out: AnyPath | None, model: Model, asked: Mapping[str, Any]) -> None:
         """Read what an earlier call left; InputError: it was another job, or another version."""
         self.parts: list[Any] = []
-        self._path = None
+        self._path, self._is_begun = None, False
         if out is None or any(isinstance(effect, Custom) for effect in model.effects):
             return
         whole = {"version": importlib.metadata.version("cogging"), "model": model.to_dict(), **asked}
@@ -65,7 +65,7 @@ class KeptWork:
                 file.write(line if file.tell() else self._digest + line)
         except OSError as error:
             raise InputError(f"{self._called}: cannot be written: {error.strerror}") from None
-        self.parts.append(part)
+        self._is_begun = True
 
     def remove(self) -> None:
         """Remove the file: the job is done."""
@@ -78,7 +78,7 @@ class KeptWork:
         try:
             yield
         except InputError as error:
-            if not self.parts:
+            if not (self.parts or self._is_begun):
                 raise
             kept = f"finished work is kept in {self._called}, the same call continues from there"
             raise InputError(f"{error}; {kept}") from error.__cause__
