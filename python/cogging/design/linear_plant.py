@@ -160,33 +160,22 @@ def modulus_margin(model: Model) -> float | None:
     Returns:
         1, from 0 to 1, or None where the controller has no such part.
     """
-    kept = [one for one in model.effects if isinstance(one, effects.CommandDelay | effects.ActuatorLag)]
-    found = closed_loop_polynomials(model.replace(effects=kept))
-    if found is None:
-        return None
-    characteristic, denominator = found
-    if not np.isfinite(characteristic).all() or np.abs(np.roots(characteristic)).max(initial=0.0) >= UNIT_CIRCLE:
-        return 0.0
-    z = np.exp(2j * np.pi * np.geomspace(LOWEST, 0.5, FREQUENCIES))
-    return float(np.abs(np.polyval(characteristic, z) / np.polyval(denominator, z)).min())
-
-
-def closed_loop_polynomials(model: Model) -> Polynomials | None:
-    """Characteristic polynomial of the model's loop in z, and the denominator of L; None where L is not linear.
-
-    Their quotient is 1 + L. The command is held over a sample, exactly.
-    """
     from scipy.signal import ss2tf
 
     controller = linear_controller(model)
     if controller is None or model.controller is None:
         return None
-    plant, none = held(linear_plant(model), 1.0 / model.controller.sample_rate), np.zeros((1, 1))
+    kept = [one for one in model.effects if isinstance(one, effects.CommandDelay | effects.ActuatorLag)]
+    plant, none = held(linear_plant(model.replace(effects=kept)), 1.0 / model.controller.sample_rate), np.zeros((1, 1))
     now, poles = ss2tf(plant.transition, plant.now, plant.output, none)
     old, _ = ss2tf(plant.transition, plant.before, plant.output, none)
     numerator = np.polyadd(np.polymul(now[0], [1.0, 0.0]), old[0])
     denominator = np.polymul(controller[1], np.polymul(poles, np.eye(1, plant.whole + 2)[0]))
-    return np.polyadd(denominator, np.polymul(controller[0], numerator)), denominator
+    characteristic = np.polyadd(denominator, np.polymul(controller[0], numerator))
+    if not np.isfinite(characteristic).all() or np.abs(np.roots(characteristic)).max(initial=0.0) >= UNIT_CIRCLE:
+        return 0.0
+    z = np.exp(2j * np.pi * np.geomspace(LOWEST, 0.5, FREQUENCIES))
+    return float(np.abs(np.polyval(characteristic, z) / np.polyval(denominator, z)).min())
 
 
 def linear_controller(model: Model, *, speed: float | None = None) -> Polynomials | None:

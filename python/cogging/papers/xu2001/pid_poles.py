@@ -14,12 +14,13 @@ import numpy as np
 
 from cogging import effects
 from cogging._core import AxisParameters, OutputFeedbackArc, Pid, Plant, smooth_sign
-from cogging.design.linear_plant import closed_loop_polynomials
+from cogging.arrays import FloatArray
+from cogging.design.linear_plant import held, linear_plant
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
 from cogging.papers.result import Table, explored
 from cogging.papers.xu2001 import epoxy_motor
-from cogging.papers.xu2001.epoxy_motor import MASSES, Unknowns, pid_parameters
+from cogging.papers.xu2001.epoxy_motor import MASSES, SAMPLE_RATE, Unknowns, pid_parameters
 from cogging.simulation.batch import closed_loop_batch
 
 POLES = (-300.0, -320.0)  # 1/s: of Table 1, and those that the paper found unstable (section 4.3)
@@ -42,17 +43,32 @@ class Loop:
 
     def radius(self) -> float:
         """Return the largest |eigenvalue| from sample to sample, exact for a held command; above 1 it is unstable."""
+        return float(np.abs(np.linalg.eigvals(self._transition())).max())
+
+    def _transition(self) -> FloatArray:
+        """Return the transition of the axis, the commands that still act, the previous error, the sum of the errors."""
         slope = epoxy_motor.FRICTION_LEVEL * float(smooth_sign(1e-9, epoxy_motor.FRICTION_WIDTH)) / 1e-9
         friction = slope if self.at_rest else 0.0
-        law = pid_parameters(pole=self.pole)
-        model = Model(
-            AxisParameters(mass=self.mass, viscous=epoxy_motor.VISCOUS + friction),
-            effects=[effects.CommandDelay(delay=self.delay), *self.modes()],
-            controller=law.replace(viscous=law.viscous + friction),
+        axis = AxisParameters(mass=self.mass, viscous=epoxy_motor.VISCOUS + friction)
+        model = Model(axis, effects=[effects.CommandDelay(delay=self.delay), *self.modes()])
+        machine = held(linear_plant(model), 1.0 / SAMPLE_RATE)
+        p = pid_parameters(pole=self.pole)
+        rate = (p.kd - p.viscous - friction) * SAMPLE_RATE
+        states, late = machine.transition.shape[0], machine.whole + 1
+        size = states + late + 2
+        output = np.zeros(size)
+        output[:states] = machine.output[0]
+        previous, total = np.eye(size)[size - 2], np.eye(size)[size - 1]
+        law = -(p.kp + p.ki / SAMPLE_RATE + rate) * output + rate * previous - p.ki / SAMPLE_RATE * total
+        commands = np.vstack([law, np.eye(size)[states : states + late]])  # of this sample, and of those before
+        step = np.zeros((size, size))
+        step[:states, :states] = machine.transition
+        step[:states] += (
+            machine.now @ commands[machine.whole][None] + machine.before @ commands[machine.whole + 1][None]
         )
-        found = closed_loop_polynomials(model)
-        assert found is not None
-        return float(np.abs(np.roots(found[0])).max())
+        step[states : states + late] = commands[:late]
+        step[size - 2], step[size - 1] = output, total + output
+        return step
 
     def modes(self) -> list[effects.FlexibleMode]:
         """Return the mode as an effect of a plant; empty if there is none."""
