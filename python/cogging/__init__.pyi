@@ -51,13 +51,11 @@ from cogging.design.pid import pid_gains, pid_poles
 from cogging.identification.identification_result import Identification
 from cogging.identification.identification import identify
 from cogging.logs.log import Log, performance, read_log
-from cogging.mapping.fit_map import fit_map
-from cogging.mapping.map_fit import MapFit
+from cogging.mapping.fit_map import MapFit, fit_map
 from cogging.model.controller import Controller, ReferencePoint
 from cogging.model.model import Model
 from cogging.model.units import Units
-from cogging.design.tuning import tune
-from cogging.design.tuning_result import Tuning
+from cogging.design.tuning import Tuning, tune
 from cogging.design.observer import ObserverDesign, ObserverProblem, design_observer
 from cogging.papers.reproduction import compare, reproduce
 from cogging.model.parameters import parameters_of

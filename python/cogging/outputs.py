@@ -24,7 +24,6 @@ from cogging.files import InputError, parse_toml, require_file
 from cogging.shown import printable
 
 AnyPath = str | os.PathLike[str]
-PART_FILE = re.compile(r"\.cogging-[0-9a-f]{16}\.part")  # an incomplete file, in the folder of its target
 synced = True  # data reach the disk before their names do; tests switch it off
 
 
@@ -98,20 +97,20 @@ def write_text(path: AnyPath, text: str) -> None:
     write_files({os.fspath(path): [text.encode()]})
 
 
-def write_bytes(path: AnyPath, content: bytes, *, sync: bool = True) -> None:
+def write_bytes(path: AnyPath, content: bytes) -> None:
     """Write a binary file (see write_files)."""
-    write_files({os.fspath(path): [content]}, sync=sync)
+    write_files({os.fspath(path): [content]})
 
 
-def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = True) -> None:
+def write_files(files: Mapping[str, Iterable[bytes] | None]) -> None:
     """Write files that belong together, all or none.
 
     All are written to part files beside their targets and then renamed in reverse order: a log after its sidecar. A
-    link is followed; an existing file keeps its mode. After an InputError no part file remains.
+    link is followed; an existing file keeps its mode. Data reach the disk before the rename, so that a power failure
+    leaves the old or the new file. After an InputError no part file remains.
 
     Args:
         files: content in pieces, by path; None: the file is removed.
-        sync: data reach the disk before the rename, so that a power failure leaves the old or the new file.
     """
     targets = {
         path: target_of(path) if pieces is not None else Path(os.path.realpath(Path(path).parent), Path(path).name)
@@ -124,7 +123,7 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
         for path, pieces in files.items():
             if pieces is not None:
                 parts[path] = targets[path].with_name(f".cogging-{secrets.token_hex(8)}.part")
-                _write_part(parts[path], targets[path], pieces, sync and synced)
+                _write_part(parts[path], targets[path], pieces)
         for path, target in reversed(targets.items()):
             if path in parts:
                 os.replace(parts[path], target)
@@ -138,7 +137,7 @@ def write_files(files: Mapping[str, Iterable[bytes] | None], *, sync: bool = Tru
                 part.unlink(missing_ok=True)
 
 
-def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -> None:
+def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:
     """Write a new file with the mode of the one that it will replace."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     descriptor = os.open(part, flags, 0o600 if target.exists() else 0o666)
@@ -147,7 +146,7 @@ def _write_part(part: Path, target: Path, pieces: Iterable[bytes], sync: bool) -
             shutil.copymode(target, part)
         for piece in pieces:
             file.write(piece)
-        if sync:
+        if synced:
             file.flush()
             os.fsync(descriptor)
 

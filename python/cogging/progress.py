@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Union
@@ -10,6 +12,7 @@ from typing import Union
 #: What users pass as `progress`: False shows nothing, True a bar on standard error if that is a terminal or a notebook,
 #: and a function is called with each step in words.
 Progress = Union[bool, Callable[[str], None]]  # noqa: UP007 - evaluated when it is imported, also by Python 3.10
+PATIENCE, BETWEEN = 1.0, 0.5  # s, until progress is shown, and between its updates
 
 
 @contextmanager
@@ -20,18 +23,30 @@ def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[C
         return
     if not isinstance(progress, bool):
         raise TypeError(f"progress: must be True, False or a function of a text, got {progress!r}")
-    if not progress:
+    notebook = type(sys.stderr).__module__.startswith("ipykernel")
+    if not progress or not (notebook or getattr(sys.stderr, "isatty", bool)()):
         yield lambda step: None
         return
-    from tqdm import tqdm
+    said, done = list[str](), threading.Event()
 
-    form = None if total else "{desc}: {postfix} [{elapsed}]"
-    notebook = type(sys.stderr).__module__.startswith("ipykernel")
-    hidden = False if notebook else None  # None: where standard error is no terminal
-    with tqdm(total=total, desc=name, unit="step", bar_format=form, leave=False, disable=hidden) as bar:
+    def show() -> None:
+        if done.wait(PATIENCE):
+            return
+        from tqdm import tqdm
 
-        def step(text: str) -> None:
-            bar.set_postfix_str(text)
-            bar.update()
+        form = None if total else "{desc} [{elapsed}]"
+        with tqdm(total=total, desc=name, unit="step", bar_format=form, leave=False, dynamic_ncols=True) as bar:
+            bar.start_t = time.time() - PATIENCE
+            while True:
+                bar.n = len(said)
+                bar.set_description_str(": ".join([name, *said[-1:]]))
+                if done.wait(BETWEEN):
+                    return
 
-        yield step
+    thread = threading.Thread(target=show, daemon=True)
+    thread.start()
+    try:
+        yield said.append
+    finally:
+        done.set()
+        thread.join()

@@ -52,13 +52,10 @@ def require_table(name: str, rows: float, columns: float, copies: float = 1.0) -
     _core.require_memory(name, NUMBER * rows * columns * copies, size, f"{rows:.6g}")
 
 
-def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job], threads: int | None = None) -> list[Result]:
-    """Return the results of jobs in order, run on threads (None: one for each processor).
-
-    An exception stops the other jobs in the core.
-    """
+def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job]) -> list[Result]:
+    """Return the results of jobs in order, a thread for each processor; an exception stops the others in the core."""
     stop = _core.StopFlag()
-    with ThreadPoolExecutor(max_workers=threads or os.cpu_count(), initializer=stop.heed) as pool:
+    with ThreadPoolExecutor(max_workers=os.cpu_count(), initializer=stop.heed) as pool:
         try:
             return list(pool.map(run, jobs))
         except BaseException:

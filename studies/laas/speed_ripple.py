@@ -19,8 +19,7 @@ from cogging._core.references import Sampled
 from cogging.arrays import FloatArray
 from cogging.datasets import laas
 from cogging.datasets.laas import SPEED_LOOP, TURN, RotaryLog
-from cogging.mapping.fit_map import fit_map
-from cogging.mapping.map_fit import MapFit
+from cogging.mapping.fit_map import MapFit, fit_map
 from cogging.model.model import Model
 from cogging.simulation.run import simulate
 from studies.laas.motor import (

@@ -62,7 +62,7 @@ def fault_of(path: str, whole: bool) -> str | None:
             log = cogging.read_log(path)
             found = {name: getattr(log, name) for name in NAMES}
         else:
-            columns = isolate._read(kind, Request(path, NAMES, progress=False))
+            columns = isolate._read(kind, Request(path, NAMES))
             found = {name: np.asarray(column) for name, column in columns.items()}
     except InputError as refused:
         text = str(refused)

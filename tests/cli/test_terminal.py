@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from cogging.cli import terminal
+from cogging import progress
 from cogging.cli.main import main
 from cogging.papers import malaize2009 as paper
 from cogging.papers.result import Reproduction
@@ -31,7 +31,14 @@ def settings(monkeypatch, tmp_path):
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.chdir(tmp_path)
     steps = ["step"] * paper.STEPS
-    monkeypatch.setattr(paper, "reproduce", lambda done: [*map(done, steps)] and Reproduction("a", [], {}))
+
+    def reproduce(done):
+        for step in steps:
+            done(step)
+            time.sleep(5e-3)
+        return Reproduction("a", [], {})
+
+    monkeypatch.setattr(paper, "reproduce", reproduce)
     command_files.write(tmp_path)
     return monkeypatch
 
@@ -56,8 +63,8 @@ def call(settings):
 @pytest.fixture
 def impatient(settings):
     """Show progress after a millisecond."""
-    settings.setattr(terminal, "PATIENCE", 1e-3)
-    settings.setattr(terminal, "BETWEEN", 0.01)
+    settings.setattr(progress, "PATIENCE", 1e-3)
+    settings.setattr(progress, "BETWEEN", 0.01)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="consoles of another kind")
@@ -144,5 +151,5 @@ def test_progress_moves_while_the_core_computes_and_makes_way_for_an_error(setti
 def test_there_is_no_progress_with_quiet_nor_in_a_pipe_nor_of_a_short_computation(command, settings, call):
     assert call([*CALLS[command], "--quiet"], err=Terminal) == (0, "", "")
     assert call(CALLS[command])[2] == ""
-    settings.setattr(terminal, "PATIENCE", 10.0)
+    settings.setattr(progress, "PATIENCE", 10.0)
     assert call(CALLS["simulate"], err=Terminal)[2] == ""

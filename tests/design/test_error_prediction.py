@@ -186,7 +186,7 @@ def test_an_infinite_interval_is_reported_and_what_is_known_is_predicted():
 
 
 REFUSED = {
-    "samples": ({"samples": 1}, r"samples: must be a whole number of at least 2, got 1"),
+    "samples": ({"samples": 1}, r"samples: must be at least 2 for an interval, got 1"),
     "no end": ({"reference": cogging.Sine(cogging.SineParameters())}, r"duration: must be given for a motion without"),
     "name": ({"controllers": ["pdi"]}, r"controllers: each must be one of own, pid, .*, got 'pdi'"),
     "none given": ({"controllers": {}}, r"controllers: must be at least one, got none"),

@@ -1,6 +1,5 @@
 """Gains for an uncertain machine: better on machines not seen, within the limits, and the margins are true."""
 
-import json
 import math
 import random
 
@@ -9,6 +8,7 @@ import pytest
 
 import cogging
 from cogging import effects
+from cogging.design.tuning import Judge
 
 DOCUMENT = {
     "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 5e-3, "travel": [-0.1, 0.5]},
@@ -210,6 +210,7 @@ WRONG = [
     (KP, {"limits": {"command_mx": 1.0}}, r"^limits.command_mx: is unknown; did you mean command_max"),
     (KP, {"limits": {"command_max": {"present": "twice"}}}, r"^limits.command_max: must be a number above 0"),
     (KP, {"against": "chater"}, r"^against: is none"),
+    (KP, {"duration": -1.0}, r"^duration: must be finite and at least 0"),
     (KP, {"vary": {"controller.kd": [1]}}, r"^vary.controller.kd: .*one for all machines"),
     (KP, {"vary": {"axis.mass": [-1.0]}}, r"^vary: 1000 draws gave no valid machine; the last: .*mass"),
     (KP, {"controller": lambda gain: None}, r"^gains.controller.kp: is no argument of the controller; known: gain"),
@@ -249,10 +250,10 @@ def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
 # Interruptions --------------------------------------------------------------------------------------------------------
 
 
-def test_an_interrupted_tuning_continues_with_its_trials(tmp_path):
+def test_an_interrupted_tuning_continues_with_its_trials(tmp_path, monkeypatch):
     """In the end all is as if it had not been interrupted; the best so far is in the file."""
-    out, trials = tmp_path / "tuned.toml", tmp_path / "tuned.toml.trials"
-    options = {"limits": {"delay_margin": 1e-3}, "trials": 6, "seed": 3, **FEW}
+    out, options = tmp_path / "tuned.toml", {"limits": {"delay_margin": 1e-3}, "trials": 6, "seed": 3, **FEW}
+    plain, judged = cogging.tune(SMALL, MOVE, GAINS, **options), Judge.trial
 
     def interrupt(name):
         if name.startswith("trial 4"):
@@ -260,19 +261,13 @@ def test_an_interrupted_tuning_continues_with_its_trials(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         cogging.tune(SMALL, MOVE, GAINS, out=out, progress=interrupt, **options)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["tuned.toml", "tuned.toml.trials"]
-    stored = json.loads(trials.read_text())
-    assert len(stored["trials"]) == 4
-    assert cogging.Model.read(out).controller.kp in [gains["controller.kp"] for gains, *_ in stored["trials"]]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["tuned.toml", "tuned.toml.kept"]
+    assert cogging.Model.read(out).controller.kp in plain.trials["controller.kp"][:4]
     for other in ({"seed": 4}, {"limits": {}}, {"machines": 4}, {"quantile": 0.5}, {"duration": 0.2}):
-        with pytest.raises(cogging.InputError, match=r"tuned\.toml\.trials: holds trials of another tuning"):
+        with pytest.raises(cogging.InputError, match=r"tuned\.toml\.kept: holds the work of another call"):
             cogging.tune(SMALL, MOVE, GAINS, out=out, **{**options, **other})
-    plain = cogging.tune(SMALL, MOVE, GAINS, **options)
-    stored["trials"][2][1]["command_rms"] += 1.0  # a stored trial is read, not made again
-    trials.write_text(json.dumps(stored))
+    made = []
+    monkeypatch.setattr(Judge, "trial", lambda judge, gains: made.append(gains) or judged(judge, gains))
     found = cogging.tune(SMALL, MOVE, GAINS, out=out, **options)
-    assert found.trials["command_rms"][2] == plain.trials["command_rms"][2] + 1.0
-    assert (found.model, [p.name for p in tmp_path.iterdir()]) == (plain.model, ["tuned.toml"])
-    trials.write_text('{"digest": "no')
-    with pytest.raises(cogging.InputError, match=r"tuned\.toml\.trials: cannot be used"):
-        cogging.tune(SMALL, MOVE, KP, out=out, trials=2, **FEW)
+    assert [gains["controller.kp"] for gains in made] == plain.trials["controller.kp"][4:].tolist()
+    assert (found, [p.name for p in tmp_path.iterdir()]) == (plain, ["tuned.toml"])

@@ -7,6 +7,7 @@ import pytest
 
 import cogging
 from cogging.simulation.varied import points_of, variation_of
+from tests.fixtures.examples import MOVE as STROKE
 from tests.fixtures.sweeps import MOVE, SMALL
 
 pytestmark = pytest.mark.filterwarnings("ignore:The balance properties of Sobol")
@@ -27,6 +28,11 @@ def test_a_row_is_the_run_that_its_numbers_say():
         assert runs.table["seed"][run] == 11 + run
         assert runs.table["error_rms"][run] == cogging.performance(log.time, log.error, log.command).error_rms
         assert runs.table["command_max"][run] == abs(log.command).max()
+
+
+def test_a_number_that_breaks_its_rule_is_a_row_with_the_reason():
+    runs = cogging.sweep(SMALL, STROKE, {"reference.repeats": [1, 1.5]}, duration=0.1)
+    assert runs.table["reason"].tolist() == ["", "reference.repeats: must be a whole number, got 1.5"]
 
 
 @pytest.mark.parametrize("method", ["random", "latin_hypercube", "sobol"])

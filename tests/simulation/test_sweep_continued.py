@@ -2,10 +2,8 @@
 
 import os
 import random
-import shutil
 import sys
 
-import numpy as np
 import pytest
 
 import cogging
@@ -27,7 +25,7 @@ def whole():
 
 
 def end_sweep(out, monkeypatch, model=SMALL, first=160, **changes):
-    """Run a sweep that ends before a run, and return the folder of its pieces."""
+    """Run a sweep that ends before a run, and return the file of its pieces."""
     plain = sweeps.run_piece
 
     def run_piece(piece):
@@ -39,7 +37,7 @@ def end_sweep(out, monkeypatch, model=SMALL, first=160, **changes):
         patch.setattr(sweeps, "run_piece", run_piece)
         with pytest.raises(Ended):
             cogging.sweep(model, MOVE, MANY, out=out, **FEW | changes)
-    return out.with_name("runs.csv.pieces")
+    return out.with_name("runs.csv.kept")
 
 
 @pytest.fixture
@@ -83,7 +81,7 @@ def test_another_sweep_is_refused(tmp_path, monkeypatch, computed):
     out, two = tmp_path / "runs.csv", {**FEW, "runs": 16}
     end_sweep(out, monkeypatch, first=8, runs=16)
     for other in ({"seed": 6}, {"runs": 17}, {"duration": 0.1}, {"reductions": ["error_final"]}, {"stop": 0.1}):
-        with pytest.raises(cogging.InputError, match=r"runs\.csv\.pieces: holds pieces of another sweep"):
+        with pytest.raises(cogging.InputError, match=r"runs\.csv\.kept: holds the work of another call"):
             cogging.sweep(SMALL, MOVE, MANY, out=out, **{**two, **other})
     computed.clear()
     cogging.sweep(SMALL, MOVE, MANY, out=out, **two)
@@ -105,43 +103,37 @@ def test_a_sweep_that_ends_before_its_first_piece_leaves_nothing(tmp_path, monke
         cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "none" / "runs.csv", **FEW)
 
 
-def renamed(piece, first):
-    """Return the path of a piece under the number of another first run."""
-    digest, _, checksum = piece.name.split("-")
-    return piece.with_name(f"{digest}-{first:09d}-{checksum}")
-
-
-@posix
-def test_changed_pieces_are_computed_again_and_copies_used_once(tmp_path, monkeypatch, computed, whole):
-    """Other numbers, half a file, no archive, a pipe, drawn bits, one piece twice, and one under another number."""
-    out = tmp_path / "runs.csv"
-    pieces = sorted(end_sweep(out, monkeypatch).glob("*.npz"))
+@pytest.mark.parametrize("seed", range(4))
+def test_damaged_pieces_are_computed_again_and_copies_used_once(seed, tmp_path, monkeypatch, computed, whole):
+    """Bits flipped anywhere behind the first line, a line twice, and the last one cut off."""
+    out, rng = tmp_path / "runs.csv", random.Random(seed)
+    kept = end_sweep(out, monkeypatch)
     computed.clear()
-    with np.load(pieces[0]) as piece:
-        columns = dict(piece)
-    np.savez(pieces[0], **{**columns, "error_max": 2.0 * columns["error_max"]})
-    pieces[7].write_bytes(pieces[7].read_bytes()[:200])
-    pieces[9].write_bytes(b"PK\x03\x04 no archive")
-    pieces[11].unlink()
-    os.mkfifo(pieces[11])
-    for seed, piece in enumerate(pieces[13:17]):
-        content, draw = bytearray(piece.read_bytes()), random.Random(seed)
-        content[draw.randrange(len(content))] ^= 1 << draw.randrange(8)
-        piece.write_bytes(content)
-    shutil.copy(pieces[1], renamed(pieces[1], 32))
-    pieces[19].rename(renamed(pieces[19], 8))
+    head, *lines = kept.read_bytes().split(b"\n")
+    hit = sorted(rng.sample(range(1, 19), 3))
+    damaged = [bytearray(line) for line in (*lines, lines[0])]
+    for place in hit:
+        damaged[place][rng.randrange(len(lines[place]))] ^= 1 << rng.randrange(8)
+    damaged[19] = damaged[19][: rng.randrange(len(damaged[19]))]
+    kept.write_bytes(b"\n".join([head, *damaged]))
     same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), whole)
-    assert computed == [0, 56, 72, 88, *range(104, 136, 8), *range(160, 320, 8)]
+    assert computed == [8 * place for place in (*hit, *range(19, 40))]
     assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
 
 
-def test_a_file_that_appears_during_the_sweep_stays(tmp_path, monkeypatch):
-    plain = sweeps.run_piece
+def test_a_sweep_killed_in_its_first_line_begins_anew(tmp_path, monkeypatch, whole):
+    out = tmp_path / "runs.csv"
+    kept = end_sweep(out, monkeypatch)
+    kept.write_bytes(kept.read_bytes()[:40])
+    same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), whole)
+    assert [path.name for path in tmp_path.iterdir()] == ["runs.csv"]
 
-    def run_piece(piece):
-        (tmp_path / "x.csv.pieces" / "thesis.txt").write_text("thesis")
-        return plain(piece)
 
-    monkeypatch.setattr(sweeps, "run_piece", run_piece)
-    cogging.sweep(SMALL, MOVE, MANY, method="random", runs=2, out=tmp_path / "x.csv")
-    assert [path.name for path in (tmp_path / "x.csv.pieces").iterdir()] == ["thesis.txt"]
+@posix
+@pytest.mark.parametrize("make", [lambda path: path.write_text("thesis"), os.mkfifo, os.mkdir])
+def test_what_no_sweep_wrote_is_refused_and_stays(make, tmp_path):
+    kept = tmp_path / "runs.csv.kept"
+    make(kept)
+    with pytest.raises(cogging.InputError, match=r"^[^\n]*runs\.csv\.kept: "):
+        cogging.sweep(SMALL, MOVE, MANY, out=tmp_path / "runs.csv", **FEW)
+    assert list(tmp_path.iterdir()) == [kept]

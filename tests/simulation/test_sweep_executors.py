@@ -42,10 +42,10 @@ class Dies(concurrent.futures.Executor):
 
 def test_a_failed_executor_is_one_line_and_all_finished_runs_are_kept(tmp_path, alone):
     out = tmp_path / "runs.csv"
-    message = r"^executor: Dies could not run a piece: ModuleNotFoundError: No module [^\n]*; finished runs are kept in"
+    message = r"^executor: Dies could not run a piece: ModuleNotFoundError: No module [^\n]*; finished work is kept in"
     with pytest.raises(cogging.InputError, match=message):
         cogging.sweep(SMALL, MOVE, MANY, out=out, executor=Dies(), **FEW)
-    assert len(list((tmp_path / "runs.csv.pieces").glob("*.npz"))) == 4
+    assert len((tmp_path / "runs.csv.kept").read_bytes().splitlines()) == 1 + 4
     same(cogging.sweep(SMALL, MOVE, MANY, out=out, **FEW), alone)
 
 
@@ -59,7 +59,7 @@ def test_after_a_killed_process_the_same_call_continues(tmp_path, alone):
             if len(steps) == 4:
                 os.kill(next(iter(pool._processes)), signal.SIGKILL)
 
-        message = r"^executor: ProcessPoolExecutor could not run a piece: BrokenProcessPool: [^\n]*; finished runs are "
+        message = r"^executor: ProcessPoolExecutor could not run a piece: BrokenProcessPool: [^\n]*; finished work is "
         with pytest.raises(cogging.InputError, match=message):
             cogging.sweep(SMALL, MOVE, MANY, out=out, executor=pool, progress=kill_one, **FEW)
     steps.clear()

@@ -1,4 +1,10 @@
-"""`cogging diagnose`: the effect that a model lacks, found, named and added."""
+"""`cogging diagnose`: find, name and add the effect that a model lacks.
+
+Re-tune the model to the logs, measure the gap that remains between model and logs, locate it, and name the effect that
+explains it, with its parameters, the confidence and the alternatives. The first line is the verdict: no_gap, named,
+ambiguous, unlisted, data_mismatch, controller_mismatch or insufficient_excitation; the exit status is 0 whichever it
+is.
+"""
 
 from __future__ import annotations
 
@@ -8,29 +14,19 @@ from pathlib import Path
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_diagnose
-from cogging.cli.parser import Commands, add_command
-from cogging.cli.terminal import status_line
 from cogging.files import read_text
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
+EXAMPLES = """\
+cogging diagnose log.csv --model model.toml
+cogging diagnose log.csv --model model.toml --confirm other.csv --out patched.toml --report report.html
+cogging diagnose log.csv --model model.toml --rows 0:3000 --json -"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "diagnose",
-        help="find, name and add the effect that a model lacks",
-        description="Re-tune the model to the logs, measure the gap that remains between model and logs, locate it, "
-        "and name the effect that explains it, with its parameters, the confidence and the alternatives. The first "
-        "line is the verdict: no_gap, named, ambiguous, unlisted, data_mismatch, controller_mismatch or "
-        "insufficient_excitation; the exit status is 0 whichever it is.",
-        examples=(
-            "cogging diagnose log.csv --model model.toml",
-            "cogging diagnose log.csv --model model.toml --confirm other.csv --out patched.toml --report report.html",
-            "cogging diagnose log.csv --model model.toml --rows 0:3000 --json -",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model of the machine")
     command.add_argument(
@@ -59,7 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
     names, confirm_names = ([printable(path) for path in logs] for logs in (arguments.logs, arguments.confirm))
     options = {"names": names, "confirm_names": confirm_names, "empirical": arguments.empirical}
-    with status_line(arguments, "diagnose") as begin:
+    with steps(not arguments.quiet, "diagnose") as begin:
         result = diagnose(given, model, confirm=others, progress=begin, **options)
         files = {}
         following = after_diagnose(arguments, result)

@@ -1,4 +1,9 @@
-"""`cogging experiment`: a motion that shows every effect, and what it would show."""
+"""`cogging experiment`: make a motion that shows every effect within the machine's limits.
+
+Make a motion within the machine's limits that shows every effect, and compute the detection limits or intervals that it
+is expected to give. It writes the reference (for `simulate` and the machine), its samples (.csv) and the plan
+(.plan.json) beside it.
+"""
 
 from __future__ import annotations
 
@@ -7,36 +12,27 @@ import os
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
-from cogging.cli.next_command import command_line, experiment_again, files, log_options, option
-from cogging.cli.parser import Commands, add_command, add_seed
-from cogging.cli.terminal import status_line
+from cogging.cli.next_command import again, command_line, files, log_options, option
+from cogging.cli.parser import add_seed
 from cogging.files import FieldError, InputError, errors_of, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
 PURPOSES = "separate: detection limits and how the alternatives differ; detect: detection limits; fit: intervals"
-LIMITS = """LIMITS.toml:
+EPILOG = """LIMITS.toml:
   velocity = 0.3          # m/s
   acceleration = 5.0      # m/s^2
   duration = 10.0         # s
   # where the model does not say so: travel = [0.0, 0.5] (m), jerk (m/s^3), command (its unit)"""
 
+EXAMPLES = """\
+cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml
+cogging experiment --model model.toml --limits limits.toml --goal fit --out next.toml"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "experiment",
-        help="make a motion that shows every effect within the machine's limits",
-        description="Make a motion within the machine's limits that shows every effect, and compute the detection "
-        "limits or intervals that it is expected to give. It writes the reference (for `simulate` and the machine), "
-        "its samples (.csv) and the plan (.plan.json) beside it.",
-        epilog=LIMITS,
-        examples=(
-            "cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml",
-            "cogging experiment --model model.toml --limits limits.toml --goal fit --out next.toml",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model that the result is of")
     command.add_argument("--result", metavar="RESULT.json", help="what `diagnose --json` wrote")
     command.add_argument(
@@ -82,13 +78,13 @@ def run(arguments: argparse.Namespace) -> None:
             f"{printable(arguments.limits)} was not there: drafted. Check each line, then give the command again",
             document=MotionLimits.from_dict(parse_toml(draft)).to_dict(),
             files={arguments.limits: [draft.encode()]},
-            next_command=experiment_again(arguments),
+            next_command=again(arguments),
         )
         return
     limits = MotionLimits.read(arguments.limits)
     result = None if arguments.result is None else read_result(arguments.result)
     options = {"result": result, "logs": logs, "goal": arguments.goal, "seed": arguments.seed}
-    with status_line(arguments, "experiment") as begin:
+    with steps(not arguments.quiet, "experiment") as begin:
         try:
             plan = plan_experiment(model, limits, progress=begin, **options)
         except FieldError as error:  # of the limits beside the model, or of the result
@@ -97,11 +93,11 @@ def run(arguments: argparse.Namespace) -> None:
             raise InputError(f"{arguments.result}: {error}") from None
         except NoMotion as error:
             raise InputError(f"{arguments.limits} with {arguments.model}: {error}") from None
-    again = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
+    following = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
     print_result(
         arguments,
         f"{plan.text()}\nrun this motion on the machine, and log it",
         document=plan.to_dict(),
         files={path: [text.encode()] for path, text in plan.files(arguments.out).items()},
-        next_command=command_line("diagnose", again),
+        next_command=command_line("diagnose", following),
     )

@@ -1,6 +1,7 @@
-"""`cogging export`: a map for a drive, a controller or the axis as code.
+"""`cogging export`: write a map for a drive, a controller or the axis as code.
 
-cogging.export.forms lists the forms and their options, and explains how to add one.
+Write a model, or a part of it, for another machine. The command prints what the machine uses, what it cannot represent,
+and the assumptions.
 """
 
 from __future__ import annotations
@@ -10,27 +11,19 @@ from typing import Any
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_export
-from cogging.cli.parser import Commands, add_command
-from cogging.cli.terminal import status_line
 from cogging.export.forms import FORMS, Option, to
 from cogging.outputs import check_outputs
+from cogging.progress import steps
+
+EXAMPLES = """\
+cogging export motor.toml --to csv --out map.csv
+cogging export motor.toml --to akd --scale 0.8 --out akd.csv
+cogging export model.toml --to cpp --out controller.hpp --json export.json"""
+EPILOG = "forms:\n" + "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values())
 
 
-def add_parser(commands: Commands) -> None:
-    """Add the command with the options of all forms."""
-    command = add_command(
-        commands,
-        "export",
-        help="write a map for a drive, a controller or the axis as code",
-        description="Write a model, or a part of it, for another machine. The command prints what the machine uses, "
-        "what it cannot represent, and the assumptions.",
-        examples=(
-            "cogging export motor.toml --to csv --out map.csv",
-            "cogging export motor.toml --to akd --scale 0.8 --out akd.csv",
-            "cogging export model.toml --to cpp --out controller.hpp --json export.json",
-        ),
-        epilog="forms:\n" + "\n".join(f"  {form.name:10s} {form.writes}" for form in FORMS.values()),
-    )
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("model", metavar="MODEL.toml", help="for a map, also what `cogging map` wrote")
     command.add_argument("--to", required=True, choices=FORMS, metavar="FORM", help="one of the forms below")
     maps = [form.name for form in FORMS.values() if form.of_map]
@@ -51,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     options = {name: value for name in _options() if (value := getattr(arguments, name)) is not None}
     json = {"--json": json_file(arguments)}
     check_outputs({"--out": arguments.out, **json}, [arguments.model])
-    with status_line(arguments, "export"):
+    with steps(not arguments.quiet, "export"):
         made = to(arguments.model, arguments.to, **options)
     files = made.files(arguments.out)
     check_outputs({**{name: name for name in files}, **json}, [arguments.model])

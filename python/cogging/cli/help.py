@@ -1,30 +1,28 @@
-"""`cogging help`: show the commands, or the help of one of them."""
+"""`cogging help`: show the commands, or the help of one of them.
+
+Print what `cogging --help` prints, or `cogging COMMAND --help`.
+"""
 
 from __future__ import annotations
 
 import argparse
 
-from cogging.cli.parser import Commands, add_command, refuse_unknown
+from cogging.cli.parser import refuse_unknown
+
+EXAMPLES = """\
+cogging help
+cogging help diagnose"""
 
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "help",
-        help="show the commands, or the help of one of them",
-        description="Print what `cogging --help` prints, or `cogging COMMAND --help`.",
-        examples=("cogging help", "cogging help diagnose"),
-    )
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("command", nargs="?", metavar="COMMAND", help="one of the commands")
-    command.set_defaults(commands=commands)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the help."""
-    known = arguments.commands.choices
     if arguments.command is None:
         arguments.whole.print_help()
         return
-    refuse_unknown("COMMAND", arguments.command, list(known))
-    known[arguments.command].print_help()
+    refuse_unknown("COMMAND", arguments.command, list(arguments.commands))
+    arguments.commands[arguments.command].print_help()

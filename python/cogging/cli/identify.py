@@ -1,4 +1,9 @@
-"""`cogging identify`: the parameters of a model fitted to logs, with intervals."""
+"""`cogging identify`: fit the parameters of a model to logs, with intervals.
+
+Fit mass, friction and the other parameters of a model to logs, by two methods that check each other. The command prints
+a check of each log, what the logs can determine, each parameter with its 95 % interval, and what the fitted model
+leaves unexplained.
+"""
 
 from __future__ import annotations
 
@@ -7,27 +12,18 @@ import argparse
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_identify
-from cogging.cli.parser import Commands, add_command
 from cogging.files import read_text
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
+EXAMPLES = """\
+cogging identify log.csv --model model.toml --out fitted.toml
+cogging identify log.csv other.csv --model model.toml --free axis.mass,axis.viscous --json fit.json
+cogging identify drive.csv --columns position=qm,command=vir --scale command=2 --model model.toml"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "identify",
-        help="fit the parameters of a model to logs, with intervals",
-        description="Fit mass, friction and the other parameters of a model to logs, by two methods that check each "
-        "other. The command prints a check of each log, what the logs can determine, each parameter with its 95 % "
-        "interval, and what the fitted model leaves unexplained.",
-        examples=(
-            "cogging identify log.csv --model model.toml --out fitted.toml",
-            "cogging identify log.csv other.csv --model model.toml --free axis.mass,axis.viscous --json fit.json",
-            "cogging identify drive.csv --columns position=qm,command=vir --scale command=2 --model model.toml",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="the prior; its controller is optional")
     command.add_argument("--free", metavar="PATH,...", help="parameters to fit, as axis.mass (default: all)")

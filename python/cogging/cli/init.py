@@ -1,4 +1,8 @@
-"""`cogging init`: draft a commented model and reference from a log."""
+"""`cogging init`: draft a commented model and reference from a log.
+
+Find the columns, units, rate, resolution, travel and moves of a log, and write a model and a reference with comments on
+the origin of each number and on what to fill in. Existing files are not replaced.
+"""
 
 from __future__ import annotations
 
@@ -8,26 +12,18 @@ import shlex
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known
 from cogging.cli.next_command import command_line
-from cogging.cli.parser import Commands, add_command
-from cogging.cli.terminal import status_line
 from cogging.files import InputError
 from cogging.outputs import check_outputs, with_sidecars
+from cogging.progress import steps
 from cogging.shown import printable
 
+EXAMPLES = """\
+cogging init log.csv --out first.toml --reference moves.toml
+cogging init drive.csv --columns position=qm,command=vir --out drive.toml --reference drive_moves.toml"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "init",
-        help="draft a commented model and reference from a log",
-        description="Find the columns, units, rate, resolution, travel and moves of a log, and write a model and a "
-        "reference with comments on the origin of each number and on what to fill in. Existing files are not replaced.",
-        examples=(
-            "cogging init log.csv --out first.toml --reference moves.toml",
-            "cogging init drive.csv --columns position=qm,command=vir --out drive.toml --reference drive_moves.toml",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("log", metavar="LOG", help="with columns of any names and units")
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
@@ -50,7 +46,7 @@ def run(arguments: argparse.Namespace) -> None:
     how, zero = options_of(arguments, arguments.log)
     if zero:
         raise InputError("--zero: must not be given to init: a model's travel may begin anywhere")
-    with status_line(arguments, "init"):
+    with steps(not arguments.quiet, "init"):
         draft = draft_model(arguments.log, **how)
     written = ", ".join(map(printable, draft.write(arguments.out, arguments.reference)))
     text = f"{draft.text()}\nwritten: {written}: read their comments, and fill in what you know better"

@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from numpy.linalg import LinAlgError
 
 from cogging import _core
-from cogging.cli.parser import Formatter, Parser, PrintConstant
+from cogging.cli.parser import Formatter, Parser, PrintConstant, add_command
 from cogging.cli.terminal import print_error
 from cogging.cpp_library import get_cmake_dir, get_include
 from cogging.files import InputError
 from cogging.outputs import require_folder
 from cogging_command import run_command
 
-#: Commands in the order of the help, each a module of `cogging.cli` with `add_parser(commands)` and `run(arguments)`.
+#: Commands in the order of the help, each a module of `cogging.cli`: see add_command.
 COMMANDS = (
     *("init", "audit", "identify", "diagnose", "experiment", "map", "predict", "tune", "export", "simulate"),
     *("sweep", "reproduce", "schema", "completion", "help"),
@@ -66,12 +66,10 @@ def _parser() -> Parser:
         ("--cmake-dir", get_cmake_dir, "cogging_DIR of a CMake project"),
     ):
         parser.add_argument(name, action=PrintConstant, nargs=0, const=path, help=help)
-    parser.set_defaults(whole=parser)
     commands = parser.add_subparsers(metavar="COMMAND")
     for name in COMMANDS:
-        module = importlib.import_module(f"cogging.cli.{name}")
-        module.add_parser(commands)
-        commands.choices[name].set_defaults(run=module.run)
+        add_command(commands, name, importlib.import_module(f"cogging.cli.{name}"))
+    parser.set_defaults(whole=parser, commands=commands.choices)
     return parser
 
 

@@ -1,4 +1,9 @@
-"""`cogging map`: the cogging model of a force-against-position scan."""
+"""`cogging map`: fit the cogging model to a force-against-position scan.
+
+Find the harmonics of the magnet pitch in a scan of the force that holds the axis at each position, fit their
+amplitudes, constant or varying along the travel, and report what the map explains. The scan has the columns position (m
+or rad) and force (the command's unit).
+"""
 
 from __future__ import annotations
 
@@ -8,29 +13,20 @@ from pathlib import Path
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
 from cogging.cli.next_command import after_map
-from cogging.cli.parser import Commands, add_command
-from cogging.cli.terminal import status_line
 from cogging.files import FieldError, errors_of
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
 from cogging.outputs import check_outputs
+from cogging.progress import steps
 from cogging.shown import printable
 
+EXAMPLES = """\
+cogging map scan.csv --pitch 0.05 --out map.toml
+cogging map sensor.csv --pitch 0.05 --columns position=mm --scale position=0.001 --force-sign -1"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "map",
-        help="fit the cogging model to a force-against-position scan",
-        description="Find the harmonics of the magnet pitch in a scan of the force that holds the axis at each "
-        "position, fit their amplitudes, constant or varying along the travel, and report what the map explains. The "
-        "scan has the columns position (m or rad) and force (the command's unit).",
-        examples=(
-            "cogging map scan.csv --pitch 0.05 --out map.toml",
-            "cogging map sensor.csv --pitch 0.05 --columns position=mm --scale position=0.001 --force-sign -1",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("scan", metavar="SCAN", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--pitch", type=float, required=True, metavar="P", help="magnet pitch, m or rad")
     sign = "-1: the sensor reads the force of the motor (default: 1)"
@@ -53,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     require_known(arguments, [arguments.scan])
     how, zero = options_of(arguments, arguments.scan)
     table = without_zero(read_columns(arguments.scan, ("position", "force"), **how), zero, arguments.scan)
-    with status_line(arguments, "map"):
+    with steps(not arguments.quiet, "map"):
         options = {name: getattr(arguments, name) for name in ("pitch", "force_sign", "units")}
         with errors_of(arguments.scan):
             fit = fit_map(table["position"], table["force"], **options)

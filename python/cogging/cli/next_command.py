@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.cli.answer import json_file
-from cogging.cli.log_options import OPTIONS, options_of
+from cogging.cli.log_options import OPTIONS, Given, options_of
 from cogging.outputs import AnyPath
 from cogging.shown import printable
 
@@ -54,8 +54,28 @@ def option(name: str, *values: AnyPath | None) -> list[str]:
 
 def log_options(arguments: argparse.Namespace) -> list[str]:
     """Return the options with which the logs were read, as given."""
-    given = [(f"--{option}", text) for option in OPTIONS for text, _ in getattr(arguments, option)]
-    return [word for name, text in given for word in ([f"{name}={text}"] if text.startswith("-") else [name, text])]
+    return [word for option in OPTIONS for word in _as_given(option, getattr(arguments, option))]
+
+
+def _as_given(option: str, given: Sequence[Given]) -> list[str]:
+    pairs = [(f"--{option}", text) for text, _ in given]
+    return [word for name, text in pairs for word in ([f"{name}={text}"] if text.startswith("-") else [name, text])]
+
+
+def again(arguments: argparse.Namespace, **changes: Any) -> str:
+    """Return the same call, whose arguments are words, numbers or switches, with some of them changed."""
+    words: list[str] = []
+    for action in arguments.parser._actions:
+        value = {**vars(arguments), **changes}.get(action.dest)
+        if value in (None, action.default) or action.dest == "quiet":
+            continue
+        if action.dest in OPTIONS:
+            words += _as_given(action.dest, value)
+            continue
+        entries = [] if value is True else value if isinstance(value, list) else [value]
+        words += action.option_strings[-1:]
+        words += [files([one])[0] if isinstance(one, str) else str(one) for one in entries]
+    return command_line(arguments.parser.prog.split()[-1], words)
 
 
 def free_name(path: AnyPath, ending: str = "") -> str:
@@ -125,16 +145,16 @@ def after_diagnose(arguments: argparse.Namespace, result: Diagnosis) -> NextStep
     elif step.kind == "move":
         line = experiment(arguments.model)
     elif step.kind == "write_result":
-        line = _diagnose_again(arguments, json=free_name("result.json"))
+        line = again(arguments, json=free_name("result.json"))
     elif step.kind == "tell_apart":  # the motion of known logs is not proposed again
         known = ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
         line = experiment(arguments.model, *option("--result", arguments.json), *known)
     elif step.kind == "write_model":
-        line = _diagnose_again(arguments, **patched)
+        line = again(arguments, **patched)
     elif step.kind == "confirm":
-        line = _diagnose_again(arguments, confirm=["OTHER_LOG.csv"], **patched)
+        line = again(arguments, confirm=["OTHER_LOG.csv"], **patched)
     elif step.kind == "confirm_by_last":
-        line = _diagnose_again(arguments, logs=arguments.logs[:-1], confirm=arguments.logs[-1:], **patched)
+        line = again(arguments, logs=arguments.logs[:-1], confirm=arguments.logs[-1:], **patched)
     else:
         line = with_model(arguments.out or arguments.model, result.model)
     return replace(step, line=line)
@@ -145,20 +165,11 @@ def _audit(arguments: argparse.Namespace) -> str:
     return command_line("audit", logs, option("--model", arguments.model), log_options(arguments))
 
 
-def _diagnose_again(arguments: argparse.Namespace, *more: str, **changes: Any) -> str:
-    """Return the same call with changed or more options."""
-    call = argparse.Namespace(**{**vars(arguments), **changes})
-    confirm = option("--confirm", *call.confirm) if call.confirm else []
-    written = [*option("--json", call.json), *option("--report", call.report), *option("--out", call.out)]
-    empirical = ["--empirical"] if call.empirical else []
-    read = [*option("--model", call.model), *confirm, *log_options(call), *more]
-    return command_line("diagnose", files(call.logs), read, written, empirical)
-
-
 def _read_otherwise(arguments: argparse.Namespace, mismatch: Mapping[str, Any]) -> str:
     """Return the same call with the misread column read correctly; the audit if no option does that."""
     if mismatch.get("misreading") in ("derivative", "reference"):
-        return _diagnose_again(arguments, "--columns", "position=NAME")  # the user names the encoder's column
+        wanted: Given = ("position=NAME", {})  # the user names the encoder's column
+        return again(arguments, columns=[*arguments.columns, wanted])
     name, _, pairs = str(mismatch.get("option", "")).partition(" ")
     kind, every = name.removeprefix("--"), [*arguments.logs, *arguments.confirm]
     wrong = [path for path in every if printable(path) in mismatch.get("logs", ())]
@@ -176,7 +187,7 @@ def _read_otherwise(arguments: argparse.Namespace, mismatch: Mapping[str, Any]) 
         for column, _, value in (pair.partition("=") for pair in dict.fromkeys(pairs.split(","))):
             new = repr(float(value) * given.get(column, 1.0)) if kind == "scale" else given.get(value, value)
             entries.append(f"{f'{path}:' if by_file else ''}{column}={new}")
-    return _diagnose_again(arguments, name, ",".join(entries))
+    return again(arguments, **{kind: [*getattr(arguments, kind), (",".join(entries), {})]})
 
 
 # After the other commands ---------------------------------------------------------------------------------------------
@@ -186,9 +197,8 @@ def after_map(arguments: argparse.Namespace) -> str:
     """Fit a model with the map to logs; if the map was not written, write it."""
     if arguments.out:
         return command_line("identify", "LOG.csv", "--model", "MODEL.toml", option("--out", free_name("fitted.toml")))
-    sign = ["--force-sign", str(arguments.force_sign)] if arguments.force_sign != 1 else []
-    again = [*files([arguments.scan]), "--pitch", repr(arguments.pitch), *sign, *log_options(arguments)]
-    return command_line("map", again, option("--out", free_name(arguments.scan, "map")))
+    labels = arguments.units and ",".join(f"{key}={label}" for key, label in arguments.units.to_dict().items())
+    return again(arguments, units=labels, out=free_name(arguments.scan, "map"))
 
 
 def after_export(arguments: argparse.Namespace, *, of_map: bool) -> str:
@@ -221,25 +231,11 @@ def can_predict(model: Model) -> bool:
     return model.controller is not None and all(math.isfinite(end) for ends in model.intervals.values() for end in ends)
 
 
-def with_model(path: AnyPath, model: Model, reference: AnyPath | None = None) -> str:
+def with_model(path: AnyPath, model: Model) -> str:
     """Predict the error of a model; if its intervals do not suffice, plan an experiment."""
     if can_predict(model):
-        return command_line("predict", files([path]), option("--reference", reference or "REF.toml"))
+        return command_line("predict", files([path]), ["--reference", "REF.toml"])
     return experiment(path)
-
-
-def experiment_again(arguments: argparse.Namespace) -> str:
-    """Return the same call."""
-    return command_line(
-        "experiment",
-        option("--model", arguments.model),
-        option("--result", arguments.result),
-        ["--logs", *files(arguments.logs)] if arguments.logs else [],
-        log_options(arguments),
-        option("--limits", arguments.limits),
-        ["--goal", arguments.goal] if arguments.goal else [],
-        option("--out", arguments.out),
-    )
 
 
 def experiment(model: AnyPath, *words: str) -> str:

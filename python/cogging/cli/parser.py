@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import contextlib
 import shutil
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from cogging.cli.terminal import print_error, print_text
 from cogging.files import InputError
@@ -19,9 +20,6 @@ WIDEST = 100  # letters of a line of help: longer ones are hard to read
 SEEDS = 1 << 64  # number of seeds
 THREADS_MAX = 1024
 EXAMPLES = "examples:\n"
-
-#: To which each command adds its parser.
-Commands: TypeAlias = "argparse._SubParsersAction[Any]"
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
@@ -83,18 +81,23 @@ class Parser(argparse.ArgumentParser):
         print_text(message.rstrip("\n"))  # help and version
 
 
-def add_command(
-    commands: Commands, name: str, *, help: str, description: str, examples: Sequence[str] = (), epilog: str = ""
-) -> argparse.ArgumentParser:
-    """Add a command and return its parser; examples: calls, below its options, all of which a test runs."""
-    parts = [epilog] if epilog else []
-    if examples:
-        parts.append(EXAMPLES + "\n".join(f"  {line}" for line in examples))
-    command: argparse.ArgumentParser = commands.add_parser(
-        name, help=help, description=description, epilog="\n\n".join(parts) or None, formatter_class=Formatter
-    )
-    command.set_defaults(parser=command)
-    return command
+def add_command(commands: argparse._SubParsersAction[Any], name: str, module: Any) -> None:
+    """Add a command: a module with `run(arguments)` and, if it has options, `add_options(command)`.
+
+    Its docstring is the help: the first line after the name, then the description. EXAMPLES are calls, below its
+    options, all of which a test runs; EPILOG, if any, stands above them.
+    """
+    first, _, description = (module.__doc__ or "").partition("\n\n")
+    examples = EXAMPLES + textwrap.indent(module.EXAMPLES, "  ")
+    parts: dict[str, Any] = {
+        "help": first.partition(": ")[2].rstrip(".\n"),
+        "description": description,
+        "epilog": "\n\n".join(filter(None, (getattr(module, "EPILOG", ""), examples))),
+    }
+    command = commands.add_parser(name, formatter_class=Formatter, **parts)
+    command.set_defaults(parser=command, run=module.run)
+    if hasattr(module, "add_options"):
+        module.add_options(command)
 
 
 class PrintConstant(argparse.Action):

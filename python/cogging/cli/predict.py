@@ -1,4 +1,8 @@
-"""`cogging predict`: predict the tracking error of each controller."""
+"""`cogging predict`: predict the tracking error of each controller.
+
+Draw machines from the intervals of the model, simulate its controller and those that can be designed for it along the
+reference, and print rms and largest error of each with its 95 % interval.
+"""
 
 from __future__ import annotations
 
@@ -6,27 +10,20 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import can_predict, command_line, experiment, free_name, option
-from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, run_model, whole
-from cogging.cli.terminal import status_line
+from cogging.cli.parser import add_run_files, add_seed, run_model, whole
 from cogging.outputs import check_outputs
+from cogging.progress import steps
 from cogging.simulation.reference import files_of_reference
 
 MOST_SAMPLES = 1_000_000  # machines that a prediction draws
 
+EXAMPLES = """\
+cogging predict model.toml --reference ref.toml
+cogging predict model.toml --reference ref.toml --samples 200 --json errors.json"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "predict",
-        help="predict the tracking error of each controller",
-        description="Draw machines from the intervals of the model, simulate its controller and those that can be "
-        "designed for it along the reference, and print rms and largest error of each with its 95 % interval.",
-        examples=(
-            "cogging predict model.toml --reference ref.toml",
-            "cogging predict model.toml --reference ref.toml --samples 200 --json errors.json",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     add_run_files(command)
     command.add_argument(
         "--samples", type=whole(2, MOST_SAMPLES), default=40, metavar="N", help="machines to draw (default: 40)"
@@ -40,7 +37,7 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.design.error_prediction import predict_error
 
     check_outputs({"--json": json_file(arguments)}, [arguments.model, *files_of_reference(arguments.reference)])
-    with status_line(arguments, "predict"), run_model(arguments) as (model, controller):
+    with steps(not arguments.quiet, "predict"), run_model(arguments) as (model, controller):
         prediction = predict_error(model, arguments.reference, samples=arguments.samples, seed=arguments.seed)
     if can_predict(model):
         following = command_line("tune", "TUNE.toml", option("--out", free_name("tuned.toml")))

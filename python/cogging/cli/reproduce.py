@@ -1,4 +1,8 @@
-"""`cogging reproduce`: the published experiments compared with the papers."""
+"""`cogging reproduce`: the published experiments compared with the papers.
+
+Run the experiments of a paper and print its tables beside the simulated ones, each number marked as calibrated or
+predicted. Tables (PAPER.json) and figures (PNG) are written into a folder.
+"""
 
 from __future__ import annotations
 
@@ -7,26 +11,19 @@ from typing import Any
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_part, print_result
 from cogging.cli.next_command import after_reproduce
-from cogging.cli.parser import Commands, add_command, refuse_unknown
+from cogging.cli.parser import refuse_unknown
 from cogging.outputs import check_folder, check_outputs
 from cogging.papers.reproduction import PAPERS, compare, reproduce
 
+EXAMPLES = """\
+cogging reproduce lu2008
+cogging reproduce malaize2009 xu2001 --out results
+cogging reproduce xu2001 --all --out results
+cogging reproduce --compare --out comparison"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "reproduce",
-        help="the published experiments compared with the papers",
-        description="Run the experiments of a paper and print its tables beside the simulated ones, each number "
-        "marked as calibrated or predicted. Tables (PAPER.json) and figures (PNG) are written into a folder.",
-        examples=(
-            "cogging reproduce lu2008",
-            "cogging reproduce malaize2009 xu2001 --out results",
-            "cogging reproduce xu2001 --all --out results",
-            "cogging reproduce --compare --out comparison",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("papers", nargs="*", metavar="PAPER", help=f"{', '.join(PAPERS)}; all when none is named")
     command.add_argument("--compare", action="store_true", help="all papers' controllers on one axis")
     group = command.add_argument_group(OUTPUT_GROUP)

@@ -1,24 +1,17 @@
-"""`cogging schema`: the JSON Schema of model, reference, limits and sweep files."""
+"""`cogging schema`: print the JSON Schema of model, reference, limits and sweep files.
+
+Print the JSON Schema with which an editor completes and checks model, reference, limits and sweep files.
+"""
 
 from __future__ import annotations
 
 import argparse
 
-from cogging.cli.parser import Commands, add_command
 from cogging.cli.terminal import print_text
 from cogging.outputs import to_json
 
-
-def add_parser(commands: Commands) -> None:
-    """Add the command, which takes no arguments."""
-    add_command(
-        commands,
-        "schema",
-        help="print the JSON Schema of model, reference, limits and sweep files",
-        description="Print the JSON Schema with which an editor completes and checks model, reference, limits and "
-        "sweep files.",
-        examples=("cogging schema",),
-    )
+EXAMPLES = """\
+cogging schema"""
 
 
 def run(arguments: argparse.Namespace) -> None:

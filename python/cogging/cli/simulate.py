@@ -1,4 +1,8 @@
-"""`cogging simulate`: one closed-loop run."""
+"""`cogging simulate`: simulate one closed-loop run.
+
+Simulate the model with its controller along the reference and write the log: time, reading, command, reference and the
+true motion, with the model and the seed in LOG.csv.toml. The command prints rows, duration and the largest error.
+"""
 
 from __future__ import annotations
 
@@ -6,31 +10,23 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import command_line, files, option
-from cogging.cli.parser import Commands, add_command, add_run_files, add_seed, run_model, whole
-from cogging.cli.terminal import status_line
+from cogging.cli.parser import add_run_files, add_seed, run_model, whole
 from cogging.logs.log import performance
 from cogging.model.model import STEPS_MAX
 from cogging.outputs import check_outputs, sidecar
+from cogging.progress import steps
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
 from cogging.simulation.reference import files_of_reference
 from cogging.simulation.run import simulate
 
+EXAMPLES = """\
+cogging simulate model.toml --reference ref.toml --out run.csv
+cogging simulate model.toml --reference ref.toml --seed 7 --out run.parquet --json run.json"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "simulate",
-        help="simulate one closed-loop run",
-        description="Simulate the model with its controller along the reference and write the log: time, reading, "
-        "command, reference and the true motion, with the model and the seed in LOG.csv.toml. The command prints "
-        "rows, duration and the largest error.",
-        examples=(
-            "cogging simulate model.toml --reference ref.toml --out run.csv",
-            "cogging simulate model.toml --reference ref.toml --seed 7 --out run.parquet --json run.json",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     add_run_files(command)
     add_seed(command, of="the noise")
     command.add_argument(
@@ -48,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Simulate the run, write its log, print its error."""
     outputs = {"--out": arguments.out, "its sidecar": sidecar(arguments.out), "--json": json_file(arguments)}
     check_outputs(outputs, [arguments.model, *files_of_reference(arguments.reference)])
-    with status_line(arguments, "simulate") as begin:
+    with steps(not arguments.quiet, "simulate") as begin:
         with run_model(arguments) as (model, controller):
             log = simulate(model, arguments.reference, seed=arguments.seed, steps_per_sample=arguments.steps_per_sample)
         begin("writing the log")

@@ -1,4 +1,8 @@
-"""`cogging sweep`: simulate a model many times with other numbers."""
+"""`cogging sweep`: simulate a model many times with other numbers.
+
+Simulate the model along the reference for each set of numbers, and write a table: one row a run, with its numbers,
+errors and command. If it is interrupted, finished runs are kept, and the same command continues from there.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,13 @@ import numpy as np
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, add_threads
+from cogging.cli.parser import add_threads
 from cogging.files import errors_of
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
 
-FILE = """SWEEP.toml:
+EPILOG = """SWEEP.toml:
   model = "model.toml"             # beside this file
   reference = "ref.toml"
   method = "latin_hypercube"       # or grid, random, sobol
@@ -22,22 +26,13 @@ FILE = """SWEEP.toml:
   [vary]
   "axis.mass" = { from = 0.11, to = 0.13 }"""
 
+EXAMPLES = """\
+cogging sweep sweep.toml --out runs.csv
+cogging sweep sweep.toml --out runs.parquet --threads 2 --figure runs.png"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "sweep",
-        help="simulate a model many times with other numbers",
-        description="Simulate the model along the reference for each set of numbers, and write a table: one row a "
-        "run, with its numbers, errors and command. If it is interrupted, finished runs are kept, and the same "
-        "command continues from there.",
-        epilog=FILE,
-        examples=(
-            "cogging sweep sweep.toml --out runs.csv",
-            "cogging sweep sweep.toml --out runs.parquet --threads 2 --figure runs.png",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("sweep", metavar="SWEEP.toml", help="the runs, as below")
     add_threads(command)
     group = command.add_argument_group(OUTPUT_GROUP)

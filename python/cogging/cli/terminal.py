@@ -1,20 +1,15 @@
-"""What commands print: text on standard output, one line on standard error, colour, and a status line."""
+"""What commands print: text on standard output, one line on standard error, and colour."""
 
 from __future__ import annotations
 
-import argparse
 import os
 import re
 import sys
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TextIO
 
 from cogging.files import InputError
 from cogging.shown import one_line, printable
 
-PATIENCE, BETWEEN = 1.0, 0.5  # s, until the status line appears, and between its updates
 BOLD, RED, GREEN, YELLOW, CYAN, PLAIN = (f"\x1b[{code}m" for code in ("1", "31", "32", "33", "36", "0"))
 VERDICTS = {"named": GREEN, "no_gap": GREEN, "ambiguous": YELLOW, "unlisted": YELLOW}  # the others: RED
 #: What is coloured in a line, and how; the first pattern that matches.
@@ -92,33 +87,3 @@ def coloured(text: str) -> str:
             paint = colour or BOLD + VERDICTS.get(found[1], RED)
             lines[place] = f"{line[:begin]}{paint}{line[begin:end]}{PLAIN}{line[end:]}"
     return "\n".join(lines)
-
-
-@contextmanager
-def status_line(arguments: argparse.Namespace, name: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal, after a second, what a command does and for how long; yield a function to change the text."""
-    if arguments.quiet or not sys.stderr.isatty():
-        yield lambda step: None
-        return
-    step, done = [name], threading.Event()
-
-    def show() -> None:
-        if done.wait(PATIENCE):
-            return
-        import time
-
-        from tqdm import tqdm
-
-        form = "{desc} [{elapsed}]"
-        with tqdm(desc=step[0], bar_format=form, leave=False, file=sys.stderr, dynamic_ncols=True) as bar:
-            bar.start_t = time.time() - PATIENCE
-            while not done.wait(BETWEEN):
-                bar.set_description_str(step[0])
-
-    thread = threading.Thread(target=show, daemon=True)
-    thread.start()
-    try:
-        yield lambda text: step.__setitem__(0, f"{name}: {text}")
-    finally:
-        done.set()
-        thread.join()

@@ -1,4 +1,9 @@
-"""`cogging tune`: tune the gains of a controller for an uncertain machine."""
+"""`cogging tune`: tune the gains of a controller for an uncertain machine.
+
+Find the gains with the smallest rms error over machines drawn from the model's intervals, within limits on command,
+chatter and robustness, and report what they cost. If it is interrupted, it writes the best gains so far, and the same
+command continues from there.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +11,11 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import Commands, add_command, add_threads
+from cogging.cli.parser import add_threads
 from cogging.files import errors_of
 from cogging.outputs import check_outputs
 
-FILE = """TUNE.toml:
+EPILOG = """TUNE.toml:
   model = "gantry.toml"            # with [controller] and [bounds]
   reference = "move.toml"
   trials = 200
@@ -22,22 +27,13 @@ FILE = """TUNE.toml:
   delay_margin = 1e-3              # s
   command_chatter = { present = 1.5 }"""
 
+EXAMPLES = """\
+cogging tune tune.toml --out tuned.toml
+cogging tune tune.toml --figure tuned.png --json tuned.json"""
 
-def add_parser(commands: Commands) -> None:
-    """Add the command."""
-    command = add_command(
-        commands,
-        "tune",
-        help="tune the gains of a controller for an uncertain machine",
-        description="Find the gains with the smallest rms error over machines drawn from the model's intervals, "
-        "within limits on command, chatter and robustness, and report what they cost. If it is interrupted, it writes "
-        "the best gains so far, and the same command continues from there.",
-        epilog=FILE,
-        examples=(
-            "cogging tune tune.toml --out tuned.toml",
-            "cogging tune tune.toml --figure tuned.png --json tuned.json",
-        ),
-    )
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add the options."""
     command.add_argument("tune", metavar="TUNE.toml", help="the tuning, as below")
     add_threads(command)
     group = command.add_argument_group(OUTPUT_GROUP)

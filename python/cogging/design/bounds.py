@@ -323,16 +323,10 @@ class Bounds(ByValue):
         """
         fields: dict[str, Any] = {
             "sample_rate": self._sample_rate(ObserverBasedParameters, overrides),
-            "periods": list(problem.periods),
-            "observer_gain": design.observer_gain.tolist(),
             "observer_gain_slope": design.observer_gain_slope.tolist(),
-            "position_gain": design.position_gain,
-            "velocity_gain": design.velocity_gain,
             "mass": self.model.axis.mass,
-            "viscous": problem.viscous,
-            "velocity_min": 0.01 * problem.velocity_max,
         }
-        return ObserverBasedParameters(**{**fields, **overrides})
+        return problem.controller_parameters(design.observer_gain.tolist(), **{**fields, **overrides})
 
     def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> OutputFeedbackArcParameters:
         """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.

@@ -28,6 +28,7 @@ from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs
 from cogging.simulation.reference import motion_of
+from cogging.simulation.varied import require_numbers
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -356,14 +357,12 @@ def predict_error(
         >>> print(f"{1e6 * prediction['own'].rms.median:.0f} um rms over {prediction.samples} machines")
         12 um rms over 4 machines
     """
-    for name, value, least in (("samples", samples, 2), ("seed", seed, 0), ("threads", threads, 0)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise ValueError(f"{name}: must be a whole number of at least {least}, got {value!r}")
+    require_numbers({"samples": samples}, seed, duration, threads=threads)
+    if samples < 2:
+        raise ValueError("samples: must be at least 2 for an interval, got 1")
     if not isinstance(model, Model):
         model = Model.read(model)
     motion, own = motion_of(reference)
-    if not (np.isfinite(duration) and duration >= 0.0):
-        raise ValueError(f"duration: must be finite and at least 0, got {duration!r}")
     duration = float(duration) or own or motion.end
     if not np.isfinite(duration):
         raise ValueError("duration: must be given for a motion without an end, got none")

@@ -80,10 +80,10 @@ class Track:
         self.rest(REST)
         return True
 
-    def approach(self, goal: float, speed: float = 1.0, acceleration: float = 1.0) -> bool:
+    def approach(self, goal: float) -> bool:
         """Move to a position, or only a part of the way where time is short."""
         way = goal - self.place
-        return any(self.move(self.place + part * way, speed, acceleration) for part in (1.0, 0.3, 0.1))
+        return any(self.move(self.place + part * way) for part in (1.0, 0.3, 0.1))
 
 
 def strokes(track: Track, random: np.random.Generator) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from cogging._core import ObserverBasedParameters
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments, check_constructor
 from cogging.resources import on_one_blas_thread
@@ -133,6 +134,21 @@ class ObserverProblem(ByValue):
             f"periods {brief(list(self.periods), 'm')}, {self.velocity_min:g} to {self.velocity_max:g} m/s, "
             f"omega {self.omega:g} 1/s, decay_rate {self.decay_rate:g} 1/s"
         )
+
+    def controller_parameters(self, observer_gain: Sequence[float], **fields: Any) -> ObserverBasedParameters:
+        """Return the parameters of ObserverBased with this K; the harmonics freeze below velocity_max / 100.
+
+        fields: further ones, as `sample_rate` (Hz) and `mass` (V/(m/s^2)), or others in place of these.
+        """
+        own: dict[str, Any] = {
+            "periods": list(self.periods),
+            "observer_gain": list(observer_gain),
+            "position_gain": self.omega**2,
+            "velocity_gain": self.velocity_gain,
+            "viscous": self.viscous,
+            "velocity_min": 0.01 * self.velocity_max,
+        }
+        return ObserverBasedParameters(**{**own, **fields})
 
     def closed_loop_norm(self) -> float:
         """gamma_c = ||H(s - alpha)||_infinity, H(s) = s / (s^2 + 2 damping omega s + omega^2) (section IV.C), s."""

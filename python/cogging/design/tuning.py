@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import json
 import math
 import os
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,21 +16,175 @@ from cogging._core import Reference
 from cogging.calls import Kind, check_arguments, did_you_mean
 from cogging.design.linear_plant import modulus_margin
 from cogging.design.loop_margins import GAIN_MOST, Loops, Machine, machines_of, push_of, variations_of
-from cogging.design.tuning_result import MARGINS, ROWS, Reached, Setting, Tuning
 from cogging.file_schema import TUNE_INDEXES
-from cogging.files import FieldError, InputError, refuse_unknown_keys
+from cogging.files import FieldError, refuse_unknown_keys
 from cogging.model.controller import AnyController
 from cogging.model.model import Model, is_number
 from cogging.model.units import Units
-from cogging.outputs import target_of, write_text
+from cogging.outputs import write_bytes
+from cogging.plot.canvas import grid_to_write, plot_method, png
+from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
 from cogging.simulation.arguments import MODEL, REFERENCE
-from cogging.simulation.parameter_sweep import digest_of
+from cogging.simulation.kept_work import KeptWork
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
-from cogging.simulation.varied import BOUNDS, Setup, make_controller, numbers_of, with_numbers
+from cogging.simulation.varied import (
+    BOUNDS,
+    Setup,
+    make_controller,
+    numbers_of,
+    range_of,
+    require_numbers,
+    with_numbers,
+)
+from cogging.tables import frame_of
+from cogging.values import ByValue
+
+MARGINS = ("delay_margin", "gain_margin", "modulus_margin")
+ROWS = ("error_rms", *TUNE_INDEXES)
+SCALED = {"error_rms": (1e6, "um"), "error_max": (1e6, "um"), "delay_margin": (1e3, "ms")}  # for the screen
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What gains reach on a set of machines; a margin is the smallest over them, None where it is not measured."""
+
+    error_rms: float  # m, the quantile over the machines; infinite where a run did not complete
+    error_max: float  # m, the largest of all machines, as are the command's indexes
+    command_max: float  # V
+    command_rms: float  # V
+    command_chatter: float  # of the command (see Performance)
+    failed: int = 0  # number of machines on which the run did not complete
+    delay_margin: float | None = None  # s
+    gain_margin: float | None = None  # factor
+    modulus_margin: float | None = None  # None also for a controller without a linear part
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Gains and what they reach."""
+
+    gains: Mapping[str, float]  # by path
+    drawn: Reached  # on the machines tuned with
+    held_out: Reached  # on machines held out
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tuning(ByValue):
+    """Tuned gains for an uncertain machine, with the present ones.
+
+    Attributes:
+        present: the present gains.
+        tuned: the best gains that keep all limits on every machine tuned with (the present ones, if none is better);
+            None if no trial keeps them.
+        improved: whether they differ from the present ones.
+        model: the model with the tuned gains; None if there are none, or for a user's own controller.
+        trials: arrays by name, one entry a trial: the gains by path, the indexes, `kept` (all limits).
+        front: the trade-off: arrays by name, one entry a point: `trial`, rms error, the index it is traded against,
+            the gains, command_chatter and delay_margin; no trial is better than a point in both.
+        against: the index of the trade-off.
+        limits: in words.
+        machines, held_out: how many.
+        quantile: of rms error over machines.
+        seed: of machines, noise and trials.
+        notes: limits that no trial keeps, gains at the end of their range, and the like.
+        units: labels of the model's units.
+    """
+
+    present: Setting
+    tuned: Setting | None
+    improved: bool
+    model: Model | None
+    trials: Mapping[str, Any]
+    front: Mapping[str, Any]
+    against: str
+    limits: tuple[str, ...]
+    machines: int
+    held_out: int
+    quantile: float
+    seed: int
+    notes: tuple[str, ...] = ()
+    units: Units = field(default_factory=Units)
+
+    def _brief(self) -> str:
+        before, unit = 1e6 * self.present.drawn.error_rms, self.units.of("um")
+        if self.tuned is None:
+            return f"no gains keep the limits, present {before:.3g} {unit} rms"
+        return f"{before:.3g} to {1e6 * self.tuned.drawn.error_rms:.3g} {unit} rms over {self.machines} machines"
+
+    def text(self) -> str:
+        """The result for the screen."""
+        trials, kept = len(self.trials["kept"]), int(np.sum(self.trials["kept"]))
+        lines = [
+            f"{trials} trials on {self.machines} drawn machines, {kept} within the limits; checked on "
+            f"{self.held_out} machines held out (rms: {100 * self.quantile:g} % quantile; others: the worst machine)"
+        ]
+        lines += [f"    limit {limit}" for limit in self.limits]
+        after = self.tuned
+        width = max(len(path) for path in (*self.present.gains, *ROWS)) + 6
+        lines.append(f"    {'gain':<{width}}{'present':>12}" + f"{'tuned':>12}" * (after is not None))
+        for path, value in self.present.gains.items():
+            lines.append(f"    {path:<{width}}{value:>12.5g}" + (f"{after.gains[path]:>12.5g}" if after else ""))
+        settings = {"present": self.present, **({} if after is None else {"tuned": after})}
+        columns = {name: setting.drawn for name, setting in settings.items()}
+        columns |= {f"{name}, held out": setting.held_out for name, setting in settings.items()}
+        lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in columns))
+        for row in ROWS:
+            cells = [getattr(reached, row) for reached in columns.values()]
+            factor, unit = SCALED.get(row) or (1.0, TUNE_INDEXES[row][0])
+            name = row if unit == "1" else f"{row}, {self.units.of(unit)}"
+            if any(cell is not None for cell in cells):
+                shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
+                lines.append(f"    {name:<{width}}" + "".join(f"{cell:>19}" for cell in shown))
+        if after is not None and self.improved:
+            pairs = {
+                name: (getattr(self.present.drawn, name), getattr(after.drawn, name))
+                for name in ("error_rms", "command_chatter", *MARGINS)
+            }
+            changes = [
+                f"{name} {100 * (new / old - 1):+.0f} %"
+                for name, (old, new) in pairs.items()
+                if old is not None and new is not None and np.isfinite([old, new]).all() and old > 0.0
+            ]
+            lines.append(f"    tuned against present: {', '.join(changes or ['the present gains do not run'])}")
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_frame(self, what: str = "trials") -> Any:
+        """The `trials` or the `front` as a pandas DataFrame (extra `frames`), with units in `attrs["units"]`.
+
+        Raises:
+            ValueError: `what` is neither.
+        """
+        if what not in ("trials", "front"):
+            raise ValueError(f"what: must be trials or front, got {what!r}")
+        units = {"error_rms": "m", **{name: unit for name, (unit, *_) in TUNE_INDEXES.items() if unit != "1"}}
+        labels = {name: self.units.of(unit) for name, unit in units.items()}
+        return frame_of(self.trials if what == "trials" else self.front, labels)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `cogging tune --json` writes; null stands for infinite and for not measured."""
+
+        def entry_of(setting: Setting) -> dict[str, Any]:
+            return {"gains": dict(setting.gains), "drawn": vars(setting.drawn), "held_out": vars(setting.held_out)}
+
+        names = ("improved", "against", "front", "trials", "limits", "machines", "held_out", "quantile", "seed")
+        settings = {"present": self.present, "tuned": self.tuned}
+        entries = {name: None if setting is None else entry_of(setting) for name, setting in settings.items()}
+        return {**entries, **{name: getattr(self, name) for name in (*names, "notes")}}
+
+    plot = plot_method(whole_tuning, "Draw the trade-off, rms error over its index, and over the margin.", "two axes")
+
+    def write_figure(self, path: str | os.PathLike[str]) -> None:
+        """Write the trade-off as PNG.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        write_bytes(path, png(self.plot(ax=grid_to_write(1, 2, WHOLE_TUNING))))
+
 
 #: The gains tuned by default: those of these fields that are not zero.
 USUAL: dict[str, tuple[str, ...]] = {
@@ -53,8 +205,6 @@ ALL_END = "all runs complete"
 RULE = "a rule of the controller"
 BEYOND = 1e3  # largest relative excess of a limit
 WORST = 1e9  # replaces an infinite objective, of trials that break a limit anyway
-MOST = 1_000_000
-WRITTEN_EVERY = 0.5  # s: the work that a kill may cost
 FRONT = ("error_rms", "command_max", "command_chatter")  # columns of the trade-off
 FRONT_MOST = 8  # points of the trade-off whose margins are measured
 AT_END = 0.01  # of a range, or of its logarithm: closer to its end a gain counts as at the end
@@ -84,7 +234,7 @@ def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Ma
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
-        known = {path: value for path, value in numbers_of(setup).items() if path.startswith(PREFIX)}
+        known = {path: one.value for path, one in numbers_of(setup).items() if one and path.startswith(PREFIX)}
         if ranges is None:
             paths = [f"{PREFIX}{name}" for name in USUAL.get(setup.model.controller_type or "", ())]
             values = {path: float(known.get(path) or 0.0) for path in paths}
@@ -115,20 +265,12 @@ def _gain(path: str, given: Any, present: float | None, whole: bool) -> Gain:
     for key, value in given.items():
         if key != "scale" and not (is_number(value) and math.isfinite(value)):
             raise FieldError("gains", path, f"{key}: must be a number, got {quoted(value)}")
-    low, high = float(given["from"]), float(given["to"])
-    scale = given.get("scale", "log" if low > 0.0 else "linear")
-    middle = math.sqrt(low * high) if scale == "log" and low > 0.0 else 0.5 * (low + high)
-    rules = {
-        f"from: must be below to = {high:g}, got {low:g}": low < high,
-        f"scale: must be linear or log, got {quoted(scale)}": scale in ("log", "linear"),
-        f"from: must be above 0 on a logarithmic scale, got {low:g}": scale != "log" or low > 0.0,
-        f"from, to: must be whole numbers, got {low:g} and {high:g}": not whole or (low % 1.0 == high % 1.0 == 0.0),
-    }
-    for rule, holds in rules.items():
-        if not holds:
-            raise FieldError("gains", path, rule)
+    low, high, is_log = range_of("gains", path, given, "log" if given["from"] > 0 else "linear")
+    if whole and (low % 1.0 or high % 1.0):
+        raise FieldError("gains", path, f"from, to: must be whole numbers, got {low:g} and {high:g}")
+    middle = math.sqrt(low * high) if is_log else 0.5 * (low + high)
     start = float(given["start"]) if "start" in given else middle if present is None else float(present)
-    return Gain(path, low, high, scale == "log", start, whole)
+    return Gain(path, low, high, is_log, start, whole)
 
 
 # Limits ---------------------------------------------------------------------------------------------------------------
@@ -315,11 +457,11 @@ def optuna() -> Any:
         raise ImportError("optuna is needed for this and is not there: pip install 'cogging[tune]'") from error
 
 
-def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptTrials | None) -> Iterator[Trial]:
+def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept: KeptWork) -> Iterator[Trial]:
     """Let Optuna's TPE sampler with constraints propose gains, and judge them one by one; the present ones first.
 
-    The same arguments give the same trials. Trials read from `kept` are not run again; the sampler receives them like
-    any other, and continues as it would have.
+    The same arguments give the same trials. Trials in `kept` are not run again; the sampler receives them like any
+    other, and continues as it would have.
     """
     library, against = optuna(), judge.against
     other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
@@ -334,53 +476,19 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     for gain in gains:
         distribution, number = kinds[gain.whole]
         space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
-    for place in range(count):
+    known = {tuple(done.items()): Trial(done, Reached(**reached), excess) for done, reached, excess in kept.parts}
+    for _ in range(count):
         proposed = study.ask(space)
         values = {gain.path: float(proposed.params[gain.path]) for gain in gains}
-        trial = judge.trial(values) if kept is None else kept.trial(place, values, judge)
+        trial = known.get(tuple(values.items()))
+        if trial is None:
+            trial = judge.trial(values)
+            kept.add([dict(trial.gains), vars(trial.reached), dict(trial.excess)])
         objectives = [trial.reached.error_rms, *([] if against is None else [getattr(trial.reached, against)])]
         for name, value in trial.excess.items():
             proposed.set_constraint(name, value)
         study.tell(proposed, [value if math.isfinite(value) else WORST for value in objectives])
         yield trial
-
-
-class KeptTrials:
-    """Finished trials beside the output, with which an interrupted tuning continues; InputError: of another one."""
-
-    def __init__(self, out: str | os.PathLike[str], digest: str) -> None:
-        target = target_of(out)
-        self.path, self.name = target.with_name(f"{target.name}.trials"), f"{os.fspath(out)}.trials"
-        self.digest, self.trials, self.written = digest, list[Trial](), time.monotonic()
-        if not self.path.exists():
-            return
-        try:
-            document = json.loads(self.path.read_text(encoding="utf-8"))
-            known = document["digest"]
-            self.trials = [Trial(gains, Reached(**reached), excess) for gains, reached, excess in document["trials"]]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{self.name}: cannot be used: {error}") from None
-        if known != digest:
-            rule = "holds trials of another tuning, or of another version: remove it, or write to another file"
-            raise InputError(f"{self.name}: {rule}")
-
-    def trial(self, number: int, values: Mapping[str, float], judge: Judge) -> Trial:
-        """Return the trial of this number: the stored one, or a new one, stored every half second."""
-        if number >= len(self.trials) or self.trials[number].gains != values:
-            self.trials[number:] = [judge.trial(values)]
-            if time.monotonic() - self.written > WRITTEN_EVERY:
-                self.write()
-        return self.trials[number]
-
-    def write(self) -> None:
-        """Write the trials; InputError: they cannot be written."""
-        entries = [[dict(t.gains), vars(t.reached), dict(t.excess)] for t in self.trials]
-        try:
-            write_text(self.path, json.dumps({"digest": self.digest, "trials": entries}) + "\n")
-        except InputError as error:
-            said = f"finished trials are in {self.name}, the same call continues from there"
-            raise InputError(f"{error}; {said}") from None
-        self.written = time.monotonic()
 
 
 def best_of(trials: Sequence[Trial]) -> Trial | None:
@@ -434,7 +542,7 @@ def tune(
     present gains come first. The result is evaluated on machines held out.
 
     Delay and gain margins are measured by a force pulse on each machine, so they exist for any controller
-    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.trials`) until all are done: after an
+    (docs/tune.md). With `out`, finished trials are stored beside it (`OUT.kept`) until all are done: after an
     interruption the same call continues, and the best gains so far are in `out`.
 
     Args:
@@ -476,7 +584,12 @@ def tune(
         (True, True)
     """
     library = optuna()
-    _require_numbers({"machines": machines, "held_out": held_out, "trials": trials}, seed, quantile, against)
+    counts = {"machines": machines, "held_out": held_out, "trials": trials}
+    require_numbers(counts, seed, duration, (start, stop, 1.0), threads)
+    if not is_number(quantile) or not 0.0 < quantile <= 1.0:
+        raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
+    if against is not None and against not in TUNE_INDEXES:
+        raise FieldError("", "against", f"is none: {quoted(against)}; {did_you_mean(str(against), TUNE_INDEXES)}")
     model = model if isinstance(model, Model) else Model.read(model)
     motion, own = motion_of(reference)
     setup, duration = Setup(model, motion), duration or own
@@ -499,22 +612,19 @@ def tune(
     of_model = with_gains if controller is None else None
     judge = Judge(drawn, make, of_model, given, against, duration, (start, stop), quantile, threads)
     judge.measure_present(present)
-    kept = None
-    if out is not None and controller is None:
-        described = {
-            "reference": reference_to_dict(motion),
-            "gains": [list(gain) for gain in ranges],
-            "vary": dict(vary) if isinstance(vary, Mapping) else vary,
-            "limits": given,
-            "run": [duration, start, stop, quantile, machines, seed, against],
-        }
-        digest = digest_of(model, described)
-        kept = None if digest is None else KeptTrials(out, digest)
+    described = {
+        "reference": reference_to_dict(motion),
+        "gains": [list(gain) for gain in ranges],
+        "vary": dict(vary) if isinstance(vary, Mapping) else vary,
+        "limits": given,
+        "run": [duration, start, stop, quantile, machines, seed, against],
+    }
+    kept = KeptWork(out if controller is None else None, model, described)
     found: list[Trial] = []
     verbosity = library.logging.get_verbosity()
     library.logging.set_verbosity(library.logging.ERROR)
     try:
-        with steps(progress, "tune", trials) as step:
+        with steps(progress, "tune", trials) as step, kept.named_in_errors():
             leader: Trial | None = None
             for number, trial in enumerate(run_trials(ranges, trials, seed, judge, kept), 1):
                 found.append(trial)
@@ -533,9 +643,7 @@ def tune(
             for place in front:
                 margins.append(judge.loops(found[place].gains).delay_margin())
                 step(f"of trial {place}")
-    except BaseException:  # also an interruption: keep the trials, and write the best so far
-        if kept is not None:
-            kept.write()
+    except BaseException:  # also an interruption: write the best so far
         nearest = best_of([judge.present, *found])
         if out is not None and of_model is not None and nearest is not None and nearest is not judge.present:
             of_model(nearest.gains).write(out)
@@ -562,8 +670,7 @@ def tune(
     )
     if out is not None and tuned_model is not None:
         tuned_model.write(out)
-    if kept is not None:
-        kept.path.unlink(missing_ok=True)
+    kept.remove()
     return result
 
 
@@ -619,14 +726,3 @@ def _notes(judge: Judge, best: Trial, gains: Sequence[Gain]) -> list[str]:
         if end and best.gains[gain.path] >= gain.low:
             notes.append(f"{gain.path}: the best is at the {end} end of its range, a wider one may do better")
     return notes
-
-
-def _require_numbers(counts: Mapping[str, int], seed: int, quantile: float, against: str | None) -> None:
-    for name, value in {**counts, "seed": seed}.items():
-        least = int(name != "seed")
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= MOST:
-            raise FieldError("", name, f"must be a whole number from {least} to {MOST}, got {value!r}")
-    if not isinstance(quantile, int | float) or not 0.0 < quantile <= 1.0:
-        raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
-    if against is not None and against not in TUNE_INDEXES:
-        raise FieldError("", "against", f"is none: {quoted(against)}; {did_you_mean(str(against), TUNE_INDEXES)}")

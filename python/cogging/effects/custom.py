@@ -427,8 +427,8 @@ def _require_doubles(label: str, function: Any, known: tuple[str, ...], paramete
         raise ValueError(f"{label}: must take doubles ({', '.join(known)}) and return one, got {given}")
 
 
-def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]:
-    """Return custom effects by name; `taken`: other effects of the same model."""
+def by_name(effects: Sequence[Any]) -> dict[str, Any]:
+    """Return custom effects by name."""
     found: dict[str, Custom] = {}
     for effect in effects:
         if not isinstance(effect, Custom):
@@ -436,7 +436,6 @@ def by_name(effects: Sequence[Any], taken: Iterable[Any] = ()) -> dict[str, Any]
         if effect.NAME in found:
             raise ValueError(f"effects: must have different names, got {effect.NAME!r} twice")
         found[effect.NAME] = effect
-    refuse_two_of_one_name([*found.values(), *taken])
     return found
 
 

@@ -20,6 +20,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from cogging.cpp_library import SOURCES, installed
 from cogging.effects.custom import Custom
 from cogging.export.cpp_header import licence, require_name
@@ -138,7 +140,16 @@ def _numbers(model: Model, rate: float, parameters: list[Parameter]) -> str:
     ]
     for section, fields in _sections(model):
         lines += [_line(f"{section} {field}", value) for field, value in fields.to_dict().items()]
-    lines += _cogging_lines(model)
+    if model.cogging is not None:
+        basis = model.cogging.basis
+        spline = basis.spline
+        knots = f"{spline.order} {_bits(spline.origin)} {_bits(spline.pitch)} {spline.control_points}"
+        terms = _line("cogging_periods", [float(period) for period in basis.periods])
+        if basis.harmonics:
+            terms = f"cogging_harmonics {_bits(basis.pitch)} {' '.join(str(int(one)) for one in basis.harmonics)}"
+        # One row a control point: sine and cosine of each term.
+        amplitudes = np.stack([model.cogging.sine.T, model.cogging.cosine.T], axis=-1).ravel().tolist()
+        lines += [f"cogging_knots {knots}", terms, _line("cogging_coefficients", amplitudes)]
     for number, effect in enumerate(model.effects):
         lines.append(f"effect {effect.NAME}")
         lines += [_line(f"{number} {field}", value) for field, value in effect.to_dict().items()]
@@ -182,20 +193,6 @@ def _line(item: str, value: Any) -> str:
     words = [_bits(one) if isinstance(one, float) else str(int(one)) for one in values]
     comment = f"  # {value!r}" if len(values) == 1 and isinstance(values[0], float) else ""
     return " ".join([item, *words]) + comment
-
-
-def _cogging_lines(model: Model) -> list[str]:
-    if model.cogging is None:
-        return []
-    basis = model.cogging.basis
-    spline = basis.spline
-    knots = f"{spline.order} {_bits(spline.origin)} {_bits(spline.pitch)} {spline.control_points}"
-    terms = _line("cogging_periods", [float(period) for period in basis.periods])
-    if basis.harmonics:
-        terms = f"cogging_harmonics {_bits(basis.pitch)} {' '.join(str(int(one)) for one in basis.harmonics)}"
-    pairs = zip(model.cogging.sine.T.ravel().tolist(), model.cogging.cosine.T.ravel().tolist(), strict=True)
-    amplitudes = [value for pair in pairs for value in pair]  # one row a control point: sine and cosine of each term
-    return [f"cogging_knots {knots}", terms, _line("cogging_coefficients", amplitudes)]
 
 
 def _description(model: Model, name: str, token: str, rate: float, parameters: list[Parameter]) -> bytes:

@@ -41,7 +41,14 @@ def motion_of_log(time: FloatArray, position: FloatArray, quantum: float, units:
     t, span = time - time[0], float(np.ptp(position))
     if span <= STILL * quantum or span == 0.0:
         return Motion("rest", f"it rests: {span:.3g} {units.position} from end to end")
-    moves = _moves(t, position, quantum)
+    half = max(1, round(0.5 * WINDOW * len(t)))
+    rows = np.arange(len(t))
+    before, after = np.maximum(rows - half, 0), np.minimum(rows + half, len(t) - 1)
+    speed = np.abs(position[after] - position[before]) / (t[after] - t[before])
+    still = max(REST * float(np.quantile(speed, 0.99)), STILL * quantum / (2.0 * half * float(np.median(np.diff(t)))))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], speed > still, [False]]).astype(np.int8)))
+    pairs = zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True)  # first and last row between two rests
+    moves = [(a, b) for a, b in pairs if abs(position[b] - position[a]) > SAME * span and b - a > 4]
     seen = [_sine(t, position, units), _point_to_point(t, position, moves, units) if moves else None]
     found = [motion for motion in seen if motion is not None]
     if found:
@@ -79,20 +86,6 @@ def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
     text = "a sine of amplitude {amplitude:.4g} {m} at {frequency:.4g} Hz about {center:.4g} {m}"
     text = text.format(**fields, m=units.position)
     return Motion("sine", text, fields, rms)
-
-
-def _moves(t: FloatArray, x: FloatArray, quantum: float) -> list[tuple[int, int]]:
-    """First and last row of each motion between two rests."""
-    half = max(1, round(0.5 * WINDOW * len(t)))
-    rows = np.arange(len(t))
-    before, after = np.maximum(rows - half, 0), np.minimum(rows + half, len(t) - 1)
-    speed = np.abs(x[after] - x[before]) / (t[after] - t[before])
-    still = max(REST * float(np.quantile(speed, 0.99)), STILL * quantum / (2.0 * half * float(np.median(np.diff(t)))))
-    moving = speed > still
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(np.int8)))
-    pairs = list(zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True))
-    span = float(np.ptp(x))
-    return [(a, b) for a, b in pairs if abs(x[b] - x[a]) > SAME * span and b - a > 4]
 
 
 def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], units: Units) -> Motion | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -94,11 +95,20 @@ def determinability(
     away = np.abs(correlation) * (1.0 - np.eye(len(paths)))
     while (drawn := (sigma < UNDETERMINED) & (away[:, sigma >= UNDETERMINED] > TRADE).any(axis=1)).any():
         sigma[drawn] = np.inf  # its estimate would follow the prior of the parameter it trades against
-    notes = []
+    notes, names = [], [re.sub(r"^(axis|effects)\.", "", path) for path in paths]
     for i, parameter in enumerate(parameters):
-        partner = int(np.argmax(away[i]))
-        trades = parameters[partner] if away[i, partner] > TRADE else None
-        notes.append(_sentence(model, parameter, float(sigma[i]), float(sizes[i]), trades, balances))
+        k = int(np.argmax(away[i]))
+        other = names[k] if away[i, k] > TRADE else ""
+        if sigma[i] < UNDETERMINED:
+            unit = f" {parameter.unit}" if parameter.unit != "1" else ""
+            is_relative = sizes[i] <= abs(parameter.value) * (1.0 + 1e-12)
+            to = f"{100 * sigma[i]:.2g} %" if is_relative else f"{sigma[i] * sizes[i]:.2g}{unit}"
+            said = f"determined to {to}" + (f", in exchange with {other}" if other else "")
+        elif other:
+            said = f"not determined, trades against {other}: {_span(model, (parameter, parameters[k]), balances)}"
+        else:
+            said = "not determined, this motion hardly shows it"
+        notes.append(f"{names[i]}: {said}")
     return Determinability(tuple(paths), sigma, tuple(bool(not d) for d in dead), tuple(notes))
 
 
@@ -153,25 +163,6 @@ def predicted_errors(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, 
     deviation[dead] = np.inf
     spread = np.sqrt(np.diag(inverse))
     return deviation, inverse / np.outer(spread, spread)
-
-
-def _sentence(
-    model: Model,
-    parameter: Parameter,
-    sigma: float,
-    size: float,
-    partner: Parameter | None,
-    balances: Sequence[ForceBalance],
-) -> str:
-    name, other = (p and p.path.removeprefix("axis.").removeprefix("effects.") for p in (parameter, partner))
-    if sigma < UNDETERMINED:
-        unit = f" {parameter.unit}" if parameter.unit != "1" else ""
-        is_relative = size <= abs(parameter.value) * (1.0 + 1e-12)
-        to = f"{100 * sigma:.2g} %" if is_relative else f"{sigma * size:.2g}{unit}"
-        return f"{name}: determined to {to}" + (f", in exchange with {other}" if partner else "")
-    if partner is None:
-        return f"{name}: not determined, this motion hardly shows it"
-    return f"{name}: not determined, trades against {other}: {_span(model, (parameter, partner), balances)}"
 
 
 def _span(model: Model, pair: Sequence[Parameter], balances: Sequence[ForceBalance]) -> str:

@@ -36,7 +36,6 @@ def read_columns(
     columns: Mapping[str, str] | None = None,
     scale: Mapping[str, float] | None = None,
     rows: slice | None = None,
-    progress: bool = True,
     notes: list[str] | None = None,
 ) -> dict[str, FloatArray]:
     """Read named columns of a text table (CSV), MATLAB, ASAM MDF or Parquet file.
@@ -53,7 +52,6 @@ def read_columns(
         columns: names in the file by name here (`{"position": "qm"}`).
         scale: factors by name here.
         rows: the data rows to read, counted from 0.
-        progress: show a progress bar for a large text table.
         notes: extended by notes on the numbers of the file: decimal commas.
 
     Returns:
@@ -69,7 +67,7 @@ def read_columns(
             raise InputError(f"scale: {name}: must be a finite number and not 0, got {factor!r}")
     if rows.step not in (None, 1) or start < 0 or (stop is not None and stop <= start):
         raise InputError(f"rows: needs 0 <= first < end and a step of 1, got {start}:{stop}")
-    request = Request(path, tuple(names), tuple(optional), columns, frozenset(scale), slice(start, stop), progress)
+    request = Request(path, tuple(names), tuple(optional), columns, frozenset(scale), slice(start, stop))
     kind = format_of(path)
     arrays = text_table.read(request) if kind is None else read_isolated(kind, request)
     if notes is not None:

@@ -17,7 +17,7 @@ from cogging.model.model import Model
 from cogging.model.units import Units
 
 AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
-TOGETHER = r"\[\*\]$|^(gain|phase|stretch|shear)\["  # paths that change a whole harmonic
+SECTIONS = ("encoder", "noise", "controller")  # of the model, whose numbers have paths but are not fitted
 
 
 @dataclass(frozen=True)
@@ -183,68 +183,65 @@ def role_of(model: Model, path: str) -> str:
 
 def with_values(model: Model, values: Mapping[str, float]) -> Model:
     """Return a copy of the model with the numbers at these paths changed."""
-    axis: dict[str, float] = {}
-    tables: dict[str, Any] = {}
-    effects: dict[int, dict[str, Any]] = {}
-    prefixes = {prefix: i for i, (prefix, _) in enumerate(effect_paths(model.effects))}
+    effects = dict(effect_paths(model.effects))
+    owners = {name: getattr(model, name) for name in ("axis", *SECTIONS)} | effects
+    given: dict[str, dict[str, float]] = {}  # by what the path before the field names
     for path, value in values.items():
-        section, _, rest = path.partition(".")
-        if section == "axis" and rest in AXIS_FIELDS:
-            axis[rest] = float(value)
-        elif section == "cogging" and model.cogging is not None and re.search(TOGETHER, rest):
-            _change_harmonic(path, rest, value, model.cogging, tables)
-        elif section == "cogging" and model.cogging is not None:
-            name, row, column = _indexed(path, rest, 2)
-            if name not in tables:
-                tables[name] = np.array(getattr(model.cogging, name))
-            tables[name][row, column] = value
+        owner, _, leaf = path.rpartition(".")
+        given.setdefault(owner, {})[leaf] = value
+    new: dict[str, Any] = {}
+    for owner, fields in given.items():
+        if owner == "cogging" and model.cogging is not None:
+            new[owner] = _with_amplitudes(model.cogging, fields)
+        elif owners.get(owner) is None or (owner == "axis" and not set(fields) <= set(AXIS_FIELDS)):
+            known = ", ".join(parameters_of(model))
+            raise ValueError(f"{owner}.{next(iter(fields))}: must be a parameter of the model, which has {known}")
         else:
-            prefix, _, leaf = path.rpartition(".")
-            if prefix not in prefixes:
-                known = ", ".join(parameters_of(model))
-                raise ValueError(f"{path}: must be a parameter of the model, which has {known}")
-            changes = effects.setdefault(prefixes[prefix], {})
-            if leaf.endswith("]"):
-                name, index = _indexed(path, leaf, 1)
-                changes.setdefault(name, list(getattr(model.effects[prefixes[prefix]], name)))[index] = float(value)
-            else:
-                changes[leaf] = float(value)
-    changed: dict[str, Any] = {}
-    if axis:
-        changed["axis"] = model.axis.replace(**axis)
-    if tables and (cogging := model.cogging) is not None:
-        changed["cogging"] = CoggingModel(
-            cogging.basis, tables.get("sine", cogging.sine), tables.get("cosine", cogging.cosine)
-        )
-    if effects:
-        new = enumerate(model.effects)
-        changed["effects"] = tuple(effect.replace(**effects[i]) if i in effects else effect for i, effect in new)
-    return model.replace(**changed) if changed else model
+            new[owner] = with_fields(owner, owners[owner], fields)
+    if effects.keys() & new.keys():
+        new["effects"] = tuple(new.pop(owner, effect) for owner, effect in effects.items())
+    return model.replace(**new) if new else model
 
 
-def _change_harmonic(path: str, rest: str, value: float, cogging: CoggingModel, tables: dict[str, Any]) -> None:
-    for name in ("sine", "cosine"):
-        tables.setdefault(name, np.array(getattr(cogging, name)))
-    if rest.endswith("[*]"):
-        name, row = _indexed(path, rest.removesuffix("[*]"), 1)
-        tables[name][row] += value - float(np.mean(getattr(cogging, name)[row]))
-        return
-    name, row = _indexed(path, rest, 1)
-    waves = tables["sine"][row] + 1j * tables["cosine"][row]
-    moved = {
-        "gain": waves * value,
-        "phase": waves * np.exp(1j * value),
-        "stretch": waves + value * waves.conj(),
-        "shear": waves + 1j * value * waves.conj(),
-    }[name]
-    tables["sine"][row], tables["cosine"][row] = moved.real, moved.imag
+def with_fields(owner: str, struct: Any, values: Mapping[str, float]) -> Any:
+    """Return a struct of the core, or an effect, with numbers changed by field; `levels[3]` is an entry of a list."""
+    old, changes = struct.to_dict(), dict[str, Any]()
+    for leaf, value in values.items():
+        match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", leaf)
+        if match is None:
+            raise ValueError(f"{owner}.{leaf}: must be a parameter of the model")
+        name, place = match.groups()
+        present = old[name][int(place)] if place else old.get(name, 0.0)  # the struct refuses an unknown field
+        if isinstance(present, int) and value != int(value):
+            raise ValueError(f"{owner}.{leaf}: must be a whole number, got {value:g}")
+        if place:
+            changes.setdefault(name, list(old[name]))[int(place)] = type(present)(value)
+        else:
+            changes[name] = type(present)(value)
+    return struct.replace(**changes)
 
 
-def _indexed(path: str, text: str, count: int) -> list[Any]:
-    match = re.fullmatch(r"(\w+)" + r"\[(\d+)\]" * count, text)
-    if match is None:
-        raise ValueError(f"{path}: must be a parameter of the model")
-    return [match.group(1), *(int(match.group(i + 2)) for i in range(count))]
+def _with_amplitudes(cogging: CoggingModel, values: Mapping[str, float]) -> CoggingModel:
+    tables = {"sine": np.array(cogging.sine), "cosine": np.array(cogging.cosine)}
+    for leaf, value in values.items():
+        match = re.fullmatch(r"(\w+)\[(\d+)\](?:\[(\d+|\*)\])?", leaf)
+        if match is None:
+            raise ValueError(f"cogging.{leaf}: must be a parameter of the model")
+        name, row, column = match[1], int(match[2]), match[3]
+        if column == "*":
+            tables[name][row] += value - float(np.mean(getattr(cogging, name)[row]))
+        elif column is not None:
+            tables[name][row, int(column)] = value
+        else:  # of the whole harmonic
+            waves = tables["sine"][row] + 1j * tables["cosine"][row]
+            moved = {
+                "gain": waves * value,
+                "phase": waves * np.exp(1j * value),
+                "stretch": waves + value * waves.conj(),
+                "shear": waves + 1j * value * waves.conj(),
+            }[name]
+            tables["sine"][row], tables["cosine"][row] = moved.real, moved.imag
+    return CoggingModel(cogging.basis, tables["sine"], tables["cosine"])
 
 
 class DifferenceStep(NamedTuple):

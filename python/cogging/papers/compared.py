@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cogging.arrays import FloatArray
-from cogging.plot.canvas import drawn, new_figure
+from cogging.plot.canvas import drawn, titled_panels
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look
 from cogging.plot.traces import draw_trace
@@ -42,9 +42,8 @@ def compared(
     scale, over = scale_of("m", sizes), scale_of("s", *(trace.time for trace in traces))
     end = scale(limit if limit is not None else HEADROOM * float(max(sizes)))
     parts = [(-np.inf, np.inf), *([zoom] if zoom else [])]
-    figure = new_figure((WIDTH, HEAD + PANEL * len(traces)))
-    panels = figure.subplots(len(traces), len(parts), sharex="col", sharey=True, squeeze=False)
-    figure.suptitle(title)
+    size, shared = (WIDTH, HEAD + PANEL * len(traces)), {"sharex": "col", "sharey": True, "squeeze": False}
+    figure, panels = titled_panels(title, size, len(traces), len(parts), **shared)
     for row, trace in zip(panels, traces, strict=True):
         for axes, (start, stop) in zip(row, parts, strict=True):
             shown = (trace.time >= start) & (trace.time <= stop)

@@ -25,7 +25,7 @@ from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, SAMPLE_RATE, GantryAxis
 from cogging.papers.result import Reproduction, Table, explored, shipped_toml
 from cogging.papers.xu2001 import epoxy_motor
-from cogging.plot.canvas import drawn, new_figure
+from cogging.plot.canvas import drawn, titled_panels
 from cogging.plot.series import look, marker
 
 AXIS = AXES["X"]
@@ -86,7 +86,8 @@ def controllers() -> dict[str, ListedController]:
     """Return each controller, tuned by its own paper's rule for the X axis."""
     made = {name: scaled(name, AXIS) for name in OWN}
     for name, radius in POLE_RADII.items():
-        made[name] = _observer_based(observer_problem(radius), shipped()["own"][name], AXIS)
+        fields = {"sample_rate": SAMPLE_RATE, "mass": AXIS.mass}
+        made[name] = ObserverBased(observer_problem(radius).controller_parameters(shipped()["own"][name], **fields))
     return made
 
 
@@ -128,7 +129,7 @@ def scaled(
     if name == "observer_based":
         problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain
-        return _observer_based(problem, list(gain), axis)
+        return ObserverBased(problem.controller_parameters(list(gain), sample_rate=SAMPLE_RATE, mass=axis.mass))
     law, structure = name.split()
     gains: dict[str, Any] = {"error_gain": factor * axis.error_gain, "feedback_gain": factor * axis.feedback_gain}
     return (Arc if law == "arc" else Dcarc)(gantry.controller_parameters(axis, structure, **gains))
@@ -146,21 +147,6 @@ def observer_problem(
         omega=-POLE * factor,
         decay_rate=decay_rate,
         pole_radius=pole_radius * factor,
-    )
-
-
-def _observer_based(problem: ObserverProblem, observer_gain: Sequence[float], axis: GantryAxis) -> ObserverBased:
-    return ObserverBased(
-        _core.ObserverBasedParameters(
-            sample_rate=SAMPLE_RATE,
-            periods=list(problem.periods),
-            observer_gain=list(observer_gain),
-            position_gain=problem.omega**2,
-            velocity_gain=2 * problem.omega - problem.viscous,
-            mass=axis.mass,
-            viscous=problem.viscous,
-            velocity_min=0.01 * axis.velocity,
-        )
     )
 
 
@@ -278,11 +264,8 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
 @drawn
 def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
     """Draw the errors of the last move forth over the position, cut off at three times the median of the largest."""
-    figure = new_figure((8.0, 2.6 * len(MACHINES)))
-    figure.suptitle(
-        f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"
-    )
-    panels = figure.subplots(len(MACHINES), 1, sharex=True)
+    title = f"Tracking errors of the last move forth at equal delay margin ({1e3 * DELAY_MARGIN:g} ms), cut off"
+    figure, panels = titled_panels(title, (8.0, 2.6 * len(MACHINES)), len(MACHINES), sharex=True)
     for axes, (place, (axis, _)) in zip(panels, MACHINES.items(), strict=True):
         motion = gantry.reference(axis)
         start, largest = motion.end - motion.period, []
@@ -303,9 +286,8 @@ def figure_errors(logs: Mapping[tuple[str, str], Log | None]) -> Figure:
 @drawn
 def figure_trade(own: Mapping[str, Mapping[str, float]], found: Found) -> Figure:
     """Draw rms error against chatter: filled at equal delay margin, hollow by the papers' own rules on X."""
-    figure = new_figure((9.0, 4.2))
-    figure.suptitle(f"Rms error and chatter at equal delay margin ({1e3 * DELAY_MARGIN:g} ms); hollow: by the own rule")
-    panels = figure.subplots(1, len(MACHINES), sharey=True)
+    title = f"Rms error and chatter at equal delay margin ({1e3 * DELAY_MARGIN:g} ms); hollow: by the own rule"
+    figure, panels = titled_panels(title, (9.0, 4.2), 1, len(MACHINES), sharey=True)
     for axes, place in zip(panels, MACHINES, strict=True):
         for number, name in enumerate(SCALED):
             style = {**look(number), "linestyle": "none", "markersize": 8}

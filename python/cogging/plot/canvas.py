@@ -92,6 +92,15 @@ def new_figure(size: tuple[float, float] | None = None, *, window: bool = False)
     return ShownFigure(figsize=size, layout="constrained")
 
 
+def titled_panels(
+    title: str, size: tuple[float, float], rows: int = 1, columns: int = 1, **shared: Any
+) -> tuple[Figure, Any]:
+    """Return a figure of a size (inches) with a title, and its axes; shared: as of Figure.subplots."""
+    figure = new_figure(size)
+    figure.suptitle(title)
+    return figure, figure.subplots(rows, columns, **shared)
+
+
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
     """Return the given axes, or those of a new figure."""
     if ax is None:

@@ -1,25 +1,20 @@
 """Sweeps: many runs of one model, each with other numbers.
 
-Runs are computed in pieces, by threads of this process or by the workers of an executor. Finished pieces are stored in
-a folder beside the output until the whole table is written, so that an interrupted sweep continues where it was.
+Runs are computed in pieces, by threads of this process or by the workers of an executor. Finished pieces are kept in a
+file beside the output until the whole table is written, so that an interrupted sweep continues where it was.
 """
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import importlib.metadata
-import io
 import itertools
-import json
 import math
 import os
 import re
 import uuid
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -29,14 +24,14 @@ from cogging import plot
 from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
-from cogging.effects.custom import Custom
 from cogging.files import FieldError, InputError, errors_of, read_toml, refuse_unknown_keys
 from cogging.model.model import Model, is_number
-from cogging.outputs import PART_FILE, AnyPath, target_of, write_bytes
+from cogging.outputs import AnyPath, target_of
 from cogging.progress import Progress, steps
 from cogging.shown import quoted
 from cogging.simulation import varied
 from cogging.simulation.arguments import MODEL, REFERENCE
+from cogging.simulation.kept_work import KeptWork
 from cogging.simulation.reductions import INDEXES, kept_of_runs, names_of, reduction, unit_of
 from cogging.simulation.reference import files_of_reference, motion_of, reference_to_dict
 from cogging.simulation.runs_table import RunsTable, is_parquet
@@ -188,7 +183,7 @@ def sweep(
     Run i has noise with the seed `seed` + i, unless `seed` is varied. A run that diverges, or whose numbers break a
     rule, is a row with its reason; the others complete. The same arguments give the same table, whatever the executor.
 
-    With `out`, finished pieces are stored in a folder beside it (`OUT.pieces`) until the whole is written: after an
+    With `out`, finished pieces are stored in a file beside it (`OUT.kept`) until the whole is written: after an
     interruption, a crash or a full disk the same call continues where it was. A model with a custom effect, whose law
     cannot be compared, stores no pieces.
 
@@ -223,7 +218,7 @@ def sweep(
         >>> len(runs), runs.failed
         (8, 0)
     """
-    varied.require_numbers(seed, runs, duration, (start, stop, final_window), threads)
+    varied.require_numbers({"runs": runs}, seed, duration, (start, stop, final_window), threads)
     path, model = model, model if isinstance(model, Model) else Model.read(model)
     try:
         make_controller(model)
@@ -251,46 +246,34 @@ def sweep(
         window=(start, stop, final_window),
         reductions=tuple(reductions),
     )
-    run = partial(_table, common, points, executor=executor, progress=progress)
-    if out is None:
-        return run(None)
-    if is_parquet(out):
-        library("pyarrow")
-    target_of(out)
+    if out is not None:
+        if is_parquet(out):
+            library("pyarrow")
+        target_of(out)
     asked: dict[str, Any] = {"reference": reference_to_dict(setup.reference), "paths": list(vary), "points": points}
     asked |= {"seed": common.seed, "duration": common.duration, "window": list(common.window)}
-    digest = digest_of(setup.model, {**asked, "reductions": list(common.reductions)})
-    if digest is None:
-        found = run(None)
-        found.write(out)
-        return found
-    kept = Pieces(out, digest)
-    try:
-        found = run(kept)
-    except BaseException as error:
-        if not kept.finished() or isinstance(error, _NoRunBegan):
+    kept = KeptWork(out, setup.model, {**asked, "reductions": list(common.reductions)})
+    with kept.named_in_errors():
+        found = _table(common, points, kept, executor=executor, progress=progress)
+        if found.failed == len(found) and np.isnan(found.table["failed_at"]).all():
             kept.remove()
-        raise
-    try:
-        found.write(out)
-    except InputError as error:
-        raise InputError(f"{error}; {kept.notice}") from None
+            raise ValueError(f"no run could begin: {found.table['reason'][0]}")
+        if out is not None:
+            found.write(out)
     kept.remove()
     return found
 
 
-class _NoRunBegan(ValueError):
-    """No run of a sweep could begin: the fault is not that of a single run."""
-
-
 def _table(
-    common: Piece, points: FloatArray, kept: Pieces | None, *, executor: Executor | None, progress: Progress
+    common: Piece, points: FloatArray, kept: KeptWork, *, executor: Executor | None, progress: Progress
 ) -> SweepRuns:
     """Return the runs of all points in order; pieces that are kept already are not computed again."""
-    tables = [] if kept is None else kept.tables(len(points))
+    tables: list[Table] = []
     done = np.zeros(len(points), dtype=bool)
-    for table in tables:
-        done[table["run"]] = True
+    for part in kept.parts:
+        if not done[part["run"]].any():  # two calls at once may have kept one piece twice
+            done[part["run"]] = True
+            tables.append({name: np.array(values) for name, values in part.items()})
     least = LANES * (common.threads or os.cpu_count() or 1)  # runs that fill the lanes of all threads
     size = least * math.ceil(min(max(1, PIECE_MOST // least), len(points) / PIECES / least))
     places = np.flatnonzero(~done)
@@ -298,23 +281,16 @@ def _table(
     missing = [gap[first : first + size] for gap in gaps for first in range(0, len(gap), size)]
     pieces = [common._replace(points=points[runs], first=int(runs[0])) for runs in missing]
     with steps(progress, "sweep", len(pieces)) as step:
-        if executor is None:
-            new: Iterator[Table] = map(run_piece, pieces)
-        else:
-            new = run_elsewhere(pieces, executor, lambda: "" if kept is None else kept.notice)
+        new = map(run_piece, pieces) if executor is None else run_elsewhere(pieces, executor)
         count = int(done.sum())
         for table in new:
             tables.append(table)
-            if kept is not None:
-                kept.keep(table)
+            kept.add({name: values.tolist() for name, values in table.items()})
             count += len(table["run"])
             step(f"{count} of {len(points)} runs")
     tables.sort(key=lambda table: int(table["run"][0]))
     whole = {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-    runs = SweepRuns(whole, common.paths, varied.units_of(common.setup, common.paths, whole))
-    if runs.failed == len(runs) and np.isnan(whole["failed_at"]).all():
-        raise _NoRunBegan(f"no run could begin: {whole['reason'][0]}")
-    return runs
+    return SweepRuns(whole, common.paths, varied.units_of(common.setup, common.paths, whole))
 
 
 def run_piece(piece: Piece) -> Table:
@@ -363,87 +339,6 @@ def run_piece(piece: Piece) -> Table:
     }
 
 
-def digest_of(model: Model, asked: Mapping[str, Any]) -> str | None:
-    """Return a digest of version, model and arguments; None with a custom effect, whose law cannot be compared."""
-    if any(isinstance(effect, Custom) for effect in model.effects):
-        return None
-    whole = {"version": importlib.metadata.version("cogging"), "model": model.to_dict(), **asked}
-    text = json.dumps(whole, sort_keys=True, default=lambda value: value.tolist())
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-# Finished pieces ------------------------------------------------------------------------------------------------------
-
-PIECE = re.compile(r"[0-9a-f]{64}-[0-9]{9}-[0-9a-f]{64}\.npz")  # digest of the sweep, first run, checksum
-
-
-class Pieces:
-    """Finished pieces of a sweep in a folder, from which an interrupted sweep continues.
-
-    A piece with another checksum than its name says was damaged and is computed again. No other file is ever removed.
-    """
-
-    def __init__(self, out: AnyPath, digest: str) -> None:
-        """Create the folder beside an output; raise InputError if it holds pieces of another sweep."""
-        target = target_of(out)
-        self.folder = target.with_name(f"{target.name}.pieces")
-        self._called = f"{os.fspath(out)}.pieces"
-        self._digest = digest
-        if any(not path.name.startswith(digest) for path in self.finished()):
-            what = "holds pieces of another sweep, or of another version: remove it, or write to another file"
-            raise InputError(f"{self._called}: {what}")
-        try:
-            self.folder.mkdir(exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{self._called}: cannot be used: {error.strerror}") from None
-
-    def keep(self, table: Table) -> None:
-        """Write a piece; if the disk is full, an InputError is raised and the earlier pieces are kept."""
-        file = io.BytesIO()
-        np.savez(file, **table)
-        try:
-            write_bytes(self.folder / self._name(table["run"][0], file.getvalue()), file.getvalue(), sync=False)
-        except InputError as error:
-            raise InputError("; ".join(filter(None, (str(error), self.notice)))) from None
-
-    def tables(self, runs: int) -> list[Table]:
-        """Return the finished pieces of a sweep of so many runs, each run once; remove damaged ones."""
-        done, tables = np.zeros(runs, dtype=bool), []
-        for path in self.finished():
-            content = path.read_bytes() if path.is_file() else b""
-            if path.name != self._name(int(path.name.split("-")[1]), content):
-                path.unlink()
-                continue
-            with np.load(io.BytesIO(content), allow_pickle=False) as file:
-                table = {name: file[name] for name in file.files}
-            if not done[table["run"]].any():
-                done[table["run"]] = True
-                tables.append(table)
-        return tables
-
-    def remove(self) -> None:
-        """Remove the files of the sweep, and the folder if it is empty then."""
-        with contextlib.suppress(OSError):
-            for path in self.folder.glob("*"):
-                if PIECE.fullmatch(path.name) or PART_FILE.fullmatch(path.name):
-                    path.unlink(missing_ok=True)
-            self.folder.rmdir()
-
-    @property
-    def notice(self) -> str:
-        """Where finished runs are, for the error of an interrupted sweep; empty if there are none."""
-        if not self.finished():
-            return ""
-        return f"finished runs are kept in {self._called}, the same call continues from there"
-
-    def finished(self) -> list[Path]:
-        """Return the paths of all pieces."""
-        return sorted(path for path in self.folder.glob("*") if PIECE.fullmatch(path.name))
-
-    def _name(self, first: int, content: bytes) -> str:
-        return f"{self._digest}-{first:09d}-{hashlib.sha256(content).hexdigest()}.npz"
-
-
 # Executors ------------------------------------------------------------------------------------------------------------
 
 WAITING_MOST = 1024  # pieces submitted ahead: as many workers are kept busy
@@ -458,8 +353,8 @@ def run_in_worker(piece: Piece, version: str, call: str) -> Table:
     return run_piece(piece)
 
 
-def run_elsewhere(pieces: Iterable[Piece], executor: Executor, notice: Callable[[], str]) -> Iterator[Table]:
-    """Yield the rows of pieces as the workers of an executor finish them; `notice` returns where finished work is."""
+def run_elsewhere(pieces: Iterable[Piece], executor: Executor) -> Iterator[Table]:
+    """Yield the rows of pieces as the workers of an executor finish them."""
     stop, version = StopFlag(), importlib.metadata.version("cogging")
 
     def run_until_stopped(piece: Piece) -> Table:
@@ -482,8 +377,7 @@ def run_elsewhere(pieces: Iterable[Piece], executor: Executor, notice: Callable[
         raise
     except Exception as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        line = f"executor: {type(executor).__name__} could not run a piece: {reason}"
-        raise InputError("; ".join(filter(None, (line, notice())))) from error
+        raise InputError(f"executor: {type(executor).__name__} could not run a piece: {reason}") from error
     finally:
         stop.set()
         for future in waiting:

@@ -14,7 +14,7 @@ from cogging.calls import did_you_mean
 from cogging.files import LARGEST, FieldError, refuse_unknown_keys
 from cogging.model.intervals import SIGMAS_95, Intervals
 from cogging.model.model import CONTROLLERS, Model, is_number
-from cogging.model.parameters import parameters_of, with_values
+from cogging.model.parameters import SECTIONS, Parameter, parameters_of, with_fields, with_values
 from cogging.model.units import Units
 from cogging.resources import require_table
 from cogging.shown import nearest, quoted
@@ -22,7 +22,6 @@ from cogging.simulation.reductions import unit_of
 from cogging.simulation.reference import REFERENCES
 
 SEED = "seed"
-SECTIONS = ("encoder", "noise", "controller")  # of the model, whose numbers have a path beside those of parameters_of
 METHODS = ("grid", "random", "latin_hypercube", "sobol")
 BOUNDS = "bounds"  # in place of a variation, or of all of them: the model's intervals
 VARIATION_KEYS = ("values", "from", "to", "points", "scale", "mean", "deviation")
@@ -41,36 +40,26 @@ class Setup(NamedTuple):
     reference: Reference
 
 
-def _structs(setup: Setup) -> dict[str, Any]:
-    """Return the parameter structs whose fields have paths, by section; None if there is none."""
-    structs = {name: getattr(setup.model, name) for name in SECTIONS}
-    return {**structs, "reference": getattr(setup.reference, "parameters", None)}
-
-
-def numbers_of(setup: Setup) -> dict[str, float | None]:
+def numbers_of(setup: Setup) -> dict[str, Parameter | None]:
     """Return every number that can vary by path (see `sweep`); `seed` has no value (None)."""
-    parameters = parameters_of(setup.model, together=True)
-    numbers: dict[str, float | None] = {path: parameter.value for path, parameter in parameters.items()}
-    for name, struct in _structs(setup).items():
+    model = setup.model
+    found: dict[str, Parameter | None] = {**parameters_of(model, together=True)}
+    structs = {name: getattr(model, name) for name in SECTIONS}
+    structs["reference"] = getattr(setup.reference, "parameters", None)
+    for name, struct in structs.items():
         for field, value in ({} if struct is None else struct.to_dict()).items():
             entries = enumerate(value) if isinstance(value, list | tuple) else [(-1, value)]
             for place, entry in entries:
                 if isinstance(entry, int | float) and not isinstance(entry, bool):
-                    numbers[f"{name}.{field}" + f"[{place}]" * (place >= 0)] = float(entry)
-    numbers[SEED] = None
-    return numbers
+                    path = f"{name}.{field}" + f"[{place}]" * (place >= 0)
+                    found[path] = Parameter(path, float(entry), struct.FIELDS[field][0] or "", units=model.units)
+    return {**found, SEED: None}
 
 
 def units_of(setup: Setup, paths: Iterable[str], indexes: Iterable[str] = ()) -> dict[str, str]:
     """Return the units of numbers by path, except of the seed; those of indexes if the model has its own labels."""
-    labels, parameters, structs = setup.model.units, parameters_of(setup.model, together=True), _structs(setup)
-    units = {}
-    for path in paths:
-        section, _, rest = path.partition(".")
-        if section in structs:
-            units[path] = labels.of(structs[section].FIELDS[rest.partition("[")[0]][0] or "")
-        elif path != SEED:
-            units[path] = parameters[path].unit
+    labels, known = setup.model.units, numbers_of(setup)
+    units = {path: number.unit for path in paths if (number := known[path]) is not None}
     if labels != Units():
         units |= {name: labels.of(unit) for name in indexes if (unit := unit_of(name))}
     return units
@@ -87,29 +76,13 @@ def refuse_unknown_paths(setup: Setup, paths: Iterable[str]) -> None:
 
 def with_numbers(setup: Setup, values: Mapping[str, float]) -> Setup:
     """Return the setup with the numbers at these paths changed, except the seed."""
-    model, reference = setup
-    structs = _structs(setup)
-    changes: dict[str, dict[str, Any]] = {name: {} for name in structs}  # of fields, by section
-    inside: dict[str, float] = {}
-    for path, value in values.items():
-        name, _, rest = path.partition(".")
-        if name not in structs:
-            inside |= {path: value} if path != SEED else {}
-            continue
-        field, _, place = rest.partition("[")
-        old = structs[name].to_dict()[field]
-        if place:
-            entries, at = changes[name].setdefault(field, list(old)), int(place.rstrip("]"))
-            entries[at] = _like(entries[at], value, path)
-        else:
-            changes[name][field] = _like(old, value, path)
-    if inside:
-        model = with_values(model, inside)
-    new = {name: getattr(model, name).replace(**changes[name]) for name in SECTIONS if changes[name]}
-    if changes["reference"]:
+    reference: Any = setup.reference
+    own = {path: value for path, value in values.items() if path != SEED}
+    moved = {path.removeprefix("reference."): own.pop(path) for path in [*own] if path.startswith("reference.")}
+    if moved:
         motion = next(motion for _, motion in REFERENCES.values() if isinstance(reference, motion))
-        reference = motion(structs["reference"].replace(**changes["reference"]))
-    return Setup(model.replace(**new) if new else model, reference)
+        reference = motion(with_fields("reference", reference.parameters, moved))
+    return Setup(with_values(setup.model, own), reference)
 
 
 def make_controller(model: Model) -> Any:
@@ -117,14 +90,6 @@ def make_controller(model: Model) -> Any:
     if model.controller is None or model.controller_type not in CONTROLLERS:
         raise ValueError("controller: must be given to run the model, got none")
     return model.make_controller()
-
-
-def _like(old: Any, value: float, path: str) -> float | int:
-    if not isinstance(old, int):
-        return float(value)
-    if value != int(value):
-        raise ValueError(f"{path}: must be a whole number, got {value:g}")
-    return int(value)
 
 
 class Variation(NamedTuple):
@@ -164,7 +129,27 @@ def variation_of(path: str, stated: Any, model: Model) -> Variation:
         if table["deviation"] < 0:
             raise FieldError("vary", path, f"deviation: must be at least 0, got {table['deviation']!r}")
         return _normal(path, table["mean"], table["deviation"], table["deviation"])
-    return _between(path, table)
+    low, high, is_log = range_of("vary", path, table)
+    points = table.get("points")
+    if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
+        raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
+    space: Any = np.geomspace if is_log else np.linspace
+    grid = (lambda: np.asarray(space(low, high, points))) if points else None
+    if is_log:
+        return Variation(path, lambda shares: np.asarray(low * (high / low) ** shares), grid)
+    return Variation(path, lambda shares: np.asarray(low + (high - low) * shares), grid)
+
+
+def range_of(section: str, path: str, table: Mapping[str, Any], scale: str = "linear") -> tuple[float, float, bool]:
+    """Return the ends of a range and whether it is logarithmic, from a table with numbers; scale: if it has none."""
+    low, high, scale = float(table["from"]), float(table["to"]), table.get("scale", scale)
+    if scale not in ("linear", "log"):
+        raise FieldError(section, path, f"scale: must be linear or log, got {quoted(scale)}")
+    if not low < high:
+        raise FieldError(section, path, f"from: must be below to = {high:g}, got {low:g}")
+    if scale == "log" and low <= 0.0:
+        raise FieldError(section, path, f"from: must be above 0 on a logarithmic scale, got {low:g}")
+    return low, high, scale == "log"
 
 
 def _within_bounds(path: str, model: Model) -> Variation:
@@ -200,35 +185,19 @@ def _require_seeds(table: Mapping[str, Any]) -> None:
             raise FieldError("vary", SEED, f"must be whole numbers from 0 to {SEED_EXACT}, got {value!r}")
 
 
-def _between(path: str, table: Mapping[str, Any]) -> Variation:
-    low, high, points, scale = (table.get(key) for key in ("from", "to", "points", "scale"))
-    if scale not in (None, "linear", "log"):
-        raise FieldError("vary", path, f"scale: must be linear or log, got {quoted(scale)}")
-    if low is None or high is None or not low < high:
-        raise FieldError("vary", path, f"from: must be below to = {high!r}, got {low!r}")
-    if scale == "log" and low <= 0:
-        raise FieldError("vary", path, f"from: must be above 0 on a logarithmic scale, got {low!r}")
-    if points is not None and (not isinstance(points, int) or not 2 <= points <= RUNS_MAX):
-        raise FieldError("vary", path, f"points: must be a whole number from 2 to {RUNS_MAX}, got {points!r}")
-    low, high = float(low), float(high)
-    space: Any = np.geomspace if scale == "log" else np.linspace
-    grid = (lambda: np.asarray(space(low, high, points))) if points else None
-    if scale == "log":
-        return Variation(path, lambda shares: np.asarray(low * (high / low) ** shares), grid)
-    return Variation(path, lambda shares: np.asarray(low + (high - low) * shares), grid)
-
-
-def require_numbers(seed: Any, runs: Any, duration: Any, window: tuple[Any, Any, Any], threads: Any = 0) -> None:
-    """Raise FieldError for a number that no sweep can have; `window`: start, stop and final window, s."""
-    start, stop, final_window = window
-    counts = (("seed", seed, 0, SEED_MOST), ("runs", runs, 1, RUNS_MAX), ("threads", threads, 0, THREADS_MOST))
-    for name, value, least, most in counts:
+def require_numbers(
+    counts: Mapping[str, Any], seed: Any, duration: Any, window: tuple[Any, ...] = (0.0, 1.0, 1.0), threads: Any = 0
+) -> None:
+    """Raise FieldError for a number that no runs can have; counts: from 1; window: start, stop, final window, s."""
+    whole = [(name, value, 1, RUNS_MAX) for name, value in counts.items()]
+    for name, value, least, most in (*whole, ("seed", seed, 0, SEED_MOST), ("threads", threads, 0, THREADS_MOST)):
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
             raise FieldError("", name, f"must be a whole number, got {quoted(value)}")
         if not least <= value <= most:
             raise FieldError("", name, f"must be from {least} to {most}, got {value}")
+    start, stop, final_window = window
     for name, value in (("duration", duration), ("start", start), ("stop", stop), ("final_window", final_window)):
-        if not is_number(value) or math.isnan(value):
+        if not (is_number(value) or isinstance(value, np.number)) or math.isnan(value):
             raise FieldError("", name, f"must be a number, got {quoted(value)}")
     if not 0.0 <= duration < math.inf:
         raise FieldError("", "duration", f"must be finite and at least 0, got {duration!r}")

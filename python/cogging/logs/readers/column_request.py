@@ -56,7 +56,6 @@ class Request:
     columns: Mapping[str, str] = field(default_factory=dict)  # names in the file by name here
     scaled: Collection[str] = ()  # columns with a factor, which converts a unit other than SI
     rows: slice = field(default_factory=lambda: slice(0, None))  # data rows to read, from 0
-    progress: bool = True  # show a progress bar for a large file
     shown: str = ""  # name of the file in messages; `path` if empty
     notes: list[str] = field(default_factory=list)  # of the reader, on the numbers
     survey: list[tuple[str, str]] | None = None  # filled with all names and units instead of choosing columns

@@ -38,7 +38,7 @@ def read(request: Request) -> dict[str, FloatArray]:
         reader, index, order, first_data = _reader(head, size, request)
         above = head.split(b"\n", first_data)  # the lines above the data, and the rest
         file.seek(sum(len(text) + 1 for text in above[:first_data]) if len(above) > first_data else len(head))
-        shown = request.progress and size >= LARGE and sys.stderr.isatty()
+        shown = size >= LARGE and sys.stderr.isatty()
         with tqdm(total=size, unit="B", unit_scale=True, desc=str(request.path), disable=not shown, leave=False) as bar:
             while not reader.done and (block := file.read(BLOCK)):
                 reader.feed(block)

@@ -15,11 +15,10 @@ from matplotlib.figure import Figure
 from cogging._core import BSpline, CoggingModel
 from cogging.arrays import FloatArray
 from cogging.mapping.cogging_spectrum import HarmonicSpectrum
-from cogging.mapping.fit_map import fit_map
-from cogging.mapping.map_fit import MapFit
+from cogging.mapping.fit_map import MapFit, fit_map
 from cogging.papers.lu2008.gantry import HARMONICS, ORDER, PITCH, TRAVEL, GantryAxis
 from cogging.papers.result import Row, Table, explored
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, new_figure, titled_panels
 from cogging.plot.characteristics import spectrum
 from cogging.plot.scales import scale_of
 from cogging.plot.series import FITTED, LIMIT, MEASURED
@@ -145,9 +144,9 @@ def figure_map(axis: GantryAxis, force: FloatArray, number: int) -> Figure:
 @drawn
 def figure_fft(fits: Mapping[str, MapFit]) -> Figure:
     """Draw the spectra of the scans by axis, the rule's threshold and the kept harmonics at their highest lines."""
-    figure = new_figure((8.0, 2.9 * len(fits)))
-    panels = figure.subplots(len(fits), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (name, fit) in zip(panels, fits.items(), strict=True):
+    title = "FFT of the scans of Figs. 5 and 6; dotted: the paper's harmonics"
+    figure, panels = titled_panels(title, (8.0, 2.9 * len(fits)), len(fits), sharex=True, squeeze=False)
+    for axes, (name, fit) in zip(panels[:, 0], fits.items(), strict=True):
         spectrum(fit, ax=axes)
         axes.lines[0].set_label("scan")
         marks = next(line for line in axes.lines if line.get_label() == "harmonics")
@@ -163,5 +162,4 @@ def figure_fft(fits: Mapping[str, MapFit]) -> Figure:
             axes.axvline(harmonic, color="0.6", linestyle=":", linewidth=0.9, zorder=0)
         axes.grid(visible=False, axis="x")
         axes.label_outer()
-    figure.suptitle("FFT of the scans of Figs. 5 and 6; dotted: the paper's harmonics")
     return figure

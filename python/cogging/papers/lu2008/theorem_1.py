@@ -28,7 +28,7 @@ from cogging.logs.log import Log
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, ESTIMATED, START, GantryAxis, controller_parameters, known
 from cogging.papers.result import Row, Table, explored
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker
 from cogging.simulation.batch import closed_loop_batch
@@ -325,7 +325,7 @@ def groups(axis: GantryAxis) -> tuple[tuple[Law, str, dict[str, float]], ...]:
     return ((Arc, "printed", {}), (Dcarc, "printed, smooth S_f", smooth), (Dcarc, "sufficient", sufficient_gains(axis)))
 
 
-def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) -> Table:
+def theorem_table(axis: GantryAxis, machine: Plant) -> Table:
     """Tabulate Theorem 1 A on random machines for each of `groups`, and DCARC with the printed gains.
 
     held: share of machines whose V stays below its bound; v_settled: largest V over epsilon / lambda after the start;
@@ -346,7 +346,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
         row(law, gains, "u_s2 on", "e_inf", "m", largest)
 
     for law, gains, conditions in groups(axis):
-        trials = [draw(axis, seed, law, **conditions) for seed in range(machines)]
+        trials = [draw(axis, seed, law, **conditions) for seed in range(MACHINES)]
         logs = [trial.run() for trial in trials]
         row(law, gains, "u_s2 on", "decay_rate", "1/s", trials[0].rate)
         against_the_bound(law, gains, "u_s2 on", trials, logs)
@@ -358,7 +358,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
         against_the_bound(law, gains, "u_s2 off", trials, [trial.run(epsilon=0.0) for trial in trials])
         beyond = trials[0].with_disturbance(BEYOND)
         against_the_bound(law, gains, f"{BEYOND:.0f} delta_d, machine 0", [beyond], [beyond.run()])
-    trials = [draw(axis, seed, Dcarc) for seed in range(machines)]
+    trials = [draw(axis, seed, Dcarc) for seed in range(MACHINES)]
     row(Dcarc, "printed", "u_s2 on", "decay_rate", "1/s", trials[0].rate)
     error(Dcarc, "printed", trials, [trial.run() for trial in trials])
     row(Dcarc, "printed", "at rest", "v_growth", "1", growth_at_rest(axis))
@@ -369,7 +369,7 @@ def theorem_table(axis: GantryAxis, machine: Plant, machines: int = MACHINES) ->
     for epsilon, found in zip(EPSILONS, errors, strict=True):
         case = {"case": f"5 kHz, epsilon {epsilon:g}"}
         rows.append(Row("C3", "e_2", "m", axis.error_rms[2], float(found), "exploratory", case))
-    title = f"Theorem 1 A on {machines} drawn machines, {axis.name} axis: V, and its bound {EPSILON:g} V m/s / lambda"
+    title = f"Theorem 1 A on {MACHINES} drawn machines, {axis.name} axis: V, and its bound {EPSILON:g} V m/s / lambda"
     return Table(f"theorem1a_{axis.name}", title, rows)
 
 
@@ -425,8 +425,8 @@ def figure_theorem(found: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     """Draw Theorem 1: V with and without u_s2 and its bound, of ARC and DCARC; below the errors of `decays` by axis."""
     from matplotlib.ticker import LogLocator
 
-    figure = new_figure((8.4, 6.6))
-    panels = figure.subplots(2, 2)
+    title = "Theorem 1: V and its bound (X axis, one drawn machine), and the error without d~"
+    figure, panels = titled_panels(title, (8.4, 6.6), 2, 2)
     _draw_bound(panels[0][0], Arc, {}, "A, ARC, printed gains")
     _draw_bound(panels[0][1], Dcarc, sufficient_gains(AXES["X"]), "A, DCARC, sufficient gains")
     for axes, (name, by_case) in zip(panels[1], found.items(), strict=True):
@@ -441,7 +441,6 @@ def figure_theorem(found: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter("")
         legend(axes, 2)
-    figure.suptitle("Theorem 1: V and its bound (X axis, one drawn machine), and the error without d~")
     return figure
 
 

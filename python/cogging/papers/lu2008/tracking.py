@@ -19,7 +19,7 @@ from cogging.papers.compared import Trace, compared
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, CONTROL_POINTS, CONTROLLERS, HARMONICS, GantryAxis, known
 from cogging.papers.result import Row, Table, explored
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.series import look, marker
 
 #: Indexes, and the field of GantryAxis with the printed errors of C1, C2 and C3.
@@ -224,8 +224,8 @@ def claim_table(errors: Mapping[str, Mapping[str, Mapping[str, FloatArray]]]) ->
 @drawn
 def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     """Draw C2 / C1 and C3 / C2 of errors_on_maps, by axis, beside the paper's own machine."""
-    figure = new_figure((8.0, 3.8))
-    panels = figure.subplots(1, 2, sharey=True)
+    title = "C3 before C2 before C1 on random cogging maps with lines beside the harmonics"
+    figure, panels = titled_panels(title, (8.0, 3.8), 1, 2, sharey=True)
     largest = 1.0
     for axes, index in zip(panels, INDEXES, strict=True):
         names: list[str] = []
@@ -246,5 +246,4 @@ def figure_claim(errors: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         axes.set_ylim(0.0, 1.08 * largest)
     panels[0].set_ylabel("ratio of errors, below 1: better")
     legend(panels[-1], 2)
-    figure.suptitle("C3 before C2 before C1 on random cogging maps with lines beside the harmonics")
     return figure

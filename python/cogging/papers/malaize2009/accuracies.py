@@ -34,7 +34,7 @@ from cogging.papers.malaize2009.linear_motors import (
     true_error,
 )
 from cogging.papers.result import Row, Table, explored
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.series import GREY, LIMIT, look, marker
 
 AMPLITUDES_AND_RADII = tuple(f"{what} of {motor}" for motor in MOTORS for what in ("amplitude", "pole radius"))
@@ -207,9 +207,8 @@ def spectra_of(logs: Logs) -> dict[str, dict[str, TrackingSpectrum]]:
 @drawn
 def figure_velocity() -> Figure:
     """Draw Fig. 2: the reference velocities."""
-    figure = new_figure((8.0, 5.5))
-    figure.suptitle("Fig. 2: reference velocity (top speeds, strokes and rests assumed)")
-    for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
+    figure, panels = titled_panels("Fig. 2: reference velocity (top speeds, strokes and rests assumed)", (8.0, 5.5), 2)
+    for axes, motor in zip(panels, MOTORS.values(), strict=True):
         motion = reference(motor)
         time = np.linspace(0.0, motion.period, 2001)
         axes.plot(time, 1e3 * motion.sample(time)[1], **look(0))
@@ -221,9 +220,8 @@ def figure_velocity() -> Figure:
 @drawn
 def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Figure:
     """Draw Fig. 3: the tracking errors against spatial period; triangles: the periods that the observer cancels."""
-    figure = new_figure((8.0, 6.0))
-    figure.suptitle("Fig. 3: spectrum of the tracking error, with unmodelled lines")
-    panels = figure.subplots(len(MOTORS), 1, sharex=True, sharey=True)
+    title = "Fig. 3: spectrum of the tracking error, with unmodelled lines"
+    figure, panels = titled_panels(title, (8.0, 6.0), len(MOTORS), sharex=True, sharey=True)
     for axes, motor in zip(panels, MOTORS.values(), strict=True):
         for place, name in enumerate(CONTROLLERS):
             found = spectra[motor.name][name]
@@ -251,9 +249,8 @@ def figure_errors(logs: Logs, motor: Motor) -> Figure:
 @drawn
 def figure_held_out(found: Sequence[Explanation]) -> Figure:
     """Draw the observer's accuracy over the printed one on the motor that took no part, by cause."""
-    figure = new_figure((8.0, 4.5))
-    figure.suptitle("One value for both motors? Each cause fitted on one motor, given to the other")
-    axes = figure.subplots()
+    title = "One value for both motors? Each cause fitted on one motor, given to the other"
+    figure, axes = titled_panels(title, (8.0, 4.5))
     names = [cause.name for cause in causes.CAUSES]
     for place, motor in enumerate(MOTORS.values()):
         chosen = [each for each in found if each.motor is motor]
@@ -363,9 +360,8 @@ def ripple_ratio(motor: Motor, periods: FloatArray) -> FloatArray:
 @drawn
 def figure_ripple() -> Figure:
     """Draw the ratio observer / PID of the error due to one unmodelled ripple, against its period."""
-    figure = new_figure((8.0, 5.5))
-    figure.suptitle("Unmodelled ripple: the observer's rms error over the PID's")
-    for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
+    figure, panels = titled_panels("Unmodelled ripple: the observer's rms error over the PID's", (8.0, 5.5), 2)
+    for axes, motor in zip(panels, MOTORS.values(), strict=True):
         periods = np.geomspace(3e-3, 0.06, 60)
         axes.semilogx(1e3 * periods, ripple_ratio(motor, periods), **look(0))
         axes.axhline(1.0, **look(2) | {"linestyle": ":"})
@@ -394,9 +390,8 @@ def figure_robustness() -> Figure:
         ),
     }
     thrusts = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0]
-    figure = new_figure((8.0, 10.0))
-    figure.suptitle("Accuracy where something is not as believed; dotted: printed in Table I")
-    panels = figure.subplots(1 + len(sweeps), len(MOTORS), sharey="col")
+    title = "Accuracy where something is not as believed; dotted: printed in Table I"
+    figure, panels = titled_panels(title, (8.0, 10.0), 1 + len(sweeps), len(MOTORS), sharey="col")
     for motor, column in zip(MOTORS.values(), panels.T, strict=True):
         gains = shipped(motor)
         exact, laws = plant(motor, gains.amplitude), controllers(motor, gains)

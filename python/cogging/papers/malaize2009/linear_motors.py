@@ -32,7 +32,6 @@ PID_POLE = -120.0  # 1/s, three times; the observer's position loop has the same
 OMEGA, DAMPING = 120.0, 1.0
 DECAY_RATE = 3.0  # 1/s
 VELOCITY_RATIO = 0.25  # velocity_min / velocity_max of the certificate
-FREEZE_RATIO = 0.01  # of velocity_max: below it (at rest) the harmonics are frozen
 RAMP = 0.02  # s in which the acceleration rises: its jerk limit
 DWELL, REPEATS = 0.2, 5
 
@@ -149,20 +148,10 @@ def pid(thrust: float = 1.0) -> ListedController:
 
 
 def observer(motor: Motor, gains: Calibrated, *, thrust: float = 1.0, stretch: float = 1.0) -> ListedController:
-    """Return the observer (6) with law (8); stretch: its periods over the true ones."""
-    return ObserverBased(
-        _core.ObserverBasedParameters(
-            sample_rate=SAMPLE_RATE,
-            periods=[stretch * period for period in motor.periods],
-            observer_gain=list(gains.observer_gain),
-            position_gain=OMEGA**2,
-            velocity_gain=2 * DAMPING * OMEGA - VISCOUS,
-            mass=thrust,
-            viscous=VISCOUS,
-            velocity_min=FREEZE_RATIO * motor.velocity,
-            delay=DELAY,
-        )
-    )
+    """Return the observer (6) with law (8), frozen below 1 % of the top speed; stretch: its over the true periods."""
+    fields: dict[str, Any] = {"sample_rate": SAMPLE_RATE, "mass": thrust, "delay": DELAY}
+    fields["periods"] = [stretch * period for period in motor.periods]
+    return ObserverBased(problem(motor, gains.pole_radius).controller_parameters(gains.observer_gain, **fields))
 
 
 def controllers(motor: Motor, gains: Calibrated, thrust: float = 1.0) -> dict[str, ListedController]:

@@ -33,7 +33,7 @@ from cogging.papers.compared import PRINTED
 from cogging.papers.result import Row, Table, explored
 from cogging.papers.xu2001 import epoxy_motor
 from cogging.papers.xu2001.epoxy_motor import INDEXES, RESOLUTION, TABLE_1, Unknowns, arc_parameters, reference
-from cogging.plot.canvas import drawn, legend, new_figure
+from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.scales import scale_of
 from cogging.plot.series import look, marker
 from cogging.simulation.batch import closed_loop_batch
@@ -431,9 +431,8 @@ def subsets_table(unknowns: Unknowns) -> Table:
 @drawn
 def figure_increment() -> Figure:
     """Draw the rms command increment against a common factor on the printed robust terms."""
-    figure = new_figure((7.2, 4.2))
-    figure.suptitle("The printed robust terms times a factor; a line ends where the run diverges")
-    axes = figure.subplots()
+    title = "The printed robust terms times a factor; a line ends where the run diverges"
+    figure, axes = titled_panels(title, (7.2, 4.2))
     for place, (rate, resolution) in enumerate(HARDWARE):
         values = [increment(factor, rate, resolution) for factor in TERM_FACTORS[1:]]
         length = scale_of("m", resolution)

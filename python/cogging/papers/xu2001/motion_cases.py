@@ -40,7 +40,7 @@ from cogging.papers.xu2001.epoxy_motor import (
     indexes,
     shipped_file,
 )
-from cogging.plot.canvas import drawn, new_figure
+from cogging.plot.canvas import drawn, titled_panels
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import look
 from cogging.plot.traces import draw_trace
@@ -305,10 +305,9 @@ def figure_reference() -> Figure:
     """Draw Fig. 5: the fast point-to-point motion; dashed: the printed largest velocity and acceleration."""
     motion = fast_reference()
     time = np.linspace(0.0, motion.end, 4001)
-    figure = new_figure((8.0, 5.4))
-    figure.suptitle("Fig. 5: fast point-to-point motion (stroke and rests assumed)")
+    title = "Fig. 5: fast point-to-point motion (stroke and rests assumed)"
+    figure, panels = titled_panels(title, (8.0, 5.4), 3, sharex=True)
     quantities = (("position", "m", 0.0), ("velocity", "m/s", 1.0), ("acceleration", "m/s^2", 12.0))
-    panels = figure.subplots(3, 1, sharex=True)
     for axes, values, (name, unit, largest) in zip(panels, motion.sample(time), quantities, strict=True):
         axes.plot(time, values, **look(0))
         axes.set(ylabel=f"{name}\n({pretty(unit)})")
@@ -325,9 +324,8 @@ def figure_fast(logs: Mapping[str, Log]) -> Figure:
     motion = fast_reference()
     rest = (motion.move_time, motion.period / 2.0)
     scale = scale_of("m", *(logs[name].error for name in CONTROLLERS))
-    figure = new_figure((8.0, 4.7))
-    figure.suptitle("Fig. 6: fast point-to-point motion, and its first rest")
-    panels = figure.subplots(2, 2, sharex="col", sharey="col")
+    title = "Fig. 6: fast point-to-point motion, and its first rest"
+    figure, panels = titled_panels(title, (8.0, 4.7), 2, 2, sharex="col", sharey="col")
     for row, name in zip(panels, CONTROLLERS, strict=True):
         log = logs[name]
         for axes, (start, end) in zip(row, ((-np.inf, np.inf), rest), strict=True):
