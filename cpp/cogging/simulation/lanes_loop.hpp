@@ -8,7 +8,6 @@
 #include <exception>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "cogging/simulation/closed_loop.hpp"
@@ -106,7 +105,7 @@ class AxesInLanes {
   LanesAtWork<count>& at_work_;
 };
 
-/// The machines of a pack, sample by sample.
+/// The machines of a pack, sample by sample; its functions are compiled once for all controllers.
 template <std::size_t count>
 class MachinesInLanes {
  public:
@@ -125,7 +124,7 @@ class MachinesInLanes {
     for (std::size_t i = 0; i < count; ++i) {
       const Plant<double>& plant = *plants_[i];
       const RunInLane& run = runs[std::min(i, runs.size() - 1)];
-      plant.encoder.validate();
+      validated(plant.encoder);
       set_lane(state_.position, i, run.initial_position.value_or(start));
       force_noise_.emplace_back(plant.noise, sample_time, run.seed);
       encoder_noise_.emplace_back(run.seed ^ 0x9e3779b97f4a7c15ULL);
@@ -140,7 +139,7 @@ class MachinesInLanes {
   const AxisState<Scalar>& state() const { return state_; }
 
   /// Ends runs that have left their travel.
-  void require_bounded(double time) {
+  COGGING_NOINLINE void require_bounded(double time) {
     if (!at_work_.all()) fill_idle_lanes();
     if (detail::is_bounded(state_, bounds_)) [[likely]]
       return;
@@ -152,7 +151,7 @@ class MachinesInLanes {
     fill_idle_lanes();
   }
 
-  Scalar reading() {
+  COGGING_NOINLINE Scalar reading() {
     Scalar noise = 0.0;
     if (noisy_)
       noise = Scalar::map([&](std::size_t i) {
@@ -164,7 +163,7 @@ class MachinesInLanes {
   }
 
   /// The command acts over the sample from `time` to `next`.
-  void move(const Scalar& command, double time, double next) {
+  COGGING_NOINLINE void move(const Scalar& command, double time, double next) {
     Scalar shaped = amplifier_.shaped(command);
     if (!all_finite(shaped)) [[unlikely]]
       for (std::size_t i = 0; i < count; ++i) {
