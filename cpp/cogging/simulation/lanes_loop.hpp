@@ -105,7 +105,7 @@ class AxesInLanes {
   LanesAtWork<count>& at_work_;
 };
 
-/// The machines of a pack, sample by sample; its functions are compiled once for all controllers.
+/// The machines of a pack, sample by sample.
 template <std::size_t count>
 class MachinesInLanes {
  public:
@@ -139,7 +139,7 @@ class MachinesInLanes {
   const AxisState<Scalar>& state() const { return state_; }
 
   /// Ends runs that have left their travel.
-  COGGING_NOINLINE void require_bounded(double time) {
+  void require_bounded(double time) {
     if (!at_work_.all()) fill_idle_lanes();
     if (detail::is_bounded(state_, bounds_)) [[likely]]
       return;
@@ -151,7 +151,7 @@ class MachinesInLanes {
     fill_idle_lanes();
   }
 
-  COGGING_NOINLINE Scalar reading() {
+  Scalar reading() {
     Scalar noise = 0.0;
     if (noisy_)
       noise = Scalar::map([&](std::size_t i) {
@@ -163,7 +163,7 @@ class MachinesInLanes {
   }
 
   /// The command acts over the sample from `time` to `next`.
-  COGGING_NOINLINE void move(const Scalar& command, double time, double next) {
+  void move(const Scalar& command, double time, double next) {
     Scalar shaped = amplifier_.shaped(command);
     if (!all_finite(shaped)) [[unlikely]]
       for (std::size_t i = 0; i < count; ++i) {

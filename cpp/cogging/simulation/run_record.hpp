@@ -119,7 +119,7 @@ class RunRecord {
   };
   static std::size_t quantity_of(const std::string& name) { return name == "error" ? 0 : name == "command" ? 1 : 2; }
 
-  COGGING_NOINLINE void reduce(const RunRow<Scalar>& row) {
+  void reduce(const RunRow<Scalar>& row) {
     const Scalar error = row.position - row.reference.position;
     sums_.row(row.index, error, row.command);
     if (reductions_.empty()) return;
