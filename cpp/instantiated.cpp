@@ -2,3 +2,4 @@
 
 template class cogging::Axis<double>;
 template class cogging::Amplifier<double>;
+template void cogging::validate_effects(const std::vector<cogging::Effect<double>>&);

@@ -66,7 +66,7 @@ FURTHER = [
     ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "PointToPointParameters.jerk"),
     ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "CommandSaturation.limit"),
     ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "PreslidingFriction.stiffness"),
-    ("must be above 0 (infinite = rigid)", (0.0, -1.0, NAN), "FlexibleMode.frequency"),
+    ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "FlexibleMode.frequency"),
     ("must be at least 0 and below 1", (-1.0, 1.0, NAN), "Backlash.mass_ratio"),
     ("must be at least 0 and below 1", (-1.0, 1.0, NAN), "FlexibleMode.mass_ratio"),
     ("must be above start = 0", (0.0, -1.0, NAN), "DisturbanceStep.stop"),

@@ -152,21 +152,5 @@ Example:
       .def("force", py::vectorize([](const CoggingModel<>* m, double x) { return m->force(x); }), py::arg("position"),
            "F_cogging(x), V, at positions in m.")
       .def("slope", py::vectorize([](const CoggingModel<>* m, double x) { return m->slope(x); }), py::arg("position"),
-           "dF_cogging/dx, V/m, at positions in m.")
-      .def(py::pickle(
-          [](const CoggingModel<>& m) {
-            const SplineHarmonics& b = m.basis();
-            return py::make_tuple(b.pitch() > 0.0 ? b.pitch() : b.spline().pitch(), b.harmonics(), b.periods(),
-                                  b.spline().order(), b.spline().origin(), b.spline().control_points(),
-                                  m.coefficients());
-          },
-          [](const py::tuple& t) {
-            const BSpline spline(t[3].cast<int>(), t[4].cast<double>(), t[0].cast<double>(), t[5].cast<int>());
-            const auto harmonics = t[1].cast<std::vector<int>>();
-            const auto periods = t[2].cast<std::vector<double>>();
-            const SplineHarmonics basis = harmonics.empty()
-                                              ? SplineHarmonics::of_periods(periods, spline)
-                                              : SplineHarmonics::of_harmonics(t[0].cast<double>(), harmonics, spline);
-            return CoggingModel<>(basis, t[6].cast<std::vector<double>>());
-          }));
+           "dF_cogging/dx, V/m, at positions in m.");
 }

@@ -9,13 +9,10 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -29,6 +26,7 @@ namespace py = pybind11;
 void bind_basis(py::module_& module);
 void bind_reference(py::module_& module);
 void bind_plant(py::module_& module);
+void bind_own_effect(py::module_& module);
 void bind_control(py::module_& module);
 void bind_own_controllers(py::module_& module);
 void bind_simulation(py::module_& module);
@@ -164,7 +162,7 @@ BoundStruct bound_struct() {
   BoundStruct bound{{}, [](const std::function<void(void*)>& fill) -> void* {
                       auto made = std::make_unique<Struct>();
                       fill(made.get());
-                      made->validate();
+                      cogging::validated(*made);
                       return made.release();
                     }};
   const Struct defaults{};

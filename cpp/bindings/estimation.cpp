@@ -5,10 +5,9 @@
 #include "cogging/estimation/predictor.hpp"
 #include "cogging/estimation/whitening.hpp"
 #include "cogging/simulation/batch.hpp"
+#include "gil.hpp"
 #include "instantiated.hpp"
-#include "lanes/jobs.hpp"
 #include "lanes/lanes.hpp"
-#include "without_gil.hpp"
 
 using namespace cogging;
 
@@ -53,8 +52,10 @@ std::vector<double> net_forces(const Predictor& predictor, const std::vector<Pla
     const std::vector<std::size_t>& job = jobs[number];
     if (job.size() > 1 && run_pack(job)) return;
     for (const std::size_t i : job) {
-      const std::vector<double> force = net_force(plants[i], predictor.log(), middle_position, middle_velocity, stop);
-      std::copy(force.begin(), force.end(), row(i));
+      const Recording log = predictor.log();
+      double* const force = row(i);
+      write_net_force(plants[i], {RecordedAmplifier(plants[i].effects, log.time, log.command)}, log, middle_position,
+                      middle_velocity, {&force, 1}, stop);
     }
   });
   return values;
@@ -76,13 +77,8 @@ void bind_predictor(py::module_& module) {
   py::class_<Predictor>(module, "Predictor", R"(One step ahead along a log.
 
 The plant is driven by the recorded command and held to the recorded position by an observer with both poles at
-exp(-2 pi bandwidth Ts); the innovation (m) is what the model did not foresee. Of a load with play it is the mean over
-gaps 0.7 to 1.3 of the one that is meant: when it strikes hangs on forces that no model has. Time steps may differ;
-after one longer than `gap` (s) the observer starts anew.
-
-Raises:
-    ValueError: columns of different lengths, time that does not increase, a NaN or an infinity in one of them, a
-        bandwidth that is not positive.)")
+exp(-2 pi bandwidth Ts); the innovation (m) is what the model did not foresee. Time steps may differ; after one longer
+than `gap` (s) the observer starts anew.)")
       .def(py::init([](const Array& time, const Array& position, const Array& command, double bandwidth, double gap,
                        double initial_velocity, int steps_per_sample) {
              return Predictor(to_vector(time), to_vector(position), to_vector(command),

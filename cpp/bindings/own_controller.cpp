@@ -1,6 +1,5 @@
 #include "own_controller.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -130,10 +129,7 @@ CompiledController make_compiled(const py::object& command, const py::object& up
   functions.command = reinterpret_cast<CompiledFunctions::Command>(address_of(command, "command", 4, true));
   if (!update.is_none())
     functions.update = reinterpret_cast<CompiledFunctions::Update>(address_of(update, "update", 3, false));
-  functions.owner = std::shared_ptr<const void>(new py::tuple(py::make_tuple(command, update)), [](const void* owner) {
-    const GilTaken taken;
-    delete static_cast<const py::tuple*>(owner);
-  });
+  functions.owner = std::make_shared<const Kept>(py::make_tuple(command, update));
   return {functions, {sample_rate, state, parameters, command_limit}};
 }
 
@@ -199,11 +195,7 @@ Raises:
 
 }  // namespace
 
-PythonController::PythonController(py::object object) {
-  held_ = std::shared_ptr<Held>(new Held, [](Held* held) {
-    const GilTaken taken;
-    delete held;
-  });
+PythonController::PythonController(const py::object& object) : held_(std::make_shared<Held>(object)) {
   held_->name = class_of(object);
   const py::object rate = member(object, "sample_rate"), method = member(object, "command");
   if (rate.is_none() && method.is_none())
@@ -229,7 +221,6 @@ PythonController::PythonController(py::object object) {
       object, "command_limit", "must be finite and at least 0 (V; 0 = none)",
       [](double limit) { return std::isfinite(limit) && limit >= 0.0; },
       py::hasattr(object, "command_limit") ? member(object, "command_limit") : py::object(py::float_(0.0)));
-  held_->object = std::move(object);
 }
 
 void PythonController::fail(const char* method) const {
@@ -250,7 +241,7 @@ void PythonController::fail(const char* method) const {
 std::span<const double> PythonController::estimates() const {
   py::object values;
   try {
-    values = member(held_->object, "estimates");
+    values = member(held_->object.object(), "estimates");
     if (values.is_none()) return {};
     const auto numbers = Array::ensure(values);
     if (!numbers) throw py::error_already_set();
@@ -273,7 +264,7 @@ double PythonController::command(const ReferencePoint& reference, double reading
   const py::object point = py::reinterpret_steal<py::object>(make_point(reference));
   const py::object number = py::reinterpret_steal<py::object>(PyFloat_FromDouble(reading));
   if (!point || !number) throw py::error_already_set();
-  PyObject* arguments[] = {nullptr, held_->object.ptr(), point.ptr(), number.ptr()};
+  PyObject* arguments[] = {nullptr, held_->object.object().ptr(), point.ptr(), number.ptr()};
   const py::object given = called_method(command_name, arguments + 1, 3);
   if (!given) fail("command");
   const std::optional<double> command = real_number(given.ptr());
@@ -286,7 +277,7 @@ void PythonController::update(double applied) {
   if (!held_->has_update) return;
   const py::object number = py::reinterpret_steal<py::object>(PyFloat_FromDouble(applied));
   if (!number) throw py::error_already_set();
-  PyObject* arguments[] = {nullptr, held_->object.ptr(), number.ptr()};
+  PyObject* arguments[] = {nullptr, held_->object.object().ptr(), number.ptr()};
   const py::object done = called_method(update_name, arguments + 1, 2);
   if (!done) fail("update");
 }
@@ -333,7 +324,7 @@ GivenController take_controller(const py::object& given) {
         class_of(given) + ", which raises " + shown(error.value(), true));
   }
   if (!member(copy, "reset").is_none()) called(copy.attr("reset"));
-  return PythonController{std::move(copy)};
+  return PythonController{copy};
 }
 
 void bind_own_controllers(py::module_& module) {

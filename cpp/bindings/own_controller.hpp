@@ -11,14 +11,14 @@
 #include "bindings.hpp"
 #include "cogging/control/compiled.hpp"
 #include "cogging/control/list.hpp"
-#include "without_gil.hpp"
+#include "gil.hpp"
 
 /// An object of Python's that closes the loop; its calls need the lock. The object is held by all copies of this: a run
 /// that may not change it is given a deep copy.
 class PythonController {
  public:
   /// Refuses what is no controller, in one line. With the lock held, as every call but those of copies.
-  explicit PythonController(py::object object);
+  explicit PythonController(const py::object& object);
 
   double sample_rate() const { return held_->sample_rate; }
   double command_limit() const { return held_->command_limit; }
@@ -35,8 +35,9 @@ class PythonController {
 
  private:
   struct Held {
-    py::object object;
-    std::string name;  // of its class
+    explicit Held(const py::object& given) : object(given) {}
+    Kept object;
+    std::string name{};  // of its class
     double sample_rate = 0.0, command_limit = 0.0;
     bool has_update = false, has_estimates = false;
     std::vector<double> estimates{};

@@ -1,36 +1,14 @@
 #include <array>
-#include <cmath>
 
 #include "bindings.hpp"
 #include "cogging/plant/effects/list.hpp"
 #include "gil.hpp"
-#include "own_effect.hpp"
 
 using namespace cogging;
 
 namespace {
 
 constexpr std::array<const char*, 3> places{"position", "velocity", "time"};
-
-// A reference that may be given back by a thread without the interpreter's lock.
-class Kept {
- public:
-  explicit Kept(py::object object) : object_(std::move(object)) {}
-  Kept(const Kept&) = delete;
-  Kept& operator=(const Kept&) = delete;
-  ~Kept() {
-    if (!Py_IsInitialized()) {
-      object_.release();
-      return;
-    }
-    const GilTaken taken;
-    object_ = py::object();
-  }
-  const py::object& object() const { return object_; }
-
- private:
-  py::object object_;
-};
 
 // A Python function of what it takes by name: of places (0 position, 1 velocity, 2 time), then of its parameters.
 class PythonLaw final : public OwnLaw {
@@ -179,47 +157,19 @@ Hook hook_of(std::string_view name) {
 
 void bind_own_effect(py::module_& module) {
   py::class_<OwnLaw, std::shared_ptr<OwnLaw>>(module, "OwnLaw", "One law of an effect of the user's own.");
-  py::class_<PythonLaw, OwnLaw, std::shared_ptr<PythonLaw>>(module, "PythonLaw", R"(A law that is a Python function.
-
-Args:
-    label: for messages.
-    function: called with what it takes by name: numbers in a run, arrays along a log.
-    taken: which of position (0), velocity (1) and time (2).
-    values: of its parameters, by name.)")
+  py::class_<PythonLaw, OwnLaw, std::shared_ptr<PythonLaw>>(module, "PythonLaw", "A law that is a Python function.")
       .def(py::init<std::string, py::object, std::vector<std::size_t>, const py::dict&>(), py::arg("label"),
            py::arg("function"), py::arg("taken"), py::arg("values"));
   py::class_<CompiledLaw, OwnLaw, std::shared_ptr<CompiledLaw>>(module, "CompiledLaw",
-                                                                R"(A law that is a compiled function of doubles.
-
-Args:
-    address: of the function.
-    taken: which of position (0), velocity (1) and time (2) come first.
-    values: of its parameters, which follow.
-    owner: what keeps the code alive.
-
-Raises:
-    ValueError: no address, or more than 24 numbers.)")
+                                                                "A law that is a compiled function of doubles.")
       .def(py::init<std::uintptr_t, std::vector<std::size_t>, const std::vector<double>&, py::object>(),
            py::arg("address"), py::arg("taken"), py::arg("values"), py::arg("owner"));
-  py::class_<Custom<>>(module, "OwnLaws", R"(The laws of an effect of the user's own: what `Custom` hands to a plant.
-
-Args:
-    name: of the effect, for messages.
-    laws: by hook: force, friction_level, command_gain, reading_error.
-    length_scale, velocity_scale, time_scale: m, m/s, s, the shortest on which a law changes; infinite = not stated.
-    origin: a function without arguments that makes the effect again.
-
-Raises:
-    ValueError: an unknown hook, no law, or a scale that is not above 0.)")
+  py::class_<Custom<>>(module, "OwnLaws", "The laws of an effect of the user's own: what `Custom` hands to a plant.")
       .def(py::init([](std::string name, const std::map<std::string, std::shared_ptr<OwnLaw>>& laws,
                        double length_scale, double velocity_scale, double time_scale, py::object origin) {
              Custom<> made;
              made.label = std::move(name);
-             for (const auto& [hook, law] : laws) {
-               Custom<>::Law* place[] = {&made.force_law, &made.friction_level_law, &made.command_gain_law,
-                                         &made.reading_error_law};
-               *place[static_cast<int>(hook_of(hook))] = law;
-             }
+             for (const auto& [hook, law] : laws) made.laws[static_cast<std::size_t>(hook_of(hook))] = law;
              made.length_scale = length_scale;
              made.velocity_scale = velocity_scale;
              made.time_scale = time_scale;
@@ -242,18 +192,7 @@ Raises:
       .def(
           "value_at",
           [](const Custom<>& self, const std::string& hook, double position, double velocity, double time) {
-            const Motion<double> motion{position, velocity, sign(velocity), time};
-            switch (hook_of(hook)) {
-              case Hook::force:
-                return self.force(motion);
-              case Hook::friction_level:
-                return self.friction_level(motion);
-              case Hook::command_gain:
-                return self.command_gain(position, time);
-              case Hook::reading_error:
-                return self.reading_error(position);
-            }
-            return 0.0;
+            return self.value(hook_of(hook), position, velocity, time);
           },
           py::arg("hook"), py::arg("position"), py::arg("velocity"), py::arg("time"),
           "One law at one moment, as a run asks it.");

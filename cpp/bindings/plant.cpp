@@ -3,9 +3,11 @@
 #include "bound_class.hpp"
 #include "cogging/plant/amplifier.hpp"
 #include "instantiated.hpp"
-#include "own_effect.hpp"
 
 using namespace cogging;
+
+/// An effect of a plant as Python knows it (own_effect.cpp).
+py::object original_of(const Effect<>& effect);
 
 namespace {
 
@@ -20,8 +22,7 @@ struct ListedEffect {
   BoundStruct parameters;
   py::object (*resolved)(const void* effect, const PlantContext& plant);  // a copy that knows the plant
   Kinds kinds{};
-  std::vector<const char*> hooks{};  // the plant's questions that it answers
-  Law force = nullptr, friction_level = nullptr, command_gain = nullptr, shape_command = nullptr, reading = nullptr;
+  std::vector<std::pair<std::string, Law>> hooks{};  // the plant's questions that it answers; null where at no place
 };
 
 template <class E>
@@ -33,35 +34,28 @@ ListedEffect listed_effect() {
                         return py::cast(std::move(made));
                       }};
   if constexpr (HasKinds<E>) effect.kinds = E::kinds();
-  if constexpr (HasForce<E, double>) {
-    effect.hooks.push_back("force");
-    effect.force = [](const void* e, double x, double v, double t) {
+  const auto answers = [&](const char* hook, Law law = nullptr) { effect.hooks.emplace_back(hook, law); };
+  if constexpr (HasForce<E, double>)
+    answers("force", [](const void* e, double x, double v, double t) -> double {
       return object_at<E>(e).force(Motion<double>{x, v, sign(v), t});
-    };
-  }
-  if constexpr (HasFrictionLevel<E, double>) {
-    effect.hooks.push_back("friction_level");
-    effect.friction_level = [](const void* e, double x, double v, double t) {
+    });
+  if constexpr (HasFrictionLevel<E, double>)
+    answers("friction_level", [](const void* e, double x, double v, double t) -> double {
       return object_at<E>(e).friction_level(Motion<double>{x, v, sign(v), t});
-    };
-  }
-  if constexpr (HasCommandGain<E, double>) {
-    effect.hooks.push_back("command_gain");
-    effect.command_gain = [](const void* e, double x, double, double t) { return object_at<E>(e).command_gain(x, t); };
-  }
-  if constexpr (HasShapeCommand<E, double>) {
-    effect.hooks.push_back("shape_command");
-    effect.shape_command = [](const void* e, double command, double, double) {
+    });
+  if constexpr (HasCommandGain<E, double>)
+    answers("command_gain",
+            [](const void* e, double x, double, double t) -> double { return object_at<E>(e).command_gain(x, t); });
+  if constexpr (HasShapeCommand<E, double>)
+    answers("shape_command", [](const void* e, double command, double, double) -> double {
       return object_at<E>(e).shape_command(command);
-    };
-  }
-  if constexpr (HasCommandDelay<E>) effect.hooks.push_back("command_delay");
-  if constexpr (HasLag<E>) effect.hooks.push_back("lag");
-  if constexpr (HasReading<E, double>) {
-    effect.hooks.push_back("reading");
-    effect.reading = [](const void* e, double x, double, double) { return x + object_at<E>(e).reading_error(x); };
-  }
-  if constexpr (HasState<E>) effect.hooks.push_back("state");
+    });
+  if constexpr (HasCommandDelay<E>) answers("command_delay");
+  if constexpr (HasLag<E>) answers("lag");
+  if constexpr (HasReading<E, double>)
+    answers("reading",
+            [](const void* e, double x, double, double) -> double { return x + object_at<E>(e).reading_error(x); });
+  if constexpr (HasState<E>) answers("state");
   return effect;
 }
 
@@ -71,8 +65,8 @@ py::dict roles_of(const BoundStruct& effect) {
     const Trait& trait = field.trait;
     py::dict role;
     const bool searched = trait.role != Role::setting;
-    role["role"] = std::string(to_string(trait.role));
-    role["quantity"] = std::string(to_string(trait.quantity));
+    role["role"] = std::string(trait.role);
+    role["quantity"] = std::string(trait.quantity);
     role["low"] = searched ? py::object(py::float_(trait.low)) : py::none();
     role["high"] = searched ? py::object(py::float_(trait.high)) : py::none();
     role["logarithmic"] = trait.logarithmic;
@@ -94,7 +88,6 @@ void bind_laws(const py::object& type, const ListedEffect& effect) {
     return py::vectorize(at)(position, velocity, time);
   };
   const auto at_motion = [&](const char* name, Law law, const char* doc) {
-    if (law == nullptr) return;
     bound.def(
         name,
         ", *, position: numpy.typing.ArrayLike = 0.0, velocity: numpy.typing.ArrayLike = 0.0, "
@@ -106,7 +99,6 @@ void bind_laws(const py::object& type, const ListedEffect& effect) {
         py::kw_only(), py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("time") = 0.0);
   };
   const auto at_one = [&](const char* name, Law law, const std::string& argument, const char* doc) {
-    if (law == nullptr) return;
     bound.def(
         name, ", " + argument + ": numpy.typing.ArrayLike) -> object", doc,
         [along, law](const Self& self, const Values& values) {
@@ -114,20 +106,23 @@ void bind_laws(const py::object& type, const ListedEffect& effect) {
         },
         py::arg(argument.c_str()));
   };
-  at_motion("force_at", effect.force, "Force (V) at positions (m), velocities (m/s) and times (s).");
-  at_motion("friction_level_at", effect.friction_level,
-            "Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).");
-  if (effect.command_gain != nullptr)
-    bound.def(
-        "gain_at", ", *, position: numpy.typing.ArrayLike = 0.0, time: numpy.typing.ArrayLike = 0.0) -> object",
-        "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).",
-        [along, law = effect.command_gain](const Self& self, const Values& position, const Values& time) {
-          return along(self, law, position, Values(py::float_(0.0)), time);
-        },
-        py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0);
-  at_one("shape_at", effect.shape_command, "command", "What the amplifier makes of commands, V.");
-  at_one("reading_at", effect.reading, "position",
-         "What the encoder reads at positions, m, before noise and rounding.");
+  for (const auto& [hook, law] : effect.hooks) {
+    if (hook == "force") at_motion("force_at", law, "Force (V) at positions (m), velocities (m/s) and times (s).");
+    if (hook == "friction_level")
+      at_motion("friction_level_at", law,
+                "Level (V) that it adds to Fc at positions (m), velocities (m/s) and times (s).");
+    if (hook == "command_gain")
+      bound.def(
+          "gain_at", ", *, position: numpy.typing.ArrayLike = 0.0, time: numpy.typing.ArrayLike = 0.0) -> object",
+          "What it adds to the gain 1 of the command (relative) at positions (m) and times (s).",
+          [along, gain = law](const Self& self, const Values& position, const Values& time) {
+            return along(self, gain, position, Values(py::float_(0.0)), time);
+          },
+          py::kw_only(), py::arg("position") = 0.0, py::arg("time") = 0.0);
+    if (hook == "shape_command") at_one("shape_at", law, "command", "What the amplifier makes of commands, V.");
+    if (hook == "reading")
+      at_one("reading_at", law, "position", "What the encoder reads at positions, m, before noise and rounding.");
+  }
   bound.def(
       "resolved",
       ", axis: cogging._core.AxisParameters, cogging: cogging._core.CoggingModel | None = None) -> " + bound.name(),
@@ -142,7 +137,9 @@ void bind_laws(const py::object& type, const ListedEffect& effect) {
 void bind_listed(py::dict& effects, const py::object& type, const ListedEffect& effect) {
   type.attr("NAME") = effect.name;
   type.attr("LAW") = effect.law;
-  type.attr("HOOKS") = py::tuple(py::cast(effect.hooks));
+  py::list hooks;
+  for (const auto& [hook, law] : effect.hooks) hooks.append(hook);
+  type.attr("HOOKS") = py::tuple(hooks);
   type.attr("ROLES") = roles_of(effect.parameters);
   type.attr("KINDS") = py::tuple(py::cast(effect.kinds));
   bind_laws(type, effect);

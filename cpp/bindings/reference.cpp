@@ -1,6 +1,6 @@
 #include "bindings.hpp"
 #include "cogging/reference/list.hpp"
-#include "without_gil.hpp"
+#include "gil.hpp"
 
 using namespace cogging;
 
@@ -34,20 +34,11 @@ void bind_special(py::class_<Sampled, Reference>& bound) {
       .def_property_readonly(
           "samples",
           [](const Sampled& motion) {
-            std::map<std::string, std::vector<double>> columns;
-            without_gil([&](StopRequest* request) {
-              StopCheck stop(request);
-              for (std::size_t i = 0; i < motion.size(); ++i) {
-                stop.row();
-                const ReferencePoint point = motion.sample(i);
-                columns["time"].push_back(motion.time(i));
-                columns["reference"].push_back(point.position);
-                columns["reference_velocity"].push_back(point.velocity);
-                columns["reference_acceleration"].push_back(point.acceleration);
-              }
-            });
             std::map<std::string, py::array_t<double>> arrays;
-            for (auto& [name, values] : columns) arrays[name] = to_array(std::move(values));
+            arrays["time"] = to_array(std::vector(motion.times()));
+            arrays["reference"] = to_array(std::vector(motion.positions()));
+            arrays["reference_velocity"] = to_array(std::vector(motion.velocities()));
+            arrays["reference_acceleration"] = to_array(std::vector(motion.accelerations()));
             return arrays;
           },
           "Its samples and their derivatives by the names of a log's columns, (n,) each.");

@@ -3,26 +3,18 @@
 #include "cogging/memory.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/performance.hpp"
+#include "gil.hpp"
 #include "instantiated.hpp"
 #include "own_controller.hpp"
-#include "without_gil.hpp"
 
 using namespace cogging;
 
 namespace {
 
-Log<> run(const Plant<>& plant, const GivenController& controller, const Reference& reference, RunOptions options,
-          StopRequest* request) {
-  return close_with(controller, request, [&](const auto& c, StopRequest* stop) {
-    options.stop = stop;
-    return closed_loop<double>(plant, c, reference, options);
-  });
-}
-
 // Every column becomes a numpy array without copying.
-py::dict to_columns(Log<>&& log) {
+std::map<std::string, py::array_t<double>> to_columns(Log<>&& log) {
   const auto rows = static_cast<py::ssize_t>(log.time.size());
-  py::dict columns;
+  std::map<std::string, py::array_t<double>> columns;
   columns["time"] = to_array(std::move(log.time));
   columns["position"] = to_array(std::move(log.position));
   columns["command"] = to_array(std::move(log.command));
@@ -33,21 +25,6 @@ py::dict to_columns(Log<>&& log) {
   columns["true_velocity"] = to_array(std::move(log.true_velocity));
   if (log.estimate_count > 0) columns["estimates"] = to_array(std::move(log.estimates), {rows, log.estimate_count});
   return columns;
-}
-
-RunOptions options_of(double duration, std::uint64_t seed, int steps_per_sample, bool record_estimates,
-                      std::optional<double> initial_position, double initial_velocity,
-                      const std::optional<Array>& added_command = std::nullopt) {
-  if (added_command)
-    for (py::ssize_t k = 0; k < added_command->size(); ++k) require_finite("added_command", added_command->data()[k]);
-  return {duration,
-          seed,
-          steps_per_sample,
-          record_estimates,
-          initial_position,
-          initial_velocity,
-          added_command ? to_vector(*added_command) : std::vector<double>{},
-          nullptr};
 }
 
 }  // namespace
@@ -73,50 +50,34 @@ half of its memory, or 8 GiB.)");
         require_memory(name, bytes, what, value);
       },
       py::arg("name"), py::arg("bytes"), py::arg("what"), py::arg("value"),
-      R"(Refuse what would not fit into memory, before any of it is taken: over 64 MB, more than 0.8 of memory_left.
-
-Args:
-    name: of the field that asks.
-    bytes: that are asked.
-    what: it is that takes them, in words.
-    value: of the field.
-
-Raises:
-    ValueError: names field, rule and value.)");
+      "Refuse what would not fit into memory, before any of it is taken: over 64 MB, more than 0.8 of memory_left.");
 
   module.def(
       "closed_loop",
       [](const Plant<>& plant, const py::object& controller, const Reference& reference, double duration,
          std::uint64_t seed, int steps_per_sample, bool record_estimates, std::optional<double> initial_position,
-         double initial_velocity,
-         const std::optional<Array>& added_command) -> std::map<std::string, py::array_t<double>> {
-        const RunOptions options = options_of(duration, seed, steps_per_sample, record_estimates, initial_position,
-                                              initial_velocity, added_command);
+         double initial_velocity, const std::optional<Array>& added_command) {
+        const std::vector<double> added = added_command ? to_vector(*added_command) : std::vector<double>{};
+        require_finite("added_command", added);
+        RunOptions options{duration,         seed,  steps_per_sample, record_estimates, initial_position,
+                           initial_velocity, added, nullptr};
         const GivenController given = take_controller(controller);
-        return to_columns(without_gil([&](StopRequest* stop) { return run(plant, given, reference, options, stop); }))
-            .cast<std::map<std::string, py::array_t<double>>>();
+        return to_columns(without_gil([&](StopRequest* request) {
+          return close_with(given, request, [&](const auto& c, StopRequest* stop) {
+            options.stop = stop;
+            return closed_loop<double>(plant, c, reference, options);
+          });
+        }));
       },
       py::arg("plant"), py::arg("controller"), py::arg("reference"), py::kw_only(), py::arg("duration") = 0.0,
       py::arg("seed") = 0, py::arg("steps_per_sample") = 1, py::arg("record_estimates") = false,
       py::arg("initial_position") = py::none(), py::arg("initial_velocity") = 0.0,
       py::arg("added_command") = py::none(),
-      R"(One closed-loop run: columns by name, arrays (n,); `estimates` is (n, p).
+      R"(One closed-loop run, of cogging.closed_loop: columns by name, arrays (n,); `estimates` is (n, p).
 
-A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits.
-duration (s): 0 = the reference's own end. Between samples the command is held and the axis integrated by Runge-Kutta
-steps of fourth order: `steps_per_sample`, or as many more as keep what they err by below 1e-6 of the motion. The axis
-starts at rest on the reference unless told otherwise.
-`added_command` (V, one entry a row) is added to what the controller computes, before the limit: test pulses.
-The controller is one of the core, a CompiledController, or any object that is a cogging.Controller, whose deep copy is
-called in every row with Python's lock held.
-
-Raises:
-    TypeError, ValueError: the controller is none, cannot be copied, or states a sample rate or limit that is none.
-    ValueError: the reference leaves the travel, a motion without an end and no duration, more samples than fit into
-        memory, a delay as long as the run.
-    ControllerError: a controller of Python's raised, or its command is no finite number; says when and in which row.
-    DivergedError: the state left the travel by half its length, is not finite, or is so fast that a sample needs more
-        than 1e5 steps; says when and where, or how fast.)");
+A pure function: the controller given is copied, the noise comes from `seed`, the same call gives the same bits. Between
+samples the command is held and the axis integrated by Runge-Kutta steps of fourth order: `steps_per_sample`, or as many
+more as keep what they err by below 1e-6 of the motion.)");
 
   module.def(
       "replay_controller",
@@ -155,25 +116,27 @@ Example:
     >>> cogging.replay_controller(pid, time=time, reference=at_rest, position=[0.0, 1e-6, -2e-6]).tolist()
     [0.0, -0.001, 0.002])");
 
-  py::class_<Performance>(module, "Performance", R"(The indexes of one run: what `performance` gives.
+  py::class_<Performance> bound(module, "Performance", R"(The indexes of one run: what `performance` gives.
 
 Example:
     >>> print(f"{cogging.performance(log).command_rms:.3f} V")
-    0.421 V)")
-      .def_readonly("error_max", &Performance::error_max, "max |e|, m")
-      .def_readonly("error_rms", &Performance::error_rms, "sqrt(mean e^2), m")
-      .def_readonly("error_final_max", &Performance::error_final_max, "max |e| in the final window, m")
-      .def_readonly("command_rms", &Performance::command_rms, "sqrt(mean u^2), V")
-      .def_readonly("command_change_rms", &Performance::command_change_rms, "rms of u_k - u_(k-1), V")
-      .def_readonly("command_chatter", &Performance::command_chatter, "command_change_rms / command_rms")
-      .def(py::pickle(
-          [](const Performance& p) {
-            return std::array<double, 6>{p.error_max,   p.error_rms,          p.error_final_max,
-                                         p.command_rms, p.command_change_rms, p.command_chatter};
-          },
-          [](const std::array<double, 6>& kept) {
-            return Performance{kept[0], kept[1], kept[2], kept[3], kept[4], kept[5]};
-          }));
+    0.421 V)");
+  for_each_field<Performance>([&](const auto& field) {
+    const std::string unit = field.unit.empty() ? "" : ", " + std::string(field.unit);
+    bound.def_readonly(field.name.data(), field.member, (std::string(field.meaning) + unit).c_str());
+  });
+  bound.def(py::pickle(
+      [](const Performance& p) {
+        std::vector<double> kept;
+        for_each_field<Performance>([&](const auto& field) { kept.push_back(p.*(field.member)); });
+        return kept;
+      },
+      [](const std::vector<double>& kept) {
+        Performance made{};
+        auto next = kept.begin();
+        for_each_field<Performance>([&](const auto& field) { made.*(field.member) = *next++; });
+        return made;
+      }));
   module.def(
       "performance",
       [](const Array& time, const Array& error, const Array& command, double start, double stop, double final_window) {

@@ -3,7 +3,7 @@
 #include "bindings.hpp"
 #include "cogging/table/number_reader.hpp"
 #include "cogging/table/number_writer.hpp"
-#include "without_gil.hpp"
+#include "gil.hpp"
 
 using namespace cogging;
 
@@ -52,12 +52,7 @@ void bind_table(py::module_& module) {
   py::class_<OneThreadReader>(module, "NumberReader", R"(Columns of numbers out of separated text, block by block.
 
 separator: one character, " " = any run of blanks; fields: how many each line has; wanted: indexes of those to read,
-ascending, with a label each. Rows first_row to end_row (without) are kept; first_line numbers the first line that will
-come. Blank lines are skipped, a number may stand in quotes. Numbers have a decimal point, or all a decimal comma.
-
-Raises:
-    ValueError: a line with other than `fields` fields, or a wanted one that is no finite number; names the line. A
-        call while another thread is within one.)")
+ascending, with a label each. Rows first_row to end_row (without) are kept; first_line numbers the first that comes.)")
       .def(py::init([](char separator, std::size_t fields, const std::vector<std::size_t>& wanted,
                        const std::vector<std::string>& labels, std::size_t first_row,
                        const std::optional<std::size_t>& end_row, std::size_t first_line, std::size_t expected_rows,

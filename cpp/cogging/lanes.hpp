@@ -5,7 +5,6 @@
 // they do not, a plant of them is refused.
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <string_view>
 

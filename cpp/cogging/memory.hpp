@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -22,35 +23,17 @@ namespace detail {
 
 inline constexpr double no_memory_limit = std::numeric_limits<double>::infinity();
 
-/// Calls line(text) for the lines of a file, up to one for which it says true; none where there is no file.
-template <class Line>
-void for_each_line(const std::string& path, const Line& line) {
-  std::FILE* file = std::fopen(path.c_str(), "r");
-  if (file == nullptr) return;
-  std::string text;
-  for (int letter = std::fgetc(file); letter != EOF; letter = std::fgetc(file)) {
-    if (letter != '\n') {
-      text += static_cast<char>(letter);
-      continue;
-    }
-    if (line(text)) break;
-    text.clear();
-  }
-  std::fclose(file);
-}
-
-/// The number that stands behind a word at the beginning of a line; infinite where there is none, as `max` of a control
-/// group is none.
+/// The number that stands behind a word at the beginning of a line of a file; infinite where there is none, as `max` of
+/// a control group is none.
 inline double number_in_file(const std::string& path, const std::string& word = "") {
-  double number = no_memory_limit;
-  for_each_line(path, [&](const std::string& line) {
-    if (line.compare(0, word.size(), word) != 0) return false;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(word)) continue;
     char* end = nullptr;
     const double found = std::strtod(line.c_str() + word.size(), &end);
-    if (end != line.c_str() + word.size()) number = found;
-    return true;
-  });
-  return number;
+    return end == line.c_str() + word.size() ? no_memory_limit : found;
+  }
+  return no_memory_limit;
 }
 
 /// Bytes that a control group of Linux and those around it leave; what it holds of files can be given back.
@@ -72,9 +55,10 @@ inline double memory_of_group(const std::string& root, std::string group, const 
 
 inline double memory_of_groups() {
   double left = no_memory_limit;
-  for_each_line("/proc/self/cgroup", [&](const std::string& line) {  // number:controllers:path
+  std::ifstream file("/proc/self/cgroup");
+  for (std::string line; std::getline(file, line);) {  // number:controllers:path
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
-    if (second == std::string::npos) return false;
+    if (second == std::string::npos) continue;
     const bool of_memory = line.find("memory", first) < second;
     // In a container the path may be that outside; the root is then the container's own.
     for (const std::string& group : {line.substr(second + 1), std::string()})
@@ -84,8 +68,7 @@ inline double memory_of_groups() {
       else if (of_memory)
         left = std::min(left, memory_of_group("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes",
                                               "memory.usage_in_bytes", "total_inactive_file "));
-    return false;
-  });
+  }
   return left;
 }
 

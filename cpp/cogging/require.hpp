@@ -19,15 +19,6 @@ class DivergedError : public std::runtime_error {
   double time;  // s
 };
 
-/// A user's own controller that failed, or whose command is no number; says in which row of the run, and at what time.
-class ControllerError : public std::runtime_error {
- public:
-  ControllerError(const std::string& message, std::size_t at_row, double at_time)
-      : std::runtime_error(message), row(at_row), time(at_time) {}
-  std::size_t row;
-  double time;  // s
-};
-
 /// The shortest of %g and %.17g that reads back as the same number.
 inline std::string format(double value) {
   if (std::isnan(value)) return "nan";  // whose sign says nothing
@@ -76,17 +67,6 @@ inline void require_not_negative(std::string_view name, double value) {
 
 inline void require_finite(std::string_view name, const std::vector<double>& values) {
   for (double value : values) require_finite(name, value);
-}
-
-/// Ends a run whose controller, one of the user's own, cannot go on.
-[[noreturn]] inline void end_run(const std::string& controller, const std::string& what, std::size_t row, double time) {
-  const std::string place = " in row " + std::to_string(row) + " (" + format(time) + " s)";
-  const std::string line = "controller: " + controller + ": " + what + place;
-#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
-  throw ControllerError(line, row, time);
-#else
-  refused(line);
-#endif
 }
 
 /// lower < upper (or lower <= upper where a point is allowed), both finite.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "cogging/plant/plant.hpp"
@@ -17,10 +16,19 @@ namespace cogging::fmi {
 /// How a unit starts, and on which grid its noise is drawn.
 struct Start {
   double sample_rate = 5000.0;  // Hz
-  int steps_per_sample = 1;     // fewest steps of the integrator in a sample
-  std::uint64_t seed = 0;       // of the noise
-  double position = 0.0;        // m
-  double velocity = 0.0;        // m/s
+  int steps_per_sample = 1;
+  std::uint64_t seed = 0;  // of the noise
+  double position = 0.0;   // m
+  double velocity = 0.0;   // m/s
+
+  static constexpr auto fields() {
+    using S = Start;
+    return std::tuple{
+        Field{"sample_rate", &S::sample_rate, "Hz", "samples a second", Rule::positive},
+        Field{"steps_per_sample", &S::steps_per_sample, "1", "fewest steps of the integrator in a sample"},
+        Field{"initial_position", &S::position, "m", "where the axis starts"},
+        Field{"initial_velocity", &S::velocity, "m/s", "with which it starts"}};
+  }
 };
 
 /// The plant at any time, in steps of any length. Force and encoder noise are drawn once a sample and held, as in a
@@ -32,16 +40,14 @@ class AxisUnit {
   /// Raises std::invalid_argument for a parameter that breaks its rule.
   AxisUnit(Plant<> plant, const Start& start)
       : plant_(std::move(plant)),
-        rate_(start.sample_rate),
+        rate_(validated(start).sample_rate),
         steps_(start.steps_per_sample),
         axis_(plant_.axis, plant_.cogging, plant_.effects),
         commands_(plant_.effects, 1.0 / start.sample_rate),
         force_noise_(plant_.noise, 1.0 / start.sample_rate, start.seed),
         encoder_noise_(start.seed ^ 0x9e3779b97f4a7c15ULL),
         state_{start.position, start.velocity} {
-    plant_.encoder.validate();
-    require_finite("initial_position", start.position);
-    require_finite("initial_velocity", start.velocity);
+    validated(plant_.encoder);
     bounds_ = detail::bounds_of(plant_.axis.travel);
     detail::require_bounded(state_, bounds_, plant_.axis.travel, 0.0);
     draw();

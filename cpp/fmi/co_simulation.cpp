@@ -15,28 +15,24 @@ namespace cogging::fmi {
 
 namespace {
 
-/// Value references that every unit has; those of the plant's parameters stand in its resource.
+/// Value references that every unit has; those of the parameters but the seed stand in its resource.
 enum Variable : fmi3ValueReference {
   time_variable,
   command_variable,
   reading_variable,
   position_variable,
   velocity_variable,
-  seed_variable,
-  initial_position_variable,
-  initial_velocity_variable
+  seed_variable
 };
 
 /// What the interface allows when.
 enum class Phase { instantiated, initialization, stepping, terminated, failed };
 
 /// All that a unit is in, besides what it is made of: what an importer may keep and give back.
-struct Situation {
+struct Situation : Machine {
   Phase phase = Phase::instantiated;
-  Plant<> plant;
-  Start start;
   double start_time = 0.0, command = 0.0;  // s, V
-  std::optional<AxisUnit> axis;            // made where it is first asked for
+  std::optional<AxisUnit> axis = {};       // made where it is first asked for
 
   AxisUnit& made() {
     if (!axis) axis.emplace(plant, start);
@@ -50,13 +46,6 @@ struct Instance {
   fmi3InstanceEnvironment environment = nullptr;
   fmi3LogMessageCallback log = nullptr;
   Situation now;
-
-  Situation fresh() const {
-    Situation situation;
-    situation.plant = resource.plant;
-    situation.start = resource.start;
-    return situation;
-  }
 
   fmi3Status refuse(const std::string& line) const {
     if (log != nullptr) log(environment, fmi3Error, "logStatusError", (name + ": " + line).c_str());
@@ -98,15 +87,9 @@ fmi3Status enter(fmi3Instance instance, Phase from, Phase to, std::string_view r
   });
 }
 
-bool may_set_parameters(const Instance& unit) {
-  return unit.now.phase == Phase::instantiated || unit.now.phase == Phase::initialization;
-}
-
 double* parameter_of(Instance& unit, fmi3ValueReference reference) {
-  if (reference == initial_position_variable) return &unit.now.start.position;
-  if (reference == initial_velocity_variable) return &unit.now.start.velocity;
   const auto place = unit.resource.parameters.find(reference);
-  return place == unit.resource.parameters.end() ? nullptr : find_parameter(unit.now.plant, place->second);
+  return place == unit.resource.parameters.end() ? nullptr : find_parameter(unit.now, place->second);
 }
 
 /// The value of a variable. Raises std::invalid_argument where there is none of this reference.
@@ -135,19 +118,21 @@ double value_of(Instance& unit, fmi3ValueReference reference) {
 template <class Value>
 void set_parameter(Instance& unit, Value* parameter, fmi3ValueReference reference, Value value) {
   if (parameter == nullptr) refuse("value reference", "must be that of an input or a parameter", format(reference));
-  if (!may_set_parameters(unit))
+  if (unit.now.phase != Phase::instantiated && unit.now.phase != Phase::initialization)
     refuse("value reference", "must not be that of a fixed parameter after initialization", format(reference));
   *parameter = value;
   unit.now.axis.reset();
 }
 
-void require_as_many(std::size_t references, std::size_t values) {
-  if (references != values) refuse("nValues", "must be nValueReferences", format(static_cast<double>(values)));
-}
-
-void initialize(Instance& unit, double start_time) {
-  if (!std::isfinite(start_time)) refuse("startTime", "must be a finite number", format(start_time));
-  unit.now.start_time = start_time;
+/// Calls each(unit, reference, value) for every variable that is read or written.
+template <class Value, class Each>
+fmi3Status for_each_variable(fmi3Instance instance, const fmi3ValueReference* references, std::size_t count,
+                             Value* values, std::size_t value_count, const Each& each) {
+  return answer(instance, [&](Instance& unit) {
+    require(count == value_count, "nValues", "must be nValueReferences", static_cast<double>(value_count));
+    for (std::size_t i = 0; i < count; ++i) each(unit, references[i], values[i]);
+    return fmi3OK;
+  });
 }
 
 /// Moves on by a step; the phase is that of a failure where it cannot.
@@ -201,7 +186,7 @@ COGGING_FMI fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     made.resource = read_resource(folder + "axis.txt");
     if (made.resource.token != token)
       return made.refuse("instantiationToken: must be " + made.resource.token + ", got " + token);
-    made.now = made.fresh();
+    made.now = Situation{made.resource};
     return fmi3OK;
   });
   return status == fmi3OK ? unit.release() : nullptr;
@@ -214,8 +199,10 @@ COGGING_FMI void fmi3FreeInstance(fmi3Instance instance) {
 COGGING_FMI fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64,
                                                    fmi3Float64 start_time, fmi3Boolean, fmi3Float64) {
   return enter(instance, Phase::instantiated, Phase::initialization,
-               "fmi3EnterInitializationMode: must be called first, once",
-               [&](Instance& unit) { initialize(unit, start_time); });
+               "fmi3EnterInitializationMode: must be called first, once", [&](Instance& unit) {
+                 cogging::require_finite("startTime", start_time);
+                 unit.now.start_time = start_time;
+               });
 }
 
 COGGING_FMI fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
@@ -230,7 +217,7 @@ COGGING_FMI fmi3Status fmi3Terminate(fmi3Instance instance) {
 
 COGGING_FMI fmi3Status fmi3Reset(fmi3Instance instance) {
   return answer(instance, [](Instance& unit) {
-    unit.now = unit.fresh();
+    unit.now = Situation{unit.resource};
     return fmi3OK;
   });
 }
@@ -247,48 +234,39 @@ COGGING_FMI fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3F
 
 COGGING_FMI fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference* references, std::size_t count,
                                       fmi3Float64* values, std::size_t value_count) {
-  return answer(instance, [&](Instance& unit) {
-    require_as_many(count, value_count);
-    for (std::size_t i = 0; i < count; ++i) values[i] = value_of(unit, references[i]);
-    return fmi3OK;
-  });
+  return for_each_variable(
+      instance, references, count, values, value_count,
+      [](Instance& unit, fmi3ValueReference reference, fmi3Float64& value) { value = value_of(unit, reference); });
 }
 
 COGGING_FMI fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference* references, std::size_t count,
                                       const fmi3Float64* values, std::size_t value_count) {
-  return answer(instance, [&](Instance& unit) {
-    require_as_many(count, value_count);
-    for (std::size_t i = 0; i < count; ++i)
-      if (references[i] == command_variable)
-        unit.now.command = values[i];
-      else
-        set_parameter(unit, parameter_of(unit, references[i]), references[i], values[i]);
-    return fmi3OK;
-  });
+  return for_each_variable(instance, references, count, values, value_count,
+                           [](Instance& unit, fmi3ValueReference reference, fmi3Float64 value) {
+                             if (reference == command_variable)
+                               unit.now.command = value;
+                             else
+                               set_parameter(unit, parameter_of(unit, reference), reference, value);
+                           });
 }
 
 COGGING_FMI fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference* references, std::size_t count,
                                      fmi3UInt64* values, std::size_t value_count) {
-  return answer(instance, [&](Instance& unit) {
-    require_as_many(count, value_count);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (references[i] != seed_variable)
-        cogging::refuse("value reference", "must be that of the seed", cogging::format(references[i]));
-      values[i] = unit.now.start.seed;
-    }
-    return fmi3OK;
-  });
+  return for_each_variable(instance, references, count, values, value_count,
+                           [](Instance& unit, fmi3ValueReference reference, fmi3UInt64& value) {
+                             cogging::require(reference == seed_variable, "value reference", "must be that of the seed",
+                                              reference);
+                             value = unit.now.start.seed;
+                           });
 }
 
 COGGING_FMI fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference* references, std::size_t count,
                                      const fmi3UInt64* values, std::size_t value_count) {
-  return answer(instance, [&](Instance& unit) {
-    require_as_many(count, value_count);
-    for (std::size_t i = 0; i < count; ++i)
-      set_parameter<std::uint64_t>(unit, references[i] == seed_variable ? &unit.now.start.seed : nullptr, references[i],
-                                   values[i]);
-    return fmi3OK;
-  });
+  return for_each_variable(instance, references, count, values, value_count,
+                           [](Instance& unit, fmi3ValueReference reference, fmi3UInt64 value) {
+                             std::uint64_t* const seed = reference == seed_variable ? &unit.now.start.seed : nullptr;
+                             set_parameter<std::uint64_t>(unit, seed, reference, value);
+                           });
 }
 
 COGGING_FMI fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {

@@ -15,24 +15,24 @@ namespace cogging::fmi {
 /// What Amplifier does in a run, without the grid of the samples: a moment is a sample's number and the time since that
 /// sample, so that commands which come with the samples act at the times, to the bit, at which Amplifier has them act.
 /// Before the first the command is 0.
-class HeldCommands {
+class HeldCommands : public AmplifierLaws<> {
  public:
   HeldCommands(const std::vector<Effect<>>& effects, double sample_time)
-      : laws_(effects), sample_time_(sample_time), delay_(laws_.delay_in_samples(sample_time)) {
+      : AmplifierLaws(effects), sample_time_(sample_time), delay_(delay_in_samples(sample_time)) {
     // As in a run, the samples before the first command acts are cut where it would switch.
     for (std::int64_t sample = 0; sample < delay_.sample; ++sample) waiting_.push_back({{sample, delay_.since}, 0.0});
   }
 
   /// Raises DivergedError where what is passed on to the motor would not be a number.
   void accept(std::int64_t sample, double since, double command, double time) {
-    const double shaped = laws_.shaped(command);
-    if (!std::isfinite(shaped))
+    const double passed = shaped(command);
+    if (!std::isfinite(passed))
       throw DivergedError(
-          "the run diverged at " + format(time) + " s: the command must be a finite number, got " + format(shaped),
+          "the run diverged at " + format(time) + " s: the command must be a finite number, got " + format(passed),
           time);
     SampleMoment acts{sample + delay_.sample, since + delay_.since};
     acts.carry(sample_time_);
-    waiting_.push_back({acts, shaped});
+    waiting_.push_back({acts, passed});
   }
 
   /// Calls piece(drive, from, to) for each part of [from, to], within the sample that begins at `start`, in which one
@@ -51,17 +51,14 @@ class HeldCommands {
         target_ = waiting_.front().value;
         waiting_.pop_front();
       }
-      piece(Drive<double>{target_, output_ - target_, laws_.rate(), 0.0, laws_.lagging()}, from, until);
+      piece(Drive<double>{target_, output_ - target_, rate(), 0.0, lagging()}, from, until);
       from = until;
     }
   }
 
-  /// See AmplifierLaws::followed_until.
-  double followed_until(double now, double changed) const { return laws_.followed_until(now, changed); }
-
   /// Moves the current loop on by the time that has passed.
   void settle(Drive<double>& drive, double duration) {
-    if (!laws_.lagging()) return;
+    if (!lagging()) return;
     output_ = drive.at(duration);
     drive.deviation = output_ - drive.target;
   }
@@ -72,7 +69,6 @@ class HeldCommands {
     double value;       // V
   };
 
-  AmplifierLaws<> laws_;
   double sample_time_, target_ = 0.0, output_ = 0.0;
   SampleMoment delay_;
   std::deque<Command> waiting_;

@@ -22,36 +22,26 @@ COGGING_FMI fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3Strin
   COGGING_FMI fmi3Status name(fmi3Instance instance, const fmi3ValueReference*, std::size_t count, __VA_ARGS__) { \
     return count == 0 ? fmi3OK : refuse_function(instance, #name);                                                \
   }
-// What does anything else, of the instance alone or of more.
-#define COGGING_REFUSED_ALONE(name)                    \
-  COGGING_FMI fmi3Status name(fmi3Instance instance) { \
-    return refuse_function(instance, #name);           \
-  }
-#define COGGING_REFUSED(name, ...)                                  \
-  COGGING_FMI fmi3Status name(fmi3Instance instance, __VA_ARGS__) { \
-    return refuse_function(instance, #name);                        \
+// Both of a type.
+#define COGGING_OF_TYPE(type)                                \
+  COGGING_OF_VALUES(fmi3Get##type, fmi3##type*, std::size_t) \
+  COGGING_OF_VALUES(fmi3Set##type, const fmi3##type*, std::size_t)
+// What does anything else.
+#define COGGING_REFUSED(name, ...)                                                \
+  COGGING_FMI fmi3Status name(fmi3Instance instance __VA_OPT__(, ) __VA_ARGS__) { \
+    return refuse_function(instance, #name);                                      \
   }
 
-COGGING_OF_VALUES(fmi3GetFloat32, fmi3Float32*, std::size_t)
-COGGING_OF_VALUES(fmi3SetFloat32, const fmi3Float32*, std::size_t)
-COGGING_OF_VALUES(fmi3GetInt8, fmi3Int8*, std::size_t)
-COGGING_OF_VALUES(fmi3SetInt8, const fmi3Int8*, std::size_t)
-COGGING_OF_VALUES(fmi3GetUInt8, fmi3UInt8*, std::size_t)
-COGGING_OF_VALUES(fmi3SetUInt8, const fmi3UInt8*, std::size_t)
-COGGING_OF_VALUES(fmi3GetInt16, fmi3Int16*, std::size_t)
-COGGING_OF_VALUES(fmi3SetInt16, const fmi3Int16*, std::size_t)
-COGGING_OF_VALUES(fmi3GetUInt16, fmi3UInt16*, std::size_t)
-COGGING_OF_VALUES(fmi3SetUInt16, const fmi3UInt16*, std::size_t)
-COGGING_OF_VALUES(fmi3GetInt32, fmi3Int32*, std::size_t)
-COGGING_OF_VALUES(fmi3SetInt32, const fmi3Int32*, std::size_t)
-COGGING_OF_VALUES(fmi3GetUInt32, fmi3UInt32*, std::size_t)
-COGGING_OF_VALUES(fmi3SetUInt32, const fmi3UInt32*, std::size_t)
-COGGING_OF_VALUES(fmi3GetInt64, fmi3Int64*, std::size_t)
-COGGING_OF_VALUES(fmi3SetInt64, const fmi3Int64*, std::size_t)
-COGGING_OF_VALUES(fmi3GetBoolean, fmi3Boolean*, std::size_t)
-COGGING_OF_VALUES(fmi3SetBoolean, const fmi3Boolean*, std::size_t)
-COGGING_OF_VALUES(fmi3GetString, fmi3String*, std::size_t)
-COGGING_OF_VALUES(fmi3SetString, const fmi3String*, std::size_t)
+COGGING_OF_TYPE(Float32)
+COGGING_OF_TYPE(Int8)
+COGGING_OF_TYPE(UInt8)
+COGGING_OF_TYPE(Int16)
+COGGING_OF_TYPE(UInt16)
+COGGING_OF_TYPE(Int32)
+COGGING_OF_TYPE(UInt32)
+COGGING_OF_TYPE(Int64)
+COGGING_OF_TYPE(Boolean)
+COGGING_OF_TYPE(String)
 COGGING_OF_VALUES(fmi3GetBinary, std::size_t*, fmi3Binary*, std::size_t)
 COGGING_OF_VALUES(fmi3SetBinary, const std::size_t*, const fmi3Binary*, std::size_t)
 COGGING_OF_VALUES(fmi3GetClock, fmi3Clock*)
@@ -66,11 +56,11 @@ COGGING_OF_VALUES(fmi3SetShiftDecimal, const fmi3Float64*)
 COGGING_OF_VALUES(fmi3SetShiftFraction, const fmi3UInt64*, const fmi3UInt64*)
 COGGING_OF_VALUES(fmi3GetOutputDerivatives, const fmi3Int32*, fmi3Float64*, std::size_t)
 
-COGGING_REFUSED_ALONE(fmi3EnterEventMode)
-COGGING_REFUSED_ALONE(fmi3EnterStepMode)
-COGGING_REFUSED_ALONE(fmi3EnterConfigurationMode)
-COGGING_REFUSED_ALONE(fmi3ExitConfigurationMode)
-COGGING_REFUSED_ALONE(fmi3EvaluateDiscreteStates)
+COGGING_REFUSED(fmi3EnterEventMode)
+COGGING_REFUSED(fmi3EnterStepMode)
+COGGING_REFUSED(fmi3EnterConfigurationMode)
+COGGING_REFUSED(fmi3ExitConfigurationMode)
+COGGING_REFUSED(fmi3EvaluateDiscreteStates)
 COGGING_REFUSED(fmi3UpdateDiscreteStates, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*,
                 fmi3Float64*)
 COGGING_REFUSED(fmi3GetNumberOfVariableDependencies, fmi3ValueReference, std::size_t*)
@@ -85,7 +75,7 @@ COGGING_REFUSED(fmi3GetAdjointDerivative, const fmi3ValueReference*, std::size_t
                 std::size_t, const fmi3Float64*, std::size_t, fmi3Float64*, std::size_t)
 
 // Model exchange and scheduled execution.
-COGGING_REFUSED_ALONE(fmi3EnterContinuousTimeMode)
+COGGING_REFUSED(fmi3EnterContinuousTimeMode)
 COGGING_REFUSED(fmi3CompletedIntegratorStep, fmi3Boolean, fmi3Boolean*, fmi3Boolean*)
 COGGING_REFUSED(fmi3SetTime, fmi3Float64)
 COGGING_REFUSED(fmi3SetContinuousStates, const fmi3Float64*, std::size_t)

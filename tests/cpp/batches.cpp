@@ -26,7 +26,6 @@
 #include "cogging/simulation/batch.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/run_record.hpp"
-#include "cogging/simulation/shared_rows.hpp"
 #include "machines.hpp"
 
 namespace {
@@ -91,7 +90,7 @@ std::vector<Run> drawn_runs() {
   std::mt19937_64 engine(1);
   Custom<double> own;
   own.label = "eddy_drag";
-  own.force_law = std::make_shared<const EddyDrag>();
+  own.laws[static_cast<std::size_t>(cogging::Hook::force)] = std::make_shared<const EddyDrag>();
   std::vector<Run> runs;
   for (const auto& controller : controllers(static_cast<const AnyController<>*>(nullptr)))
     for (int kind = 0; kind < 2 * kinds; ++kind)

@@ -13,20 +13,19 @@
 
 #include "../bindings.hpp"
 #include "../controller_state.hpp"
+#include "../gil.hpp"
 #include "../own_controller.hpp"
-#include "../without_gil.hpp"
 #include "cogging/memory.hpp"
 #include "cogging/simulation/batch.hpp"
-#include "cogging/simulation/shared_rows.hpp"
+#include "cogging/simulation/reference_rows.hpp"
 #include "instantiated.hpp"
-#include "jobs.hpp"
 #include "lanes.hpp"
 
 using namespace cogging;
 
 namespace {
 
-constexpr std::size_t index_count = 6;
+constexpr std::size_t index_count = std::tuple_size_v<decltype(Performance::fields())>;
 using Failure = std::tuple<std::size_t, double, std::string>;  // run, time (s), reason
 using AskedReduction = std::tuple<std::string, std::string, double>;
 
@@ -48,12 +47,8 @@ std::optional<SharedCourse> course_of_run(const Plant<>& plant, const GivenContr
 struct RecordedBatch {
   const std::vector<Plant<>>& plants;
   const std::vector<GivenController>& controllers;
-  const std::vector<const Reference*>& references;  // one a run, or one for all
-  const std::vector<double>& durations;
-  const std::vector<std::uint64_t>& seeds;
-  const std::vector<int>& steps;
-  const std::vector<double>& initial_positions;  // none: where each motion begins
-  double initial_velocity;
+  const std::vector<const Reference*>& references;
+  const std::vector<RunOptions>& options;  // of each run, but for what all have in common:
   const std::vector<double>& added_command;
   RecordRequest request;
   bool keeps_refused = false;
@@ -79,7 +74,7 @@ struct RecordedBatch {
   double rows_kept(std::size_t i) const {
     const double rate = std::visit([](const auto& c) { return c.sample_rate(); }, controllers[i]);
     try {
-      return std::ceil(static_cast<double>(ReferenceRows::count(reference(i), one_of(durations, i), rate)) /
+      return std::ceil(static_cast<double>(ReferenceRows::count(*references[i], options[i].duration, rate)) /
                        static_cast<double>(request.every));
     } catch (const std::invalid_argument&) {
       return 0.0;
@@ -96,49 +91,30 @@ struct RecordedBatch {
     require_memory(
         "duration", 8.0 * all / runs * (in_all * kept + runs * static_cast<double>(width())),
         format(all) + " runs of " + format(std::floor(in_all / runs)) + " rows of " + format(kept) + " columns",
-        format(ReferenceRows::length(reference(0), durations[0])));
-  }
-
-  template <class T>
-  static const T& one_of(const std::vector<T>& list, std::size_t i) {
-    return list[list.size() == 1 ? 0 : i];
-  }
-
-  const Reference& reference(std::size_t i) const { return *one_of(references, i); }
-
-  std::optional<double> initial_position(std::size_t i) const {
-    return initial_positions.empty() ? std::nullopt : std::optional(one_of(initial_positions, i));
+        format(ReferenceRows::length(*references[0], options[0].duration)));
   }
 
   RunOptions options_of(std::size_t i, StopRequest* stop) const {
-    RunOptions options;
-    options.seed = seeds.empty() ? 0 : seeds[i];
-    options.steps_per_sample = one_of(steps, i);
-    options.duration = one_of(durations, i);
-    options.initial_position = initial_position(i);
-    options.initial_velocity = initial_velocity;
-    options.added_command = added_command;
-    options.stop = stop;
-    detail::require_options(options);
-    return options;
+    RunOptions one = options[i];
+    one.added_command = added_command;
+    one.stop = stop;
+    detail::require_options(one);
+    return one;
   }
 
   void keep(std::size_t i, KeptOfRun&& kept) {
-    const Performance& found = kept.performance;
     double* row = values.data() + i * width();
-    for (double index : {found.error_max, found.error_rms, found.error_final_max, found.command_rms,
-                         found.command_change_rms, found.command_chatter})
-      *row++ = index;
+    for_each_field<Performance>([&](const auto& field) { *row++ = kept.performance.*(field.member); });
     for (double reduction : kept.reductions) *row++ = reduction;
     if (!columns.empty()) columns[i] = std::move(kept.columns);
   }
 
   template <class C>
   void run_with(const C& controller, std::size_t i, StopRequest* stop) {
-    const RunOptions options = options_of(i, stop);
+    const RunOptions own = options_of(i, stop);
     RunRecord<double> record(request);
-    const auto motion = rows.of(reference(i), options.duration, controller.sample_rate(), stop);
-    closed_loop_into<double>(record, plants[i], controller, *motion, options);
+    const auto motion = rows.of(*references[i], own.duration, controller.sample_rate(), stop);
+    closed_loop_into<double>(record, plants[i], controller, *motion, own);
     keep(i, record.take_lane(0));
   }
 
@@ -171,8 +147,8 @@ struct RecordedBatch {
   std::optional<SharedCourse> course_of(std::size_t i) const {
     std::optional<SharedCourse> course = course_of_run(plants[i], controllers[i]);
     if (!course) return course;
-    course->add(reinterpret_cast<std::uintptr_t>(&reference(i)));
-    course->add(one_of(durations, i)), course->add(one_of(steps, i));
+    course->add(reinterpret_cast<std::uintptr_t>(references[i]));
+    course->add(options[i].duration), course->add(options[i].steps_per_sample);
     return course;
   }
 
@@ -183,7 +159,7 @@ struct RecordedBatch {
     std::vector<const AnyController<>*> own_places;
     std::vector<KeptOfRun> kept(job.size());
     for (const std::size_t i : job) {
-      runs.push_back({&plants[i], seeds.empty() ? 0 : seeds[i], initial_position(i)});
+      runs.push_back({&plants[i], options[i].seed, options[i].initial_position});
       std::visit(
           [&]<class C>(const C& c) {
             if constexpr (std::is_constructible_v<AnyController<>, const C&>) own.emplace_back(c);
@@ -192,10 +168,10 @@ struct RecordedBatch {
     }
     for (const auto& controller : own) own_places.push_back(&controller);
     try {
-      const RunOptions options = options_of(job[0], stop);
+      const RunOptions of_all = options_of(job[0], stop);
       const double rate = std::visit([](const auto& c) { return c.sample_rate(); }, own[0]);
-      const auto motion = rows.of(reference(job[0]), options.duration, rate, stop);
-      set.run({runs, own_places, kept, request, *motion, options});
+      const auto motion = rows.of(*references[job[0]], of_all.duration, rate, stop);
+      set.run({runs, own_places, kept, request, *motion, of_all});
     } catch (const std::invalid_argument&) {
       return false;
     }
@@ -219,11 +195,15 @@ struct RecordedBatch {
   }
 };
 
+// One entry for each run, of a list of one for each or, if that will do, of one for all.
 template <class T>
-void require_one_for_each(const char* name, const std::vector<T>& list, std::size_t runs, bool one_will_do) {
+std::vector<T> for_each_run(const char* name, std::vector<T> list, std::size_t runs, bool one_will_do = true) {
   require(list.size() == runs || (one_will_do && list.size() == 1), name,
           one_will_do ? "must be one for all runs or one for each plant" : "must be one for each plant",
           static_cast<double>(list.size()));
+  const T first = list.empty() ? T{} : list[0];
+  list.resize(runs, first);
+  return list;
 }
 
 py::dict kept_of(RecordedBatch&& batch) {
@@ -257,28 +237,31 @@ void bind_batch(py::module_& module) {
          const std::vector<std::string>& columns, std::size_t every, bool keeps_refused,
          const std::vector<double>& initial_positions, double initial_velocity,
          const std::vector<double>& added_command, std::size_t runs_in_all) {
-        require_one_for_each("controllers", controllers, plants.size(), false);
-        require_one_for_each("references", references, plants.size(), true);
-        require_one_for_each("durations", durations, plants.size(), true);
-        require_one_for_each("steps_per_sample", steps_per_sample, plants.size(), true);
-        if (!seeds.empty()) require_one_for_each("seeds", seeds, plants.size(), false);
-        if (!initial_positions.empty())
-          require_one_for_each("initial_positions", initial_positions, plants.size(), true);
+        const std::size_t runs = plants.size();
+        std::vector<GivenController> given;
+        for (const py::object& controller : for_each_run("controllers", controllers, runs, false))
+          given.push_back(take_controller(controller));
+        const auto motions = for_each_run("references", references, runs);
+        for (const Reference* motion : motions)
+          if (motion == nullptr) throw py::type_error("references: must be motions, got None");
+        const auto times = for_each_run("durations", durations, runs);
+        const auto steps = for_each_run("steps_per_sample", steps_per_sample, runs);
+        const auto draws = seeds.empty() ? std::vector<std::uint64_t>(runs) : for_each_run("seeds", seeds, runs, false);
+        std::vector<std::optional<double>> starts(initial_positions.begin(), initial_positions.end());
+        starts =
+            starts.empty() ? std::vector<std::optional<double>>(runs) : for_each_run("initial_positions", starts, runs);
         for (const double position : initial_positions) require_finite("initial_positions", position);
+        std::vector<RunOptions> options;
+        for (std::size_t i = 0; i < runs; ++i)
+          options.push_back({times[i], draws[i], steps[i], false, starts[i], initial_velocity, {}, nullptr});
         for (const double added : added_command) require_finite("added_command", added);
         // Where a plant asks Python, it holds a lock for which other threads would only wait.
         for (const Plant<>& plant : plants)
           if (is_serial(plant.effects)) threads = 1;
-        std::vector<GivenController> given;
-        for (const py::object& controller : controllers) given.push_back(take_controller(controller));
-        for (const Reference* reference : references)
-          if (reference == nullptr) throw py::type_error("references: must be motions, got None");
         RecordRequest request{{start, stop, final_window}, {}, columns, every};
         for (const auto& [quantity, kind, at] : reductions) request.reductions.push_back({quantity, kind, at});
         const RunRecord<double> refuses_what_is_wrong(request);
-        RecordedBatch batch{
-            plants,           given,         references, durations,    seeds, steps_per_sample, initial_positions,
-            initial_velocity, added_command, request,    keeps_refused};
+        RecordedBatch batch{plants, given, motions, options, added_command, request, keeps_refused};
         batch.require_room(runs_in_all);
         batch.make_room();
         without_gil([&](StopRequest* request_to_stop) { batch.run(threads, request_to_stop); });
@@ -293,13 +276,7 @@ void bind_batch(py::module_& module) {
 
 `values` (runs, 6 + reductions): the fields of Performance in order, then the reductions (quantity, kind, at); NaN where a
 run failed. `failures`: run, time (s), reason. `columns`: one list for each, an array a run, every so many rows.
-`in_lanes`: of each run whether it shared its steps with others of its course.
-`initial_positions` (m): one for all runs, one for each or none, where each starts on its reference; `added_command` (V,
-one entry a row or none) is added to what each controller computes, as by closed_loop.
-`runs_in_all`: of how many the caller will keep as much as of these, for which there must be room in memory.
-
-Raises:
-    ValueError: a list of another length, what a run alone refuses, rows that do not fit into memory.)");
+There must be room in memory for as much of `runs_in_all` runs.)");
 
   module.def(
       "instruction_sets",

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -53,20 +52,8 @@ void net_force(const PackOfForces& pack) {
   std::array<const Plant<>*, count> plants{};
   for (std::size_t i = 0; i < count; ++i) plants[i] = pack.plants[std::min(i, pack.plants.size() - 1)];
   const Plant<Scalar> together = packed_plant<count>(plants);
-  const Axis<Scalar> axis(together.axis, together.cogging, together.effects);
-  std::vector<RecordedAmplifier> amplifiers = amplifiers_of(pack);
-  const std::size_t rows = pack.log.time.size();
-  StopCheck stop(pack.stop);
-  for (std::size_t k = 0; k + 1 < rows; ++k) {
-    stop.row();
-    const double start = pack.log.time[k], end = pack.log.time[k + 1];
-    Scalar command = amplifiers[0].mean(start, end);
-    for (std::size_t i = 1; i < amplifiers.size(); ++i) set_lane(command, i, amplifiers[i].mean(start, end));
-    const Scalar force = together.axis.mass * axis.acceleration(pack.middle_position[k], pack.middle_velocity[k],
-                                                                command, 0.5 * (start + end));
-    for (std::size_t i = 0; i < pack.rows.size(); ++i) pack.rows[i][k] = lane(force, i);
-  }
-  for (double* row : pack.rows) row[rows - 1] = row[rows - 2];
+  write_net_force(together, amplifiers_of(pack), pack.log, pack.middle_position, pack.middle_velocity, pack.rows,
+                  pack.stop);
 }
 
 }  // namespace

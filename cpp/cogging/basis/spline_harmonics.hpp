@@ -39,33 +39,23 @@ class SplineHarmonics {
 
   static SplineHarmonics of_harmonics(double pitch, std::vector<int> harmonics, BSpline spline) {
     require_period("pitch", pitch);
-    SplineHarmonics basis;
     for (int harmonic : harmonics) {
       require(harmonic >= 1, "harmonics", "each must be at least 1", harmonic);
       require(pitch / harmonic >= 1e-9, "harmonics", "each must leave a period of at least 1e-9", harmonic);
     }
-    basis.check_terms(harmonics.size(), "harmonics");
-    basis.require_distinct(harmonics, "harmonics");
-    require_coefficients("control_points", spline.control_points(), harmonics.size());
-    basis.spline_ = spline;
+    SplineHarmonics basis(spline, harmonics, "harmonics");
     basis.wavenumber_ = 2.0 * std::numbers::pi / pitch;
     basis.pitch_ = pitch;
     for (int harmonic : harmonics) basis.wavenumbers_.push_back(basis.wavenumber_ * harmonic);
-    basis.columns_ = 2 * static_cast<int>(harmonics.size());
     basis.harmonics_ = std::move(harmonics);
     basis.plan_powers();
     return basis;
   }
 
   static SplineHarmonics of_periods(std::vector<double> periods, BSpline spline) {
-    SplineHarmonics basis;
     for (double period : periods) require_period("periods", period);
-    basis.check_terms(periods.size(), "periods");
-    basis.require_distinct(periods, "periods");
-    require_coefficients("control_points", spline.control_points(), periods.size());
-    basis.spline_ = spline;
+    SplineHarmonics basis(spline, periods, "periods");
     for (double period : periods) basis.wavenumbers_.push_back(2.0 * std::numbers::pi / period);
-    basis.columns_ = 2 * static_cast<int>(periods.size());
     basis.periods_ = std::move(periods);
     return basis;
   }
@@ -262,15 +252,16 @@ class SplineHarmonics {
     }
   }
 
-  void check_terms(std::size_t count, std::string_view name) const {
-    require(count >= 1 && count <= terms_max, name, "must list 1 to 32 terms", static_cast<double>(count));
-  }
-
-  template <class Value>
-  void require_distinct(std::vector<Value> values, std::string_view name) const {
-    std::sort(values.begin(), values.end());
-    const auto twice = std::adjacent_find(values.begin(), values.end());
-    if (twice != values.end()) require(false, name, "each may stand once", static_cast<double>(*twice));
+  // Without its wave numbers; `terms` are its harmonics or periods.
+  template <class Term>
+  SplineHarmonics(const BSpline& spline, std::vector<Term> terms, std::string_view name)
+      : spline_(spline), columns_(2 * static_cast<int>(terms.size())) {
+    require(!terms.empty() && terms.size() <= terms_max, name, "must list 1 to 32 terms",
+            static_cast<double>(terms.size()));
+    std::sort(terms.begin(), terms.end());
+    const auto twice = std::adjacent_find(terms.begin(), terms.end());
+    if (twice != terms.end()) require(false, name, "each may stand once", static_cast<double>(*twice));
+    require_coefficients("control_points", spline.control_points(), terms.size());
   }
 
   // A short addition chain over the harmonics: each power is the last one plus one that is already there.

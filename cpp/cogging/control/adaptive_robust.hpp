@@ -57,38 +57,39 @@ struct AdaptiveRobustParameters {
   static constexpr auto fields() {
     using P = AdaptiveRobustParameters;
     return std::tuple{
-        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-        Field<P, Scalar>{"error_gain", &P::error_gain, "1/s", "k_1 of p = e' + k_1 e (eq. 15)"},
-        Field<P, Scalar>{"feedback_gain", &P::feedback_gain, "V/(m/s)", "k_s1 of u_s1 = -k_s1 p (eq. 19, 27)"},
-        Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "initial estimate of theta_1 = M"},
-        Field<P, Bounds>{"mass_bounds", &P::mass_bounds, "V/(m/s^2)", "theta_1 min and max (eq. 11)"},
-        Field<P, double>{"mass_adaptation", &P::mass_adaptation, "V/(m/s^2)/(V m/s) m/s", "Gamma of theta_1"},
-        Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "initial estimate of theta_2 = B"},
-        Field<P, Bounds>{"viscous_bounds", &P::viscous_bounds, "V/(m/s)", "theta_2 min and max"},
-        Field<P, double>{"viscous_adaptation", &P::viscous_adaptation, "V s/m^2", "Gamma of theta_2"},
-        Field<P, Scalar>{"coulomb", &P::coulomb, "V", "initial estimate of theta_3 = A_f"},
-        Field<P, Bounds>{"coulomb_bounds", &P::coulomb_bounds, "V", "theta_3 min and max"},
-        Field<P, double>{"coulomb_adaptation", &P::coulomb_adaptation, "V/m", "Gamma of theta_3"},
-        Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of S_f(v) = (2/pi) atan(v / width) (eq. 2)"},
-        Field<P, Scalar>{"disturbance", &P::disturbance, "V", "initial estimate of d_n = -theta_5"},
-        Field<P, Bounds>{"disturbance_bounds", &P::disturbance_bounds, "V", "d_n min and max"},
-        Field<P, double>{"disturbance_adaptation", &P::disturbance_adaptation, "V/m", "Gamma of theta_5"},
-        Field<P, double>{"cogging_pitch", &P::cogging_pitch, "m", "P of the harmonics and of the knots"},
-        Field<P, std::vector<int>>{"cogging_harmonics", &P::cogging_harmonics, "1",
-                                   "those compensated; empty = no cogging compensation"},
-        Field<P, int>{"cogging_order", &P::cogging_order, "1", "k of the B-splines (eq. 6)"},
-        Field<P, double>{"cogging_origin", &P::cogging_origin, "m", "first knot inside the travel"},
-        Field<P, int>{"cogging_control_points", &P::cogging_control_points, "1",
-                      "m of the B-splines; 1 = periodic, amplitudes constant along the travel"},
-        Field<P, Bounds>{"cogging_bounds", &P::cogging_bounds, "V", "min and max of every entry of theta_4b = A_r"},
-        Field<P, double>{"cogging_adaptation", &P::cogging_adaptation, "V/m", "Gamma of every entry of A_r"},
-        Field<P, std::vector<double>>{"cogging_estimates", &P::cogging_estimates, "V",
-                                      "initial A_r, one control point after the other; empty = zeros"},
-        Field<P, double>{"epsilon", &P::epsilon, "V m/s", "of the robust term u_s2 (eq. 20, 30); 0 = no such term"},
-        Field<P, double>{"disturbance_bound", &P::disturbance_bound, "V", "delta_d of eq. 12, for u_s2"},
-        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"},
-        Field<P, bool>{"error_difference", &P::error_difference, "",
-                       "e' of p is the difference of e; false = that of the reading, minus the reference's velocity"}};
+        Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+        Field{"error_gain", &P::error_gain, "1/s", "k_1 of p = e' + k_1 e (eq. 15)", Rule::positive},
+        Field{"feedback_gain", &P::feedback_gain, "V/(m/s)", "k_s1 of u_s1 = -k_s1 p (eq. 19, 27)", Rule::positive},
+        Field{"mass", &P::mass, "V/(m/s^2)", "initial estimate of theta_1 = M", Rule::any},
+        Field{"mass_bounds", &P::mass_bounds, "V/(m/s^2)", "theta_1 min and max (eq. 11)"},
+        Field{"mass_adaptation", &P::mass_adaptation, "V/(m/s^2)/(V m/s) m/s", "Gamma of theta_1", Rule::not_negative},
+        Field{"viscous", &P::viscous, "V/(m/s)", "initial estimate of theta_2 = B", Rule::any},
+        Field{"viscous_bounds", &P::viscous_bounds, "V/(m/s)", "theta_2 min and max"},
+        Field{"viscous_adaptation", &P::viscous_adaptation, "V s/m^2", "Gamma of theta_2", Rule::not_negative},
+        Field{"coulomb", &P::coulomb, "V", "initial estimate of theta_3 = A_f", Rule::any},
+        Field{"coulomb_bounds", &P::coulomb_bounds, "V", "theta_3 min and max"},
+        Field{"coulomb_adaptation", &P::coulomb_adaptation, "V/m", "Gamma of theta_3", Rule::not_negative},
+        Field{"coulomb_width", &P::coulomb_width, "m/s", "of S_f(v) = (2/pi) atan(v / width) (eq. 2)",
+              Rule::not_negative},
+        Field{"disturbance", &P::disturbance, "V", "initial estimate of d_n = -theta_5", Rule::any},
+        Field{"disturbance_bounds", &P::disturbance_bounds, "V", "d_n min and max"},
+        Field{"disturbance_adaptation", &P::disturbance_adaptation, "V/m", "Gamma of theta_5", Rule::not_negative},
+        Field{"cogging_pitch", &P::cogging_pitch, "m", "P of the harmonics and of the knots", Rule::period},
+        Field{"cogging_harmonics", &P::cogging_harmonics, "1", "those compensated; empty = no cogging compensation"},
+        Field{"cogging_order", &P::cogging_order, "1", "k of the B-splines (eq. 6)"},
+        Field{"cogging_origin", &P::cogging_origin, "m", "first knot inside the travel"},
+        Field{"cogging_control_points", &P::cogging_control_points, "1",
+              "m of the B-splines; 1 = periodic, amplitudes constant along the travel"},
+        Field{"cogging_bounds", &P::cogging_bounds, "V", "min and max of every entry of theta_4b = A_r"},
+        Field{"cogging_adaptation", &P::cogging_adaptation, "V/m", "Gamma of every entry of A_r", Rule::not_negative},
+        Field{"cogging_estimates", &P::cogging_estimates, "V",
+              "initial A_r, one control point after the other; empty = zeros"},
+        Field{"epsilon", &P::epsilon, "V m/s", "of the robust term u_s2 (eq. 20, 30); 0 = no such term",
+              Rule::not_negative},
+        Field{"disturbance_bound", &P::disturbance_bound, "V", "delta_d of eq. 12, for u_s2", Rule::not_negative},
+        Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative},
+        Field{"error_difference", &P::error_difference, "",
+              "e' of p is the difference of e; false = that of the reading, minus the reference's velocity"}};
   }
 
   SplineHarmonics cogging_basis() const {
@@ -98,17 +99,11 @@ struct AdaptiveRobustParameters {
   }
 
   void validate() const {
-    require_positive("sample_rate", sample_rate);
-    require_positive("error_gain", error_gain);
-    require_positive("feedback_gain", feedback_gain);
-    check_estimate("mass", mass, mass_bounds, mass_adaptation);
+    check_estimate("mass", mass, mass_bounds);
     require_positive("mass_bounds", mass_bounds[0]);
-    check_estimate("viscous", viscous, viscous_bounds, viscous_adaptation);
-    check_estimate("coulomb", coulomb, coulomb_bounds, coulomb_adaptation);
-    require_not_negative("coulomb_width", coulomb_width);
-    check_estimate("disturbance", disturbance, disturbance_bounds, disturbance_adaptation);
-    require_period("cogging_pitch", cogging_pitch);
-    require_finite("cogging_origin", cogging_origin);
+    check_estimate("viscous", viscous, viscous_bounds);
+    check_estimate("coulomb", coulomb, coulomb_bounds);
+    check_estimate("disturbance", disturbance, disturbance_bounds);
     for (int harmonic : cogging_harmonics)
       require(harmonic >= 1, "cogging_harmonics", "each must be at least 1", harmonic);
     require(cogging_order >= 1 && cogging_order <= BSpline::order_max, "cogging_order", "must be from 1 to 16",
@@ -119,7 +114,6 @@ struct AdaptiveRobustParameters {
     SplineHarmonics::require_coefficients("cogging_control_points", cogging_control_points, cogging_harmonics.size());
     const SplineHarmonics basis = cogging_basis();
     require_ordered("cogging_bounds", cogging_bounds[0], cogging_bounds[1], true);
-    require_not_negative("cogging_adaptation", cogging_adaptation);
     if (!cogging_estimates.empty())
       require(std::ssize(cogging_estimates) == basis.coefficients(), "cogging_estimates",
               "must hold control points times twice the harmonics = " + format(basis.coefficients()) + " values",
@@ -127,19 +121,15 @@ struct AdaptiveRobustParameters {
     for (double value : cogging_estimates)
       require(value >= cogging_bounds[0] && value <= cogging_bounds[1], "cogging_estimates",
               "must lie within cogging_bounds", value);
-    require_not_negative("epsilon", epsilon);
-    require_not_negative("disturbance_bound", disturbance_bound);
-    require_not_negative("command_limit", command_limit);
   }
 
  private:
-  static void check_estimate(const std::string& label, const Scalar& value, const Bounds& bounds, double adaptation) {
+  static void check_estimate(const std::string& label, const Scalar& value, const Bounds& bounds) {
     require_ordered(label + "_bounds", bounds[0], bounds[1], true);
     const std::string rule =
         "must lie within " + label + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]";
     require(value >= bounds[0], label, rule, value);
     require(value <= bounds[1], label, rule, value);
-    require_not_negative(label + "_adaptation", adaptation);
   }
 };
 

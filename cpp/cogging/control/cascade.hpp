@@ -29,25 +29,17 @@ struct CascadeParameters {
   static constexpr auto fields() {
     using P = CascadeParameters;
     return std::tuple_cat(
-        std::tuple{Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-                   Field<P, Scalar>{"kp", &P::kp, "1/s", "gain of the position loop"},
-                   Field<P, Scalar>{"kv", &P::kv, "V/(m/s)", "gain of the velocity loop"}},
+        std::tuple{Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+                   Field{"kp", &P::kp, "1/s", "gain of the position loop", Rule::not_negative},
+                   Field{"kv", &P::kv, "V/(m/s)", "gain of the velocity loop", Rule::not_negative}},
         feedforward_fields<P, Scalar>(),
-        std::tuple{Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}});
+        std::tuple{Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative}});
   }
 
-  void validate() const {
-    require_positive("sample_rate", sample_rate);
-    require_not_negative("kp", kp);
-    require_not_negative("kv", kv);
-    validate_feedforward(*this);
-    require_not_negative("command_limit", command_limit);
-  }
+  void validate() const { validate_feedforward(*this); }
 };
 
-/// u = kv (kp (reference - reading) - v) + mass a_r + viscous v_f + coulomb S(v_f); v is the backward
-/// difference of the reading, v_f what `feedforward_velocity` names. A sample that is no measurement is refused (see
-/// SampleGuard).
+/// The law of `description`. A sample that is no measurement is refused (see SampleGuard).
 template <class Scalar = double>
 class Cascade {
  public:

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,21 @@
 #include "cogging/require.hpp"
 
 namespace cogging {
+
+/// A user's own controller that failed, or whose command is no number; says in which row of the run, and at what time.
+class ControllerError : public std::runtime_error {
+ public:
+  ControllerError(const std::string& message, std::size_t at_row, double at_time)
+      : std::runtime_error(message), row(at_row), time(at_time) {}
+  std::size_t row;
+  double time;  // s
+};
+
+/// Ends a run whose controller, one of the user's own, cannot go on.
+[[noreturn]] inline void end_run(const std::string& controller, const std::string& what, std::size_t row, double time) {
+  const std::string place = " in row " + std::to_string(row) + " (" + format(time) + " s)";
+  throw ControllerError("controller: " + controller + ": " + what + place, row, time);
+}
 
 /// The functions, and whoever keeps their code in memory.
 struct CompiledFunctions {

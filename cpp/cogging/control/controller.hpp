@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "cogging/inlining.hpp"
 #include "cogging/reference/reference.hpp"
 
 namespace cogging {
@@ -33,6 +34,16 @@ concept ClosesLoop =
       { fixed.command_limit() } -> std::same_as<double>;  // V; 0 = none
       { fixed.estimates() } -> std::same_as<std::span<const Scalar>>;
     };
+
+/// The command of a sample at `time` (s); `motion` is what one that looks ahead follows.
+template <class Scalar, class C>
+COGGING_INLINE Scalar command_at(C& controller, const Reference& motion, double time, const ReferencePoint& reference,
+                                 const Scalar& reading) {
+  if constexpr (LooksAhead<C>)
+    return controller.command(reference, motion.at(time + controller.preview()), reading);
+  else
+    return controller.command(reference, reading);
+}
 
 /// One of a user's own, which may fail, is told before each sample where the run stands, so that it can say so.
 template <class C>

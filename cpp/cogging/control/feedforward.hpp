@@ -1,7 +1,6 @@
 #pragma once
 // Feedforward of acceleration, velocity and friction, as `pid` and `cascade` add it.
 
-#include <string>
 #include <tuple>
 
 #include "cogging/parameters.hpp"
@@ -15,20 +14,16 @@ namespace cogging {
 template <class P, class Scalar>
 constexpr auto feedforward_fields() {
   return std::tuple{
-      Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "feedforward of the reference acceleration; 0 = none"},
-      Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity"},
-      Field<P, Scalar>{"coulomb", &P::coulomb, "V", "friction compensation"},
-      Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn"},
-      Field<P, std::string>{"feedforward_velocity", &P::feedforward_velocity, "",
-                            "\"reference\" or \"measured\" (backward difference of the reading)"}};
+      Field{"mass", &P::mass, "V/(m/s^2)", "feedforward of the reference acceleration; 0 = none", Rule::not_negative},
+      Field{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity", Rule::not_negative},
+      Field{"coulomb", &P::coulomb, "V", "friction compensation", Rule::not_negative},
+      Field{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn", Rule::not_negative},
+      Field{"feedforward_velocity", &P::feedforward_velocity, "",
+            "\"reference\" or \"measured\" (backward difference of the reading)"}};
 }
 
 template <class Parameters>
 void validate_feedforward(const Parameters& parameters) {
-  require_not_negative("mass", parameters.mass);
-  require_not_negative("viscous", parameters.viscous);
-  require_not_negative("coulomb", parameters.coulomb);
-  require_not_negative("coulomb_width", parameters.coulomb_width);
   if (parameters.feedforward_velocity != "reference" && parameters.feedforward_velocity != "measured")
     refuse("feedforward_velocity", "must be \"reference\" or \"measured\"", parameters.feedforward_velocity);
 }

@@ -44,48 +44,37 @@ struct ObserverBasedParameters {
 
   static constexpr auto fields() {
     using P = ObserverBasedParameters;
-    using List = std::vector<double>;
     return std::tuple{
-        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-        Field<P, List>{"periods", &P::periods, "m", "spatial periods P_n that are cancelled (eq. 2)"},
-        Field<P, List>{"observer_gain", &P::observer_gain, "",
-                       "K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)"},
-        Field<P, List>{"observer_gain_slope", &P::observer_gain_slope, "",
-                       "K grows by |nu*| (m/s) times this; empty = constant"},
-        Field<P, double>{"position_gain", &P::position_gain, "1/s^2", "L_x = omega^2 (section IV.C)"},
-        Field<P, double>{"velocity_gain", &P::velocity_gain, "1/s", "L_nu = 2 xi omega - mu"},
-        Field<P, double>{"mass", &P::mass, "V/(m/s^2)", "by which accelerations become commands"},
-        Field<P, double>{"viscous", &P::viscous, "1/s", "mu (eq. 1)"},
-        Field<P, double>{"velocity_min", &P::velocity_min, "m/s", "below this |nu*| the harmonics are frozen"},
-        Field<P, double>{"delay", &P::delay, "s", "from reading to acting command; feedforward looks ahead by it"},
-        Field<P, std::string>{"rotation", &P::rotation, "",
-                              "harmonics turn with the \"reference\" (the paper) or the \"measured\" position"},
-        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
+        Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+        Field{"periods", &P::periods, "m", "spatial periods P_n that are cancelled (eq. 2)", Rule::period},
+        Field{"observer_gain", &P::observer_gain, "",
+              "K (eq. 6): of x (1/s), nu (1/s^2), lambda_0 and each period's sine and cosine (1/s^3)"},
+        Field{"observer_gain_slope", &P::observer_gain_slope, "",
+              "K grows by |nu*| (m/s) times this; empty = constant"},
+        Field{"position_gain", &P::position_gain, "1/s^2", "L_x = omega^2 (section IV.C)", Rule::positive},
+        Field{"velocity_gain", &P::velocity_gain, "1/s", "L_nu = 2 xi omega - mu"},
+        Field{"mass", &P::mass, "V/(m/s^2)", "by which accelerations become commands", Rule::positive},
+        Field{"viscous", &P::viscous, "1/s", "mu (eq. 1)", Rule::not_negative},
+        Field{"velocity_min", &P::velocity_min, "m/s", "below this |nu*| the harmonics are frozen", Rule::not_negative},
+        Field{"delay", &P::delay, "s", "from reading to acting command; feedforward looks ahead by it", Rule::any},
+        Field{"rotation", &P::rotation, "",
+              "harmonics turn with the \"reference\" (the paper) or the \"measured\" position"},
+        Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative}};
   }
 
   void validate() const {
-    require_positive("sample_rate", sample_rate);
     require(!periods.empty() && periods.size() <= periods_max, "periods", "must list 1 to 16",
             static_cast<double>(periods.size()));
-    for (double period : periods) require_period("periods", period);
     const double size = 3.0 + 2.0 * static_cast<double>(periods.size());
     require(static_cast<double>(observer_gain.size()) == size, "observer_gain",
             "must hold 3 + 2 periods = " + format(size) + " values", static_cast<double>(observer_gain.size()));
-    require_finite("observer_gain", observer_gain);
     if (!observer_gain_slope.empty())
       require(static_cast<double>(observer_gain_slope.size()) == size, "observer_gain_slope",
               "must be empty or hold 3 + 2 periods = " + format(size) + " values",
               static_cast<double>(observer_gain_slope.size()));
-    require_finite("observer_gain_slope", observer_gain_slope);
-    require_positive("position_gain", position_gain);
-    require_finite("velocity_gain", velocity_gain);
-    require_positive("mass", mass);
-    require_not_negative("viscous", viscous);
-    require_not_negative("velocity_min", velocity_min);
     require(delay >= 0.0 && delay * sample_rate < delay_max - 2, "delay", "must be 0 to 61 samples", delay);
     if (rotation != "reference" && rotation != "measured")
       refuse("rotation", "must be \"reference\" or \"measured\"", rotation);
-    require_not_negative("command_limit", command_limit);
   }
 };
 

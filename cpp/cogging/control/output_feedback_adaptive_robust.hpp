@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,42 +52,41 @@ struct OutputFeedbackArcParameters {
   static constexpr auto fields() {
     using P = OutputFeedbackArcParameters;
     return std::tuple{
-        Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-        Field<P, double>{"observer_gain_1", &P::observer_gain_1, "1/s", "k_1 of A_0 (eq. 10)"},
-        Field<P, double>{"observer_gain_2", &P::observer_gain_2, "1/s^2", "k_2 of A_0 (eq. 10)"},
-        Field<P, Triple>{"theta", &P::theta, "", "initial estimates of 1/M, B/M, d_n/M"},
-        Field<P, Triple>{"theta_min", &P::theta_min, "", "lower bounds (eq. 8)"},
-        Field<P, Triple>{"theta_max", &P::theta_max, "", "upper bounds (eq. 8)"},
-        Field<P, Triple>{"adaptation", &P::adaptation, "", "diagonal of Gamma (eq. 19); 0 = no adaptation"},
-        Field<P, double>{"weight_1", &P::weight_1, "1", "w_1 (eq. 30)"},
-        Field<P, double>{"weight_2", &P::weight_2, "1", "w_2 (eq. 41)"},
-        Field<P, double>{"gain_1", &P::gain_1, "1/s", "g_1 (eq. 28)"},
-        Field<P, double>{"gain_2", &P::gain_2, "1/s", "g_2 (eq. 43)"},
-        Field<P, double>{"epsilon_11", &P::epsilon_11, "", "of alpha_1s2 (eq. 33)"},
-        Field<P, double>{"epsilon_12", &P::epsilon_12, "", "of alpha_1s3 (eq. 35)"},
-        Field<P, double>{"epsilon_21", &P::epsilon_21, "", "of u_s2 (eq. 46)"},
-        Field<P, double>{"epsilon_22", &P::epsilon_22, "", "of u_s3 (eq. 46)"},
-        Field<P, Triple>{"c_phi_1", &P::c_phi_1, "", "diagonal of C_phi1 (eq. 28)"},
-        Field<P, Triple>{"c_phi_2", &P::c_phi_2, "", "diagonal of C_phi2 (eq. 43)"},
-        Field<P, Triple>{"c_theta_2", &P::c_theta_2, "", "diagonal of C_theta2 (eq. 43)"},
-        Field<P, bool>{"use_alpha_1s2", &P::use_alpha_1s2, "", "robust term against parameters, step 1 (eq. 37)"},
-        Field<P, bool>{"use_alpha_1s3", &P::use_alpha_1s3, "",
-                       "robust term against estimation errors, step 1 (eq. 38)"},
-        Field<P, bool>{"use_c_phi_1", &P::use_c_phi_1, "", "state-dependent part of k_1s (eq. 28)"},
-        Field<P, bool>{"use_c_theta_2", &P::use_c_theta_2, "", "part of k_2s with d alpha_1 / d theta_hat (eq. 43)"},
-        Field<P, bool>{"use_c_phi_2", &P::use_c_phi_2, "", "part of k_2s with phi_2 (eq. 43)"},
-        Field<P, bool>{"use_u_s2", &P::use_u_s2, "", "robust term against parameters, step 2 (eq. 47)"},
-        Field<P, bool>{"use_u_s3", &P::use_u_s3, "", "robust term against estimation errors, step 2 (eq. 47)"},
-        Field<P, double>{"robust_factor", &P::robust_factor, "1", "common factor on the terms that are switched on"},
-        Field<P, double>{"coulomb", &P::coulomb, "V",
-                         "level of the friction compensation at reference velocity (eq. 5)"},
-        Field<P, double>{"coulomb_width", &P::coulomb_width, "m/s", "of its S(v); 0 = sgn"},
-        Field<P, std::string>{"filter_steps", &P::filter_steps, "", "\"exact\" for held inputs, or \"euler\""},
-        Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}};
+        Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+        Field{"observer_gain_1", &P::observer_gain_1, "1/s", "k_1 of A_0 (eq. 10)", Rule::any},
+        Field{"observer_gain_2", &P::observer_gain_2, "1/s^2", "k_2 of A_0 (eq. 10)", Rule::any},
+        Field{"theta", &P::theta, "", "initial estimates of 1/M, B/M, d_n/M"},
+        Field{"theta_min", &P::theta_min, "", "lower bounds (eq. 8)"},
+        Field{"theta_max", &P::theta_max, "", "upper bounds (eq. 8)"},
+        Field{"adaptation", &P::adaptation, "", "diagonal of Gamma (eq. 19); 0 = no adaptation", Rule::not_negative},
+        Field{"weight_1", &P::weight_1, "1", "w_1 (eq. 30)", Rule::positive},
+        Field{"weight_2", &P::weight_2, "1", "w_2 (eq. 41)", Rule::positive},
+        Field{"gain_1", &P::gain_1, "1/s", "g_1 (eq. 28)", Rule::positive},
+        Field{"gain_2", &P::gain_2, "1/s", "g_2 (eq. 43)", Rule::positive},
+        Field{"epsilon_11", &P::epsilon_11, "", "of alpha_1s2 (eq. 33)", Rule::positive},
+        Field{"epsilon_12", &P::epsilon_12, "", "of alpha_1s3 (eq. 35)", Rule::positive},
+        Field{"epsilon_21", &P::epsilon_21, "", "of u_s2 (eq. 46)", Rule::positive},
+        Field{"epsilon_22", &P::epsilon_22, "", "of u_s3 (eq. 46)", Rule::positive},
+        Field{"c_phi_1", &P::c_phi_1, "", "diagonal of C_phi1 (eq. 28)", Rule::not_negative},
+        Field{"c_phi_2", &P::c_phi_2, "", "diagonal of C_phi2 (eq. 43)", Rule::not_negative},
+        Field{"c_theta_2", &P::c_theta_2, "", "diagonal of C_theta2 (eq. 43)", Rule::not_negative},
+        Field{"use_alpha_1s2", &P::use_alpha_1s2, "", "robust term against parameters, step 1 (eq. 37)"},
+        Field{"use_alpha_1s3", &P::use_alpha_1s3, "", "robust term against estimation errors, step 1 (eq. 38)"},
+        Field{"use_c_phi_1", &P::use_c_phi_1, "", "state-dependent part of k_1s (eq. 28)"},
+        Field{"use_c_theta_2", &P::use_c_theta_2, "", "part of k_2s with d alpha_1 / d theta_hat (eq. 43)"},
+        Field{"use_c_phi_2", &P::use_c_phi_2, "", "part of k_2s with phi_2 (eq. 43)"},
+        Field{"use_u_s2", &P::use_u_s2, "", "robust term against parameters, step 2 (eq. 47)"},
+        Field{"use_u_s3", &P::use_u_s3, "", "robust term against estimation errors, step 2 (eq. 47)"},
+        Field{"robust_factor", &P::robust_factor, "1", "common factor on the terms that are switched on",
+              Rule::not_negative},
+        Field{"coulomb", &P::coulomb, "V", "level of the friction compensation at reference velocity (eq. 5)",
+              Rule::not_negative},
+        Field{"coulomb_width", &P::coulomb_width, "m/s", "of its S(v); 0 = sgn", Rule::not_negative},
+        Field{"filter_steps", &P::filter_steps, "", "\"exact\" for held inputs, or \"euler\""},
+        Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative}};
   }
 
   void validate() const {
-    require_positive("sample_rate", sample_rate);
     // A_0 = [[-k_1, 1], [-k_2, 0]] is stable exactly when both are above 0.
     require(std::isfinite(observer_gain_1) && observer_gain_1 > 0.0, "observer_gain_1",
             "must be above 0, or A_0 is not stable", observer_gain_1);
@@ -99,23 +97,7 @@ struct OutputFeedbackArcParameters {
       require_ordered("theta_min, theta_max", theta_min[i], theta_max[i], true);
       require(theta[i] >= theta_min[i] && theta[i] <= theta_max[i], "theta", "must lie within theta_min and theta_max",
               theta[i]);
-      require_not_negative("adaptation", adaptation[i]);
-      require_not_negative("c_phi_1", c_phi_1[i]);
-      require_not_negative("c_phi_2", c_phi_2[i]);
-      require_not_negative("c_theta_2", c_theta_2[i]);
     }
-    require_positive("weight_1", weight_1);
-    require_positive("weight_2", weight_2);
-    require_positive("gain_1", gain_1);
-    require_positive("gain_2", gain_2);
-    require_positive("epsilon_11", epsilon_11);
-    require_positive("epsilon_12", epsilon_12);
-    require_positive("epsilon_21", epsilon_21);
-    require_positive("epsilon_22", epsilon_22);
-    require_not_negative("robust_factor", robust_factor);
-    require_not_negative("coulomb", coulomb);
-    require_not_negative("coulomb_width", coulomb_width);
-    require_not_negative("command_limit", command_limit);
     if (filter_steps != "exact" && filter_steps != "euler")
       refuse("filter_steps", "must be \"exact\" or \"euler\"", filter_steps);
     const double step = 1.0 / sample_rate;

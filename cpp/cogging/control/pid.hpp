@@ -1,7 +1,6 @@
 #pragma once
 // PID with feedforward and friction compensation, from positions only.
 
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,31 +29,19 @@ struct PidParameters {
 
   static constexpr auto fields() {
     using P = PidParameters;
-    return std::tuple_cat(std::tuple{Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-                                     Field<P, Scalar>{"kp", &P::kp, "V/m", "proportional gain"},
-                                     Field<P, Scalar>{"ki", &P::ki, "V/(m s)", "integral gain"},
-                                     Field<P, Scalar>{"kd", &P::kd, "V/(m/s)", "derivative gain"}},
+    return std::tuple_cat(std::tuple{Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+                                     Field{"kp", &P::kp, "V/m", "proportional gain", Rule::not_negative},
+                                     Field{"ki", &P::ki, "V/(m s)", "integral gain", Rule::not_negative},
+                                     Field{"kd", &P::kd, "V/(m/s)", "derivative gain", Rule::not_negative}},
                           feedforward_fields<P, Scalar>(),
-                          std::tuple{Field<P, double>{"command_limit", &P::command_limit, "V",
-                                                      "largest command, with anti-windup; 0 = none"}});
+                          std::tuple{Field{"command_limit", &P::command_limit, "V",
+                                           "largest command, with anti-windup; 0 = none", Rule::not_negative}});
   }
 
-  void validate() const {
-    require_positive("sample_rate", sample_rate);
-    require_not_negative("kp", kp);
-    require_not_negative("ki", ki);
-    require_not_negative("kd", kd);
-    validate_feedforward(*this);
-    require_not_negative("command_limit", command_limit);
-  }
+  void validate() const { validate_feedforward(*this); }
 };
 
-/// u = mass a_r + viscous v + coulomb S(v) - kp e - ki sum(e Ts) - kd (e - e_prev) / Ts, e = reading -
-/// reference.
-///
-/// The sum includes the current sample and starts at zero; e_prev = e in the first sample. Where the applied
-/// command was cut, the sum does not take up an error that pushes further into the limit. Feedforward and
-/// friction term as Xu and Yao 2001, eq. 57, when the velocity is "measured".
+/// The law of `description`; feedforward and friction term as Xu and Yao 2001, eq. 57, when the velocity is "measured".
 ///
 /// A sample that is refused (see SampleGuard) adds nothing to the sum, and e_prev stays; (e - e_prev) / Ts is then the
 /// mean over the samples that have passed.

@@ -33,31 +33,20 @@ struct SpeedParameters {
   static constexpr auto fields() {
     using P = SpeedParameters;
     return std::tuple_cat(
-        std::tuple{Field<P, double>{"sample_rate", &P::sample_rate, "Hz", "samples a second"},
-                   Field<P, Scalar>{"kp", &P::kp, "V/(m/s)", "gain of the velocity loop"},
-                   Field<P, double>{"delay", &P::delay, "s", "from a reading to the command that it gives"}},
+        std::tuple{Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+                   Field{"kp", &P::kp, "V/(m/s)", "gain of the velocity loop", Rule::not_negative},
+                   Field{"delay", &P::delay, "s", "from a reading to the command that it gives", Rule::not_negative}},
         feedforward_fields<P, Scalar>(),
-        std::tuple{Field<P, double>{"command_limit", &P::command_limit, "V", "largest command; 0 = none"}});
+        std::tuple{Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative}});
   }
 
   void validate() const {
-    require_positive("sample_rate", sample_rate);
-    require_not_negative("kp", kp);
-    require_not_negative("delay", delay);
     require(delay * sample_rate < 1e6, "delay", "must be below a million samples", delay);
     validate_feedforward(*this);
-    require_not_negative("command_limit", command_limit);
   }
 };
 
-/// w = kp (v_r - v) + mass a_r + viscous v_f + coulomb S(v_f), put out `delay` later; v is the backward
-/// difference of the reading (0 in the first sample), v_f what `feedforward_velocity` names.
-///
-/// With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k is (1 - f) w[k-n] + f w[k-n-1], w = 0
-/// before the first sample. A command is held over its sample, so it cannot change within one: this is the mean
-/// over the sample of the held w that changes there, after the exact delay.
-///
-/// In a sample that is refused (see SampleGuard) w is held, and goes through the delay as ever.
+/// The law of `description`. A command is held over its sample, so it cannot change within one: hence the mean.
 template <class Scalar = double>
 class Speed {
  public:

@@ -13,43 +13,13 @@
 
 namespace cogging {
 
-class ObserverLoop {
- public:
-  ObserverLoop(const Prediction& along, const Recording& log, const PredictionOptions& options) : stop_(options.stop) {
-    const std::size_t rows = log.time.size();
-    require(along.moving.size() == rows, "along", "must be a prediction along this log, rows",
-            static_cast<double>(along.moving.size()));
-    const ObserverGain gain(options.bandwidth, median_step(log));
-    intervals_.reserve(rows - 1);
-    for (std::size_t k = 0; k + 1 < rows; ++k) {
-      const double h = log.time[k + 1] - log.time[k];
-      const double decay = along.slope_velocity[k] * h;
-      const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : expm1(decay) / decay;
-      const Kind kind = h > options.gap ? Kind::starts_anew : along.moving[k] == 0.0 ? Kind::rests : Kind::moves;
-      intervals_.push_back({h, 1.0 + decay * grown, h * grown, along.slope_position[k],
-                            gain.position(step_after(log.time, k + 1)), gain.velocity(h), kind});
-    }
-  }
-
-  std::size_t rows() const { return intervals_.size() + 1; }
-
-  /// What each of `count` changes adds to the innovations (m, (count, rows)): forces (V, (count, rows)), steady over
-  /// each interval, on a mass (V/(m/s^2)), and errors of the reading (m, (count, rows); null: none).
-  std::vector<double> pass(double mass, std::size_t count, const double* force, const double* error,
-                           unsigned threads) const {
-    std::vector<double> innovation(count * rows());
-    run_batch((count + abreast - 1) / abreast, threads, stop_, [&](std::size_t block) {
-      std::array<std::size_t, abreast> first;  // entry of each change; of a block that is not full the last again
-      for (std::size_t i = 0; i < abreast; ++i) first[i] = std::min(block * abreast + i, count - 1) * rows();
-      pass_block(1.0 / mass, first, force, error, innovation.data());
-    });
-    return innovation;
-  }
-
- private:
-  static constexpr std::size_t abreast = 4;  // changes side by side: one waits for the other's arithmetic
-
-  enum class Kind { moves, rests, starts_anew };
+/// What each of `count` changes adds to the innovations of a prediction along a log (m, (count, rows)): forces (V,
+/// (count, rows)), steady over each interval, on a mass (V/(m/s^2)), and errors of the reading (m, (count, rows); null:
+/// none).
+inline std::vector<double> propagated(const Prediction& along, const Recording& log, const PredictionOptions& options,
+                                      double mass, std::size_t count, const double* force, const double* error,
+                                      unsigned threads) {
+  enum class Way { moves, rests, starts_anew };
 
   /// From one row to the next: dv/dt = a_x x + a_v v + f / M.
   struct Interval {
@@ -57,11 +27,31 @@ class ObserverLoop {
     double keep, push;                    // 1, s: what is left of v, and what a steady acceleration of 1 adds to it
     double slope_position;                // 1/s^2
     double position_gain, velocity_gain;  // of the correction: 1, 1/s
-    Kind kind;
+    Way way;
   };
 
-  void pass_block(double inverse_mass, const std::array<std::size_t, abreast>& first, const double* force,
-                  const double* error, double* innovation) const {
+  const std::size_t rows = log.time.size();
+  require(along.moving.size() == rows, "along", "must be a prediction along this log, rows",
+          static_cast<double>(along.moving.size()));
+  const ObserverGain gain(options.bandwidth, median_step(log));
+  std::vector<Interval> intervals;
+  intervals.reserve(rows - 1);
+  for (std::size_t k = 0; k + 1 < rows; ++k) {
+    const double h = log.time[k + 1] - log.time[k];
+    const double decay = along.slope_velocity[k] * h;
+    const double grown = std::abs(decay) < 1e-4 ? 1.0 + 0.5 * decay : expm1(decay) / decay;
+    const Way way = h > options.gap ? Way::starts_anew : along.moving[k] == 0.0 ? Way::rests : Way::moves;
+    intervals.push_back({h, 1.0 + decay * grown, h * grown, along.slope_position[k],
+                         gain.position(step_after(log.time, k + 1)), gain.velocity(h), way});
+  }
+
+  constexpr std::size_t abreast = 4;  // changes side by side: one waits for the other's arithmetic
+  const double inverse_mass = 1.0 / mass;
+  std::vector<double> values(count * rows);
+  double* const innovation = values.data();
+  run_batch((count + abreast - 1) / abreast, threads, options.stop, [&](std::size_t block) {
+    std::array<std::size_t, abreast> first;  // entry of each change; of a block that is not full the last again
+    for (std::size_t i = 0; i < abreast; ++i) first[i] = std::min(block * abreast + i, count - 1) * rows;
     std::array<double, abreast> x{}, v{}, wrong{}, next;
     const auto read_errors = [&](std::size_t row) {
       if (error != nullptr)
@@ -69,17 +59,17 @@ class ObserverLoop {
     };
     read_errors(0);
     for (std::size_t i = 0; i < abreast; ++i) x[i] = -wrong[i];
-    StopCheck stop(stop_);
-    for (std::size_t k = 0; k < intervals_.size(); ++k) {
+    StopCheck stop(options.stop);
+    for (std::size_t k = 0; k < intervals.size(); ++k) {
       stop.row();
-      const Interval& interval = intervals_[k];
+      const Interval& interval = intervals[k];
       read_errors(k + 1);
-      if (interval.kind == Kind::starts_anew) {
+      if (interval.way == Way::starts_anew) {
         v.fill(0.0);
         for (std::size_t i = 0; i < abreast; ++i) x[i] = -wrong[i];
         continue;
       }
-      if (interval.kind == Kind::rests) {
+      if (interval.way == Way::rests) {
         v.fill(0.0);
       } else {
         for (std::size_t i = 0; i < abreast; ++i)
@@ -95,10 +85,8 @@ class ObserverLoop {
         v[i] += interval.velocity_gain * seen;
       }
     }
-  }
-
-  std::vector<Interval> intervals_;
-  StopRequest* stop_;
-};
+  });
+  return values;
+}
 
 }  // namespace cogging

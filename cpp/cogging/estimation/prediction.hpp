@@ -180,25 +180,27 @@ inline Prediction predict(const Plant<double>& plant, const Recording& log, cons
   return result;
 }
 
-/// What pushes the axis along a given motion: command that acts, effects, friction and cogging, V: mass times
-/// acceleration. Position and velocity are those half-way between row k and row k + 1; the last entry repeats.
-inline std::vector<double> net_force(const Plant<double>& plant, const Recording& log,
-                                     std::span<const double> middle_position, std::span<const double> middle_velocity,
-                                     StopRequest* request = nullptr) {
+/// Writes what pushes the axis of each lane along a given motion: command that acts, effects, friction and cogging, V:
+/// mass times acceleration. Position and velocity are those half-way between row k and row k + 1; the last entry
+/// repeats. There is an amplifier for each lane, or one for all; lanes without a row in `forces` are left out.
+template <class Scalar>
+void write_net_force(const Plant<Scalar>& plant, std::vector<RecordedAmplifier> amplifiers, const Recording& log,
+                     std::span<const double> middle_position, std::span<const double> middle_velocity,
+                     std::span<double* const> forces, StopRequest* request = nullptr) {
   const std::size_t rows = log.time.size();
   require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
-  const Axis<double> axis(plant.axis, plant.cogging, plant.effects);
-  RecordedAmplifier amplifier(plant.effects, log.time, log.command);
-  std::vector<double> force(rows);
+  const Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
   StopCheck stop(request);
   for (std::size_t k = 0; k + 1 < rows; ++k) {
     stop.row();
     const double start = log.time[k], end = log.time[k + 1];
-    force[k] = plant.axis.mass * axis.acceleration(middle_position[k], middle_velocity[k], amplifier.mean(start, end),
-                                                   0.5 * (start + end));
+    Scalar command = amplifiers[0].mean(start, end);
+    for (std::size_t i = 1; i < amplifiers.size(); ++i) set_lane(command, i, amplifiers[i].mean(start, end));
+    const Scalar force = plant.axis.mass * axis.acceleration(Scalar(middle_position[k]), Scalar(middle_velocity[k]),
+                                                             command, 0.5 * (start + end));
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i][k] = lane(force, i);
   }
-  force[rows - 1] = force[rows - 2];
-  return force;
+  for (double* force : forces) force[rows - 1] = force[rows - 2];
 }
 
 }  // namespace cogging

@@ -2,18 +2,52 @@
 // A log held for many predictions along it: innovations of plants, and what small changes add to them.
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "cogging/estimation/expected_prediction.hpp"
 #include "cogging/estimation/observer_loop.hpp"
 #include "cogging/estimation/prediction.hpp"
 #include "cogging/simulation/batch.hpp"
 
 namespace cogging {
+
+/// Of the gap that is meant: the mean over them is what a load with play does.
+inline constexpr std::array play_shares{1.0, 0.7, 0.85, 1.15, 1.3};
+
+/// The prediction of a plant; of one with play, the mean over play_shares: when a load with play strikes hangs on all
+/// that has pushed it since the last time, by forces that no model has, so that single strikes cannot be foreseen.
+inline Prediction expected_prediction(const Plant<double>& plant, const Recording& log,
+                                      const PredictionOptions& options, bool with_slopes) {
+  const auto has_play = [](const Effect<double>& effect) {
+    bool loose = false;
+    visit_law(effect, [&](const HasPlay auto& law) { loose = !law.coupling().rigid(); });
+    return loose;
+  };
+  const auto loose = std::find_if(plant.effects.begin(), plant.effects.end(), has_play);
+  if (loose == plant.effects.end()) return predict(plant, log, options, with_slopes);
+  const auto place = static_cast<std::size_t>(loose - plant.effects.begin());
+  constexpr std::array averaged{&Prediction::innovation, &Prediction::position, &Prediction::velocity};
+  Prediction result;
+  for (const double share : play_shares) {
+    Plant<double> other = plant;
+    visit_law(other.effects[place], [share](HasPlay auto& law) { law.gap *= share; });
+    const bool first = result.innovation.empty();
+    Prediction one = predict(other, log, options, with_slopes && first);
+    if (first) {
+      result = std::move(one);
+      continue;
+    }
+    for (auto column : averaged)
+      for (std::size_t k = 0; k < log.time.size(); ++k) (result.*column)[k] += (one.*column)[k];
+  }
+  for (auto column : averaged)
+    for (double& value : result.*column) value /= static_cast<double>(play_shares.size());
+  return result;
+}
 
 /// One step ahead along a log: a plant is driven by the recorded command and held to the recorded position by an
 /// observer; the innovation (m) is what the plant did not foresee.
@@ -62,8 +96,12 @@ class Predictor {
   /// Innovations of many plants, m: (plants, rows).
   std::vector<double> innovations(const std::vector<Plant<double>>& plants, unsigned threads,
                                   StopRequest* stop = nullptr) const {
-    return table(plants.size(), useful(plants, threads), stop,
-                 [&](std::size_t i) { return expected_prediction(plants[i], log(), options(stop), false).innovation; });
+    std::vector<double> values(plants.size() * rows());
+    run_batch(plants.size(), useful(plants, threads), stop, [&](std::size_t i) {
+      const std::vector<double> made = expected_prediction(plants[i], log(), options(stop), false).innovation;
+      std::copy(made.begin(), made.end(), values.begin() + static_cast<std::ptrdiff_t>(i * rows()));
+    });
+    return values;
   }
 
   /// What small forces (V, (count, rows)) and errors of the reading (m, the same shape, or empty: none) add to the
@@ -76,7 +114,7 @@ class Predictor {
             "must have the shape of forces", static_cast<double>(reading_errors.size()));
     require_positive("mass", mass);
     const double* errors = reading_errors.empty() ? nullptr : reading_errors.data();
-    return ObserverLoop(along, log(), options(stop)).pass(mass, count, forces.data(), errors, threads);
+    return propagated(along, log(), options(stop), mass, count, forces.data(), errors, threads);
   }
 
   /// Raises std::invalid_argument for a column that is not as long as the log.
@@ -89,17 +127,6 @@ class Predictor {
     PredictionOptions options = options_;
     options.stop = stop;
     return options;
-  }
-
-  // Rows of a table, one a job, made by row(i).
-  template <class Row>
-  std::vector<double> table(std::size_t count, unsigned threads, StopRequest* stop, const Row& row) const {
-    std::vector<double> values(count * rows());
-    run_batch(count, threads, stop, [&](std::size_t i) {
-      const std::vector<double> made = row(i);
-      std::copy(made.begin(), made.end(), values.begin() + static_cast<std::ptrdiff_t>(i * rows()));
-    });
-    return values;
   }
 
   std::vector<double> time_, position_, command_;

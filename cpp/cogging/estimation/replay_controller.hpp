@@ -36,11 +36,7 @@ std::vector<double> replay_controller(C controller, const std::vector<double>& t
     stop.row();
     const ReferencePoint point = motion.sample(k);
     if constexpr (MayFail<C>) controller.begin_row(k, time[k]);
-    double command;
-    if constexpr (LooksAhead<C>)
-      command = controller.command(point, motion.at(time[k] + controller.preview()), position[k]);
-    else
-      command = controller.command(point, position[k]);
+    double command = command_at(controller, motion, time[k], point, position[k]);
     if (limit > 0.0) command = clamp(command, -limit, limit);
     controller.update(applied.empty() ? command : applied[k]);
     commands[k] = command;

@@ -60,6 +60,14 @@ inline std::vector<double> levinson(const std::vector<double>& covariance, StopC
   return a;
 }
 
+/// Takes the lags a[0] to a[3] of a row from `white`, rows of it from 0 to count - 1; row[k - 1] is that before row k.
+COGGING_EVERY_WIDTH inline void take_four_lags(double* white, const double* row, const double* a,
+                                               std::ptrdiff_t count) {
+  const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+  for (std::ptrdiff_t k = 0; k < count; ++k)
+    white[k] -= a0 * row[k - 1] + a1 * row[k - 2] + a2 * row[k - 3] + a3 * row[k - 4];
+}
+
 }  // namespace detail
 
 /// Coefficients a of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e (Yule and Walker's equations, solved by
@@ -83,18 +91,6 @@ inline std::vector<double> autoregression(std::span<const double> residual, std:
   covariance[0] *= 1.0 + 1e-9;
   return detail::levinson(covariance, stop);
 }
-
-namespace detail {
-
-/// Takes the lags a[0] to a[3] of a row from `white`, rows of it from 0 to count - 1; row[k - 1] is that before row k.
-COGGING_EVERY_WIDTH inline void take_four_lags(double* white, const double* row, const double* a,
-                                               std::ptrdiff_t count) {
-  const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
-  for (std::ptrdiff_t k = 0; k < count; ++k)
-    white[k] -= a0 * row[k - 1] + a1 * row[k - 2] + a2 * row[k - 3] + a3 * row[k - 4];
-}
-
-}  // namespace detail
 
 /// e_k = r_k - sum_i a_i r_(k-i), written to `white`, which is as long as the row; before the first row, r is 0.
 inline void whiten(std::span<const double> row, std::span<const double> a, double* white,

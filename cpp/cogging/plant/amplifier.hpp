@@ -19,11 +19,12 @@ namespace cogging {
 /// Each sample: accept(command), then over() says what acts before and after the delayed command changes, and settle()
 /// moves the current loop on by the time that has passed.
 template <class Scalar = double>
-class Amplifier {
+class Amplifier : public AmplifierLaws<Scalar> {
+  using Laws = AmplifierLaws<Scalar>;
+
  public:
-  Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time)
-      : laws_(effects), sample_time_(sample_time) {
-    const SampleMoment delay = laws_.delay_in_samples(sample_time);
+  Amplifier(const std::vector<Effect<Scalar>>& effects, double sample_time) : Laws(effects), sample_time_(sample_time) {
+    const SampleMoment delay = Laws::delay_in_samples(sample_time);
     whole_ = static_cast<std::size_t>(delay.sample);
     switch_ = delay.since;
     commands_ = DelayLine<Scalar>(whole_ + 1);
@@ -32,22 +33,20 @@ class Amplifier {
   /// Raises DivergedError where what is passed on to the motor would not be a number: behind a current loop or under
   /// friction that sticks, an infinity could look like rest.
   COGGING_INLINE void accept(const Scalar& command) {
-    const Scalar shaped = laws_.shaped(command);
+    const Scalar shaped = Laws::shaped(command);
     if (!all_finite(shaped)) [[unlikely]]
       refuse_command(shaped);
     pass_on(shaped);
   }
 
-  /// What `accept` makes of a command, which it passes on where it is a number.
-  COGGING_INLINE Scalar shaped(const Scalar& command) const { return laws_.shaped(command); }
+  /// Passes on what `shaped` made of a command, a number.
   void pass_on(const Scalar& shaped) {
     commands_.push(shaped);
     ++accepted_;
   }
 
-  double delay() const { return laws_.delay(); }  // s
   /// Whether one command acts over a whole sample, and at once.
-  bool holds() const { return switch_ == 0.0 && !laws_.lagging(); }
+  bool holds() const { return switch_ == 0.0 && !Laws::lagging(); }
   /// The drive of such a sample.
   Drive<Scalar> held() const { return drive(whole_); }
 
@@ -69,11 +68,8 @@ class Amplifier {
                         time);
   }
 
-  /// See AmplifierLaws::followed_until.
-  double followed_until(double now, double changed) const { return laws_.followed_until(now, changed); }
-
   void settle(Drive<Scalar>& drive, double duration) {
-    if (!laws_.lagging()) return;
+    if (!Laws::lagging()) return;
     output_ = drive.at(Scalar(duration));
     drive.deviation = output_ - drive.target;
   }
@@ -82,10 +78,9 @@ class Amplifier {
   // As the command acts that is so many samples old.
   Drive<Scalar> drive(std::size_t age) const {
     const Scalar target = commands_.at(age);
-    return {target, output_ - target, laws_.rate(), Scalar(0.0), laws_.lagging()};
+    return {target, output_ - target, Laws::rate(), Scalar(0.0), Laws::lagging()};
   }
 
-  AmplifierLaws<Scalar> laws_;
   double sample_time_, switch_ = 0.0;
   std::size_t whole_ = 0, accepted_ = 0;
   DelayLine<Scalar> commands_{0};

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
-#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -29,19 +28,15 @@ struct AxisParameters {
 
   static constexpr auto fields() {
     using P = AxisParameters;
-    return std::tuple{Field<P, Scalar>{"mass", &P::mass, "V/(m/s^2)", "M"},
-                      Field<P, Scalar>{"viscous", &P::viscous, "V/(m/s)", "B"},
-                      Field<P, Scalar>{"coulomb", &P::coulomb, "V", "Fc (A_f in Lu et al. 2008)"},
-                      Field<P, Scalar>{"coulomb_width", &P::coulomb_width, "m/s",
-                                       "S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking"},
-                      Field<P, Range>{"travel", &P::travel, "m", "lower and upper end of the motion"}};
+    return std::tuple{Field{"mass", &P::mass, "V/(m/s^2)", "M", Rule::positive},
+                      Field{"viscous", &P::viscous, "V/(m/s)", "B", Rule::not_negative},
+                      Field{"coulomb", &P::coulomb, "V", "Fc (A_f in Lu et al. 2008)", Rule::not_negative},
+                      Field{"coulomb_width", &P::coulomb_width, "m/s",
+                            "S(v) = (2/pi) atan(v / coulomb_width); 0 = sgn with sticking", Rule::not_negative},
+                      Field{"travel", &P::travel, "m", "lower and upper end of the motion", Rule::any}};
   }
 
   void validate() const {
-    require_positive("mass", mass);
-    require_not_negative("viscous", viscous);
-    require_not_negative("coulomb", coulomb);
-    require_not_negative("coulomb_width", coulomb_width);
     if (!(travel[0] < travel[1]))
       refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
   }

@@ -3,9 +3,9 @@
 //
 // An effect is a struct template over the scalar with
 //   static constexpr std::string_view name, law;      // as in the vocabulary; the formula
-//   static constexpr auto fields();                   // its parameters and their traits; defaults make it vanish
-//   void validate() const;                            // throws, naming the field
-//   static Kinds kinds();                             // where parameters belong together: what they are
+//   static constexpr auto fields();                   // its parameters, their rules and traits; defaults make it
+//   vanish void validate() const;                            // where a rule binds several fields: throws, naming the
+//   field static Kinds kinds();                             // where parameters belong together: what they are
 // and at least one of
 //   Scalar force(const Motion<Scalar>&) const;            // V, added to the force balance
 //   Scalar friction_level(const Motion<Scalar>&) const;   // V, added to the Coulomb level that multiplies S(v)
@@ -28,18 +28,37 @@
 //   bool uses(Hook) const;                                // where a type has hooks that not each effect of it uses
 //   bool serial() const;                                  // only one thread at a time can ask it
 
+#include <array>
+#include <limits>
 #include <string_view>
 
+#include "cogging/basis/b_spline.hpp"
 #include "cogging/parameters.hpp"
-#include "cogging/plant/context.hpp"
 #include "cogging/plant/kinds.hpp"
-#include "cogging/plant/motion.hpp"
-#include "cogging/plant/own_law.hpp"
 #include "cogging/plant/step_control.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
 namespace cogging {
+
+/// What a force law may look at.
+template <class Scalar>
+struct Motion {
+  Scalar position;   // m
+  Scalar velocity;   // m/s
+  Scalar direction;  // S(velocity) in the smooth form, -1 or +1 where the axis slides (or is about to) in the
+                     // exact one
+  double time;       // s, from the first row
+};
+
+using Range = std::array<double, 2>;
+
+/// What an effect may take from the plant that it stands in.
+struct PlantContext {
+  Range travel = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};  // m
+  bool has_knots = false;  // there is a cogging model
+  BSpline knots;           // of its amplitudes; a constant where they are constant, with the pitch all the same
+};
 
 /// The laws that an effect may be without though its type has them.
 enum class Hook { force, friction_level, command_gain, reading_error };

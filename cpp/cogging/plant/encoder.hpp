@@ -1,12 +1,10 @@
 #pragma once
 // The encoder: reading = resolution round((x + errors + noise) / resolution).
 
-#include <tuple>
 #include <vector>
 
 #include "cogging/parameters.hpp"
 #include "cogging/plant/effects/list.hpp"
-#include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
 namespace cogging {
@@ -17,13 +15,8 @@ struct EncoderParameters {
 
   static constexpr auto fields() {
     using P = EncoderParameters;
-    return std::tuple{Field<P, double>{"resolution", &P::resolution, "m", "one count; 0 = ideal"},
-                      Field<P, double>{"noise", &P::noise, "m", "rms of the white noise before rounding"}};
-  }
-
-  void validate() const {
-    require_not_negative("resolution", resolution);
-    require_not_negative("noise", noise);
+    return std::tuple{Field{"resolution", &P::resolution, "m", "one count; 0 = ideal", Rule::not_negative},
+                      Field{"noise", &P::noise, "m", "rms of the white noise before rounding", Rule::not_negative}};
   }
 };
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "cogging/plant/state.hpp"
 #include "cogging/plant/step_control.hpp"

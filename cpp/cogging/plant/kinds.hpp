@@ -2,7 +2,6 @@
 // What parameters of an effect are together. A program that knows no field by name reads it here.
 
 #include <string>
-#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -16,11 +15,10 @@ struct Wave {
   std::string shape, sine, cosine;
 
   static constexpr auto fields() {
-    return std::tuple{Field<Wave, std::string>{"shape", &Wave::shape, "", "its period (m), or its frequency (Hz)"},
-                      Field<Wave, std::string>{"sine", &Wave::sine, "", "amplitude of the sine"},
-                      Field<Wave, std::string>{"cosine", &Wave::cosine, "", "amplitude of the cosine"}};
+    return std::tuple{Field{"shape", &Wave::shape, "", "its period (m), or its frequency (Hz)"},
+                      Field{"sine", &Wave::sine, "", "amplitude of the sine"},
+                      Field{"cosine", &Wave::cosine, "", "amplitude of the cosine"}};
   }
-  void validate() const {}
 };
 
 /// A stretch of time.
@@ -28,10 +26,9 @@ struct Window {
   std::string start, stop;
 
   static constexpr auto fields() {
-    return std::tuple{Field<Window, std::string>{"start", &Window::start, "", "time at which it begins (s)"},
-                      Field<Window, std::string>{"stop", &Window::stop, "", "time at which it ends (s)"}};
+    return std::tuple{Field{"start", &Window::start, "", "time at which it begins (s)"},
+                      Field{"stop", &Window::stop, "", "time at which it ends (s)"}};
   }
-  void validate() const {}
 };
 
 /// Values at nodes, linear between two.
@@ -40,10 +37,9 @@ struct Knots {
   std::string nodes, levels;
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field<Knots, std::string>{"coordinate", &Knots::coordinate, "", "of the nodes: position, velocity or time"},
-        Field<Knots, std::string>{"nodes", &Knots::nodes, "", "list of places, increasing"},
-        Field<Knots, std::string>{"levels", &Knots::levels, "", "list of values, one a node"}};
+    return std::tuple{Field{"coordinate", &Knots::coordinate, "", "of the nodes: position, velocity or time"},
+                      Field{"nodes", &Knots::nodes, "", "list of places, increasing"},
+                      Field{"levels", &Knots::levels, "", "list of values, one a node"}};
   }
   void validate() const {
     if (coordinate != "position" && coordinate != "velocity" && coordinate != "time")
@@ -57,21 +53,17 @@ struct SplineKnots {
 
   static constexpr auto fields() {
     using K = SplineKnots;
-    return std::tuple{Field<K, std::string>{"pitch", &K::pitch, "", "distance of the knots (m)"},
-                      Field<K, std::string>{"order", &K::order, "", "of the B-splines"},
-                      Field<K, std::string>{"origin", &K::origin, "", "first knot of the first full span (m)"}};
+    return std::tuple{Field{"pitch", &K::pitch, "", "distance of the knots (m)"},
+                      Field{"order", &K::order, "", "of the B-splines"},
+                      Field{"origin", &K::origin, "", "first knot of the first full span (m)"}};
   }
-  void validate() const {}
 };
 
 /// The ends of the travel, taken from the plant where they are not given.
 struct Travel {
   std::string ends;
 
-  static constexpr auto fields() {
-    return std::tuple{Field<Travel, std::string>{"ends", &Travel::ends, "", "lower and upper end (m)"}};
-  }
-  void validate() const {}
+  static constexpr auto fields() { return std::tuple{Field{"ends", &Travel::ends, "", "lower and upper end (m)"}}; }
 };
 
 /// A stretch of the travel about a place.
@@ -79,10 +71,9 @@ struct Place {
   std::string center, width;
 
   static constexpr auto fields() {
-    return std::tuple{Field<Place, std::string>{"center", &Place::center, "", "its middle (m)"},
-                      Field<Place, std::string>{"width", &Place::width, "", "how far it reaches to each side (m)"}};
+    return std::tuple{Field{"center", &Place::center, "", "its middle (m)"},
+                      Field{"width", &Place::width, "", "how far it reaches to each side (m)"}};
   }
-  void validate() const {}
 };
 
 /// A wave of exactly one turn, which only an axis with a position in rad has.
@@ -90,9 +81,8 @@ struct Turn {
   std::string angle;
 
   static constexpr auto fields() {
-    return std::tuple{Field<Turn, std::string>{"angle", &Turn::angle, "", "where it is zero and rises (rad)"}};
+    return std::tuple{Field{"angle", &Turn::angle, "", "where it is zero and rises (rad)"}};
   }
-  void validate() const {}
 };
 
 using Kind = std::variant<Wave, Window, Knots, SplineKnots, Travel, Place, Turn>;

@@ -5,11 +5,9 @@
 #include <cstdint>
 #include <numbers>
 #include <random>
-#include <tuple>
 
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
-#include "cogging/require.hpp"
 
 namespace cogging {
 
@@ -19,13 +17,8 @@ struct NoiseParameters {
 
   static constexpr auto fields() {
     using P = NoiseParameters;
-    return std::tuple{Field<P, double>{"force", &P::force, "V", "rms of the force noise"},
-                      Field<P, double>{"bandwidth", &P::bandwidth, "Hz", "corner of its first-order spectrum"}};
-  }
-
-  void validate() const {
-    require_not_negative("force", force);
-    require_positive("bandwidth", bandwidth);
+    return std::tuple{Field{"force", &P::force, "V", "rms of the force noise", Rule::not_negative},
+                      Field{"bandwidth", &P::bandwidth, "Hz", "corner of its first-order spectrum", Rule::positive}};
   }
 };
 

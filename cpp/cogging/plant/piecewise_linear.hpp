@@ -24,8 +24,6 @@ Scalar piecewise_linear(const std::vector<double>& nodes, const std::vector<doub
 /// Refuses nodes that do not increase, and values that are not as many; both are named as the user knows them.
 inline void require_piecewise_linear(std::string_view nodes_name, const std::vector<double>& nodes,
                                      std::string_view values_name, const std::vector<double>& values) {
-  require_finite(nodes_name, nodes);
-  require_finite(values_name, values);
   for (std::size_t i = 1; i < nodes.size(); ++i)
     require(nodes[i] > nodes[i - 1], nodes_name, "must increase: above " + format(nodes[i - 1]), nodes[i]);
   require(nodes.size() == values.size(), values_name,

@@ -1,7 +1,6 @@
 #pragma once
 // The amplifier of a log: commands at recorded times, which need not be evenly spaced.
 
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -15,12 +14,12 @@ namespace cogging {
 
 /// What Amplifier does in a run, for commands that were recorded: shaped, delayed, passed through the current
 /// loop. Before the first row, the first command is taken to have acted for ever.
-class RecordedAmplifier {
+class RecordedAmplifier : public AmplifierLaws<double> {
  public:
   RecordedAmplifier(const std::vector<Effect<double>>& effects, std::span<const double> time,
                     std::span<const double> command)
-      : laws_(effects), time_(time), shaped_(command.begin(), command.end()) {
-    for (double& value : shaped_) value = laws_.shaped(value);
+      : AmplifierLaws(effects), time_(time), shaped_(command.begin(), command.end()) {
+    for (double& value : shaped_) value = shaped(value);
     output_ = shaped_.front();
   }
 
@@ -28,22 +27,18 @@ class RecordedAmplifier {
   /// must go forward in time.
   template <class Piece>
   void over(double start, double end, const Piece& piece) {
-    const double delay = laws_.delay();
     double now = start;
     while (now < end) {
-      while (acting_ + 1 < shaped_.size() && time_[acting_ + 1] + delay <= now + tolerance) ++acting_;
+      while (acting_ + 1 < shaped_.size() && time_[acting_ + 1] + delay() <= now + tolerance) ++acting_;
       const double switched =
-          acting_ + 1 < shaped_.size() ? time_[acting_ + 1] + delay : std::numeric_limits<double>::infinity();
+          acting_ + 1 < shaped_.size() ? time_[acting_ + 1] + delay() : std::numeric_limits<double>::infinity();
       const double next = switched < end - tolerance ? switched : end;
-      Drive<double> drive{shaped_[acting_], output_ - shaped_[acting_], laws_.rate(), 0.0, laws_.lagging()};
+      Drive<double> drive{shaped_[acting_], output_ - shaped_[acting_], rate(), 0.0, lagging()};
       piece(drive, now, next);
-      if (laws_.lagging()) output_ = drive.at(next - now);
+      if (lagging()) output_ = drive.at(next - now);
       now = next;
     }
   }
-
-  /// See AmplifierLaws::followed_until.
-  double followed_until(double now, double changed) const { return laws_.followed_until(now, changed); }
 
   /// Moves a drive on by the time that has passed.
   void settle(Drive<double>& drive, double duration) const {
@@ -63,7 +58,6 @@ class RecordedAmplifier {
  private:
   static constexpr double tolerance = 1e-9;  // s: two times closer than this are one
 
-  AmplifierLaws<double> laws_;
   std::span<const double> time_;
   std::vector<double> shaped_;
   double output_ = 0.0;

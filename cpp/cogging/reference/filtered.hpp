@@ -4,12 +4,10 @@
 #include <cmath>
 #include <numbers>
 #include <string_view>
-#include <tuple>
 
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
-#include "cogging/require.hpp"
 
 namespace cogging {
 
@@ -24,27 +22,16 @@ struct FilteredSineParameters {
 
   static constexpr auto fields() {
     using P = FilteredSineParameters;
-    return std::tuple{Field<P, double>{"center", &P::center, "m", "where the motion starts, at rest"},
-                      Field<P, double>{"amplitude", &P::amplitude, "m", "of the sine that it approaches"},
-                      Field<P, double>{"frequency", &P::frequency, "Hz", "of that sine"},
-                      Field<P, double>{"beta_1", &P::beta_1, "1/s", "damping of the generator"},
-                      Field<P, double>{"beta_2", &P::beta_2, "1/s^2", "stiffness of the generator"}};
-  }
-
-  void validate() const {
-    require_finite("center", center);
-    require_not_negative("amplitude", amplitude);
-    require_positive("frequency", frequency);
-    require_positive("beta_1", beta_1);
-    require_positive("beta_2", beta_2);
+    return std::tuple{Field{"center", &P::center, "m", "where the motion starts, at rest"},
+                      Field{"amplitude", &P::amplitude, "m", "of the sine that it approaches", Rule::not_negative},
+                      Field{"frequency", &P::frequency, "Hz", "of that sine", Rule::positive},
+                      Field{"beta_1", &P::beta_1, "1/s", "damping of the generator", Rule::positive},
+                      Field{"beta_2", &P::beta_2, "1/s^2", "stiffness of the generator", Rule::positive}};
   }
 };
 
-/// q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from
-/// q_d(0) = center, q_d'(0) = 0.
-///
-/// The generator is linear, so its difference w = q_d - q_r solves w'' + beta_1 w' + beta_2 w = 0 from w(0) = 0,
-/// w'(0) = -amplitude omega, and is known exactly at every time: no step, no drift.
+/// The generator of `description` is linear, so its difference w = q_d - q_r solves w'' + beta_1 w' + beta_2 w = 0 from
+/// w(0) = 0, w'(0) = -amplitude omega, and is known exactly at every time: no step, no drift.
 class FilteredSine final : public Reference {
  public:
   using Parameters = FilteredSineParameters;
@@ -54,7 +41,7 @@ class FilteredSine final : public Reference {
 q_d'' + beta_1 q_d' + beta_2 q_d = q_r'' + beta_1 q_r' + beta_2 q_r, q_r = center + amplitude sin(omega t), from rest at
 the centre. Solved exactly at every time; the acceleration starts at beta_1 amplitude omega.)";
 
-  explicit FilteredSine(const FilteredSineParameters& parameters) : parameters_(parameters) { parameters_.validate(); }
+  explicit FilteredSine(const FilteredSineParameters& parameters) : parameters_(validated(parameters)) {}
   const FilteredSineParameters& parameters() const { return parameters_; }
 
   double period() const override { return 1.0 / parameters_.frequency; }

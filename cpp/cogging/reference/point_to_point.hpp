@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
-#include <tuple>
 
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
@@ -26,30 +25,23 @@ struct PointToPointParameters {
 
   static constexpr auto fields() {
     using P = PointToPointParameters;
-    return std::tuple{Field<P, double>{"start", &P::start, "m", "position before the first move"},
-                      Field<P, double>{"distance", &P::distance, "m", "length of a move, with its sign"},
-                      Field<P, double>{"velocity", &P::velocity, "m/s", "limit on the speed"},
-                      Field<P, double>{"acceleration", &P::acceleration, "m/s^2", "limit on the acceleration"},
-                      Field<P, double>{"jerk", &P::jerk, "m/s^3", "limit on the jerk; infinite = trapezoidal velocity"},
-                      Field<P, double>{"dwell", &P::dwell, "s", "rest after each move"},
-                      Field<P, int>{"repeats", &P::repeats, "1", "number of moves there and back"}};
+    return std::tuple{
+        Field{"start", &P::start, "m", "position before the first move"},
+        Field{"distance", &P::distance, "m", "length of a move, with its sign", Rule::any},
+        Field{"velocity", &P::velocity, "m/s", "limit on the speed", Rule::positive},
+        Field{"acceleration", &P::acceleration, "m/s^2", "limit on the acceleration", Rule::positive},
+        Field{"jerk", &P::jerk, "m/s^3", "limit on the jerk; infinite = trapezoidal velocity", Rule::above_0},
+        Field{"dwell", &P::dwell, "s", "rest after each move", Rule::not_negative},
+        Field{"repeats", &P::repeats, "1", "number of moves there and back"}};
   }
 
   void validate() const {
-    require_finite("start", start);
     require(std::isfinite(distance) && distance != 0.0, "distance", "must be finite and not 0", distance);
-    require_positive("velocity", velocity);
-    require_positive("acceleration", acceleration);
-    require(jerk > 0.0, "jerk", "must be above 0 (infinite = none)", jerk);
-    require_not_negative("dwell", dwell);
     require(repeats >= 1, "repeats", "must be at least 1", repeats);
   }
 };
 
-/// Moves start -> start + distance -> start, `repeats` times, resting `dwell` after each move.
-///
-/// Each move is the fastest one with zero velocity and acceleration at both ends under the three limits; a
-/// short move that cannot reach the velocity or the acceleration limit stays below it.
+/// The motion of `description`; a short move that cannot reach the velocity or the acceleration limit stays below it.
 class PointToPoint final : public Reference {
  public:
   using Parameters = PointToPointParameters;
@@ -59,8 +51,7 @@ class PointToPoint final : public Reference {
 start -> start + distance -> start, `repeats` times, resting `dwell` after each move. Each move is the fastest under
 the limits on velocity, acceleration and jerk that starts and ends at rest with zero acceleration.)";
 
-  explicit PointToPoint(const PointToPointParameters& parameters) : parameters_(parameters) {
-    parameters_.validate();
+  explicit PointToPoint(const PointToPointParameters& parameters) : parameters_(validated(parameters)) {
     const double length = std::abs(parameters.distance), jerk = parameters.jerk;
     acceleration_peak_ = parameters.acceleration;
     velocity_peak_ = parameters.velocity;

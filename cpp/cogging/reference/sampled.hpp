@@ -11,9 +11,7 @@
 
 namespace cogging {
 
-/// Samples of position and, where known, of velocity and acceleration. A missing derivative is differentiated
-/// from the one before it (second-order differences). Between samples: cubic Hermite in the position and its
-/// derivative; the acceleration is linear. Before the first and after the last sample: at rest there.
+/// The motion of `description`: second-order differences; cubic Hermite in the position and its derivative.
 class Sampled final : public Reference {
  public:
   static constexpr std::string_view name = "sampled";
@@ -44,8 +42,10 @@ Raises:
 
   double end() const override { return time_.back(); }
 
-  std::size_t size() const { return time_.size(); }
-  double time(std::size_t i) const { return time_[i]; }
+  const std::vector<double>& times() const { return time_; }
+  const std::vector<double>& positions() const { return position_; }
+  const std::vector<double>& velocities() const { return velocity_; }
+  const std::vector<double>& accelerations() const { return acceleration_; }
   /// The i-th sample, to the bit, with its derivatives.
   ReferencePoint sample(std::size_t i) const { return {position_[i], velocity_[i], acceleration_[i]}; }
 

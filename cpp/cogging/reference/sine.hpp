@@ -1,15 +1,12 @@
 #pragma once
 // A sine about a centre.
 
-#include <cmath>
 #include <numbers>
 #include <string_view>
-#include <tuple>
 
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
-#include "cogging/require.hpp"
 
 namespace cogging {
 
@@ -22,19 +19,12 @@ struct SineParameters {
 
   static constexpr auto fields() {
     using P = SineParameters;
-    return std::tuple{Field<P, double>{"center", &P::center, "m", "middle of the motion"},
-                      Field<P, double>{"amplitude", &P::amplitude, "m", "half the stroke"},
-                      Field<P, double>{"frequency", &P::frequency, "Hz", "strokes there and back a second"}};
-  }
-
-  void validate() const {
-    require_finite("center", center);
-    require_not_negative("amplitude", amplitude);
-    require_positive("frequency", frequency);
+    return std::tuple{Field{"center", &P::center, "m", "middle of the motion"},
+                      Field{"amplitude", &P::amplitude, "m", "half the stroke", Rule::not_negative},
+                      Field{"frequency", &P::frequency, "Hz", "strokes there and back a second", Rule::positive}};
   }
 };
 
-/// x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis, at rest, does not.
 class Sine final : public Reference {
  public:
   using Parameters = SineParameters;
@@ -42,7 +32,7 @@ class Sine final : public Reference {
   static constexpr std::string_view description =
       "x_d(t) = center + amplitude sin(2 pi frequency t). It starts at speed: the axis does not.";
 
-  explicit Sine(const SineParameters& parameters) : parameters_(parameters) { parameters_.validate(); }
+  explicit Sine(const SineParameters& parameters) : parameters_(validated(parameters)) {}
   const SineParameters& parameters() const { return parameters_; }
 
   double period() const override { return 1.0 / parameters_.frequency; }

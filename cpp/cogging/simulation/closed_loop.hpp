@@ -16,7 +16,6 @@
 #include "cogging/plant/integration.hpp"
 #include "cogging/plant/plant.hpp"
 #include "cogging/scalar.hpp"
-#include "cogging/simulation/log.hpp"
 #include "cogging/simulation/recorder.hpp"
 #include "cogging/simulation/reference_rows.hpp"
 
@@ -63,10 +62,6 @@ COGGING_INLINE void require_bounded(const AxisState<Scalar>& state, const Range&
   if (!is_bounded(state, bounds)) [[unlikely]]
     refuse_state(state, travel, time);
 }
-
-}  // namespace detail
-
-namespace detail {
 
 // Where events happen within the sample, or the command changes or settles in it.
 template <class AnyAxis, class Scalar>
@@ -132,23 +127,12 @@ void require_delays(double of_amplifier, const C& controller, const ReferenceRow
     require_delay("controller.delay", controller.dead_time(), reference);
 }
 
-/// Refuses a log that does not fit into memory.
-inline void require_room_for_log(std::size_t rows, std::size_t columns, double duration) {
-  const auto count = static_cast<double>(rows), width = static_cast<double>(columns);
-  require_memory("duration", 8.0 * count * width, format(count) + " samples of " + format(width) + " columns",
-                 format(duration));
-}
-
 /// The command of row k that acts on the amplifier: cut at the limit, with what is added behind the controller.
 template <class Scalar, class C>
 COGGING_INLINE Scalar command_of_row(C& controller, const ReferenceRows& reference, std::size_t k, double time,
                                      const ReferencePoint& point, const Scalar& reading, double limit,
                                      const std::vector<double>& added) {
-  Scalar command;
-  if constexpr (LooksAhead<C>)
-    command = controller.command(point, reference.reference().at(time + controller.preview()), reading);
-  else
-    command = controller.command(point, reading);
+  Scalar command = command_at(controller, reference.reference(), time, point, reading);
   if (limit > 0.0) command = clamp(command, Scalar(-limit), Scalar(limit));
   controller.update(command);
   if (added.empty()) return command;
@@ -165,7 +149,7 @@ template <class Scalar, ClosesLoop<Scalar> C, RecordsRun<Scalar> Recorder>
 void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controller, const ReferenceRows& reference,
                       const RunOptions& options) {
   detail::require_options(options);
-  plant.encoder.validate();
+  validated(plant.encoder);
   const double sample_time = 1.0 / controller.sample_rate(), limit = controller.command_limit();
   require(reference.sample_rate() == controller.sample_rate(), "sample_rate", "must be that of the reference's rows",
           controller.sample_rate());
@@ -211,9 +195,11 @@ Log<Scalar> closed_loop(const Plant<Scalar>& plant, C controller, const Referenc
                         const RunOptions& options) {
   detail::require_options(options);
   StopCheck stop(options.stop);
-  const std::size_t count = ReferenceRows::count(reference, options.duration, controller.sample_rate());
+  const auto count = static_cast<double>(ReferenceRows::count(reference, options.duration, controller.sample_rate()));
   const std::size_t estimates = options.record_estimates ? controller.estimates().size() : 0;
-  detail::require_room_for_log(count, log_columns + estimates, ReferenceRows::length(reference, options.duration));
+  const auto width = static_cast<double>(log_columns + estimates);
+  require_memory("duration", 8.0 * count * width, format(count) + " samples of " + format(width) + " columns",
+                 format(ReferenceRows::length(reference, options.duration)));
   ReferenceRows rows(reference, options.duration, controller.sample_rate(), stop,
                      std::numeric_limits<std::size_t>::max());
   LogRecorder<Scalar> recorder(options.record_estimates);

@@ -8,7 +8,6 @@
 #include <exception>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "cogging/simulation/closed_loop.hpp"
@@ -125,7 +124,7 @@ class MachinesInLanes {
     for (std::size_t i = 0; i < count; ++i) {
       const Plant<double>& plant = *plants_[i];
       const RunInLane& run = runs[std::min(i, runs.size() - 1)];
-      plant.encoder.validate();
+      validated(plant.encoder);
       set_lane(state_.position, i, run.initial_position.value_or(start));
       force_noise_.emplace_back(plant.noise, sample_time, run.seed);
       encoder_noise_.emplace_back(run.seed ^ 0x9e3779b97f4a7c15ULL);

@@ -110,11 +110,6 @@ inline bool runs_alone(const Plant<double>& plant) {
   return alone || (rubs && !(plant.axis.coulomb_width > 0.0));
 }
 
-/// Steps are cut where a current loop settles quicker than they are long: then alone by loops of the same.
-inline double loop_that_cuts(double time_constant, double sample_time) {
-  return time_constant < 1.001 * sample_time ? time_constant : sample_time;
-}
-
 }  // namespace detail
 
 /// What the forces of plants have in common that share a pack, none where one must stand alone.
@@ -149,8 +144,9 @@ std::optional<SharedCourse> course_of(const Plant<double>& plant,
   course->add_shared<typename std::variant_alternative_t<place, AnyController<detail::AnyLanes>>::Parameters>(
       controller.parameters());
   const double sample_time = 1.0 / controller.sample_rate();
-  for_each_law(plant.effects, [&](const HasLag auto& law) {
-    course->add(detail::loop_that_cuts(law.lag_time_constant(), sample_time));
+  for_each_law(plant.effects, [&](const HasLag auto& law) {  // steps are cut where one settles within them
+    const double time_constant = law.lag_time_constant();
+    course->add(time_constant < 1.001 * sample_time ? time_constant : sample_time);
   });
   course->add(plant.encoder.resolution > 0.0);
   return course;

@@ -7,18 +7,29 @@
 #include <limits>
 #include <span>
 
+#include "cogging/parameters.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
 namespace cogging {
 
 struct Performance {
-  double error_max;           // m, max |e|            (e_inf, e_M)
-  double error_rms;           // m, sqrt(mean e^2)     (e_2, e_rms)
-  double error_final_max;     // m, max |e| in the last `final_window` seconds (e_F)
-  double command_rms;         // V                     (u_rms)
-  double command_change_rms;  // V, rms of u_k - u_(k-1), divided by the number of changes (du_rms)
-  double command_chatter;     // command_change_rms / command_rms (c_u)
+  double error_max;           // (e_inf, e_M)
+  double error_rms;           // (e_2, e_rms)
+  double error_final_max;     // in the last `final_window` seconds (e_F)
+  double command_rms;         // (u_rms)
+  double command_change_rms;  // over the number of changes (du_rms)
+  double command_chatter;     // (c_u)
+
+  static constexpr auto fields() {
+    using P = Performance;
+    return std::tuple{Field{"error_max", &P::error_max, "m", "max |e|"},
+                      Field{"error_rms", &P::error_rms, "m", "sqrt(mean e^2)"},
+                      Field{"error_final_max", &P::error_final_max, "m", "max |e| in the final window"},
+                      Field{"command_rms", &P::command_rms, "V", "sqrt(mean u^2)"},
+                      Field{"command_change_rms", &P::command_change_rms, "V", "rms of u_k - u_(k-1)"},
+                      Field{"command_chatter", &P::command_chatter, "", "command_change_rms / command_rms"}};
+  }
 };
 
 /// Over which rows of a run it is judged: those with start <= time < stop.

@@ -47,36 +47,26 @@ struct ReducedRow {
   const Scalar& value;     // of the quantity
 };
 
+/// The largest size of the values, the root of their mean square, or the last of them.
 template <class Scalar>
-class LargestSize {
+class PlainReduction {
  public:
-  void row(const ReducedRow<Scalar>& row) { largest_ = larger(largest_, abs(row.value)); }
-  double of_lane(std::size_t i) const { return lane(largest_, i); }
+  PlainReduction(const std::string& kind, std::size_t rows) : kind_(kind), rows_(rows) {}
+
+  void row(const ReducedRow<Scalar>& row) {
+    largest_ = larger(largest_, abs(row.value));
+    squares_ += row.value * row.value;
+    last_ = row.value;
+  }
+  double of_lane(std::size_t i) const {
+    if (kind_ == "rms") return std::sqrt(lane(squares_, i) / static_cast<double>(rows_));
+    return lane(kind_ == "max" ? largest_ : last_, i);
+  }
 
  private:
-  Scalar largest_ = 0.0;
-};
-
-template <class Scalar>
-class RootMeanSquare {
- public:
-  explicit RootMeanSquare(std::size_t rows) : rows_(rows) {}
-  void row(const ReducedRow<Scalar>& row) { squares_ += row.value * row.value; }
-  double of_lane(std::size_t i) const { return std::sqrt(lane(squares_, i) / static_cast<double>(rows_)); }
-
- private:
+  std::string kind_;
   std::size_t rows_;
-  Scalar squares_ = 0.0;
-};
-
-template <class Scalar>
-class FinalValue {
- public:
-  void row(const ReducedRow<Scalar>& row) { last_ = row.value; }
-  double of_lane(std::size_t i) const { return lane(last_, i); }
-
- private:
-  Scalar last_ = 0.0;
+  Scalar largest_ = 0.0, squares_ = 0.0, last_ = 0.0;
 };
 
 /// The quantile of |value|, linear between the two values beside it. Up to 2^16 rows it is exact: their sizes are kept
@@ -186,19 +176,16 @@ class WaveAmplitude {
 };
 
 template <class Scalar>
-using AnyReduction = std::variant<LargestSize<Scalar>, RootMeanSquare<Scalar>, FinalValue<Scalar>, SizeQuantile<Scalar>,
-                                  WaveAmplitude<Scalar>>;
+using AnyReduction = std::variant<PlainReduction<Scalar>, SizeQuantile<Scalar>, WaveAmplitude<Scalar>>;
 
 /// Ready for so many rows.
 template <class Scalar>
 AnyReduction<Scalar> make_reduction(const Reduction& asked, std::size_t rows) {
   asked.validate();
-  if (asked.kind == "max") return LargestSize<Scalar>();
-  if (asked.kind == "rms") return RootMeanSquare<Scalar>(rows);
-  if (asked.kind == "final") return FinalValue<Scalar>();
   if (asked.kind == "quantile") return SizeQuantile<Scalar>(asked.at, rows);
-  const bool along_travel = asked.kind == "wave";
-  return WaveAmplitude<Scalar>(along_travel, along_travel ? 1.0 / asked.at : asked.at);
+  if (asked.kind == "tone") return WaveAmplitude<Scalar>(false, asked.at);
+  if (asked.kind == "wave") return WaveAmplitude<Scalar>(true, 1.0 / asked.at);
+  return PlainReduction<Scalar>(asked.kind, rows);
 }
 
 }  // namespace cogging

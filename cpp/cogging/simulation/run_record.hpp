@@ -2,7 +2,6 @@
 // What a run of a batch leaves behind: indexes and other reductions, and those rows of a few columns that were asked
 // for.
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
@@ -25,37 +24,28 @@ struct RecordRequest {
   std::size_t every = 1;             // of the rows, the first and each so many further on
 };
 
-/// A column of the log that a row tells.
+/// A column of the log, by name, and what a row says of it.
 template <class Scalar>
-Scalar column_of(std::size_t which, const RunRow<Scalar>& row) {
-  switch (which) {
-    case 0:
-      return Scalar(row.time);
-    case 1:
-      return row.position;
-    case 2:
-      return row.command;
-    case 3:
-      return Scalar(row.reference.position);
-    case 4:
-      return Scalar(row.reference.velocity);
-    case 5:
-      return Scalar(row.reference.acceleration);
-    case 6:
-      return row.true_position;
-    default:
-      return row.true_velocity;
-  }
-}
+struct RunColumn {
+  std::string_view name;
+  Scalar (*of)(const RunRow<Scalar>& row);
+};
 
-inline constexpr std::array<std::string_view, 8> column_names{
-    "time",          "position",     "command", "reference", "reference_velocity", "reference_acceleration",
-    "true_position", "true_velocity"};
-
-inline std::size_t column_number(const std::string& name) {
-  const auto* found = std::find(column_names.begin(), column_names.end(), name);
-  if (found == column_names.end()) refuse("columns", "must be columns of a log", name);
-  return static_cast<std::size_t>(found - column_names.begin());
+template <class Scalar>
+RunColumn<Scalar> column_named(const std::string& name) {
+  using Row = const RunRow<Scalar>&;
+  constexpr RunColumn<Scalar> columns[] = {
+      {"time", [](Row row) { return Scalar(row.time); }},
+      {"position", [](Row row) { return row.position; }},
+      {"command", [](Row row) { return row.command; }},
+      {"reference", [](Row row) { return Scalar(row.reference.position); }},
+      {"reference_velocity", [](Row row) { return Scalar(row.reference.velocity); }},
+      {"reference_acceleration", [](Row row) { return Scalar(row.reference.acceleration); }},
+      {"true_position", [](Row row) { return row.true_position; }},
+      {"true_velocity", [](Row row) { return row.true_velocity; }}};
+  for (const RunColumn<Scalar>& column : columns)
+    if (column.name == name) return column;
+  refuse("columns", "must be columns of a log", name);
 }
 
 /// What is left of one run.
@@ -72,7 +62,7 @@ class RunRecord {
   explicit RunRecord(const RecordRequest& request) : request_(request) {
     require(request.every >= 1, "every", "must be at least 1", static_cast<double>(request.every));
     for (const Reduction& reduction : request.reductions) reduction.validate();
-    for (const std::string& name : request.columns) which_.push_back(column_number(name));
+    for (const std::string& name : request.columns) which_.push_back(column_named<Scalar>(name));
   }
 
   void begin(std::size_t rows, double sample_rate, StopCheck&) {
@@ -92,7 +82,7 @@ class RunRecord {
     if (rows_.holds(row.index)) reduce(row);
     if (which_.empty()) return;
     if (until_kept_ == 0) {
-      for (std::size_t c = 0; c < which_.size(); ++c) waiting_[c * block + waiting_rows_] = column_of(which_[c], row);
+      for (std::size_t c = 0; c < which_.size(); ++c) waiting_[c * block + waiting_rows_] = which_[c].of(row);
       ++waiting_rows_;
       until_kept_ = request_.every;
     }
@@ -141,7 +131,7 @@ class RunRecord {
   }
 
   RecordRequest request_;
-  std::vector<std::size_t> which_;
+  std::vector<RunColumn<Scalar>> which_;
   RowsOfWindow rows_;
   PerformanceSums<Scalar> sums_;
   std::vector<Quantity> reductions_;

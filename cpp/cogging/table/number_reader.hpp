@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -82,24 +81,21 @@ class NumberReader {
     for (std::vector<double>& column : columns_) column.reserve(expected_rows);  // pages unused cost nothing
   }
 
-  /// Takes the next block of the file, which may end anywhere. Interrupted, it has taken a part of the block that
-  /// nobody knows: a reader that is fed on refuses.
+  /// Takes the next block of the file, which may end anywhere. A call that was interrupted, or refused a line, has
+  /// taken a part of the block that nobody knows: a reader that is fed on refuses.
   void feed(std::string_view block, StopRequest* request = nullptr) {
-    require_whole();
+    begin_call();
     StopCheck stop(request);
-    try {
-      feed(block, stop);
-    } catch (const Interrupted&) {
-      interrupted_ = true;
-      throw;
-    }
+    feed(block, stop);
+    whole_ = true;
   }
 
   /// Takes what stands after the last line end.
   void finish() {
-    require_whole();
+    begin_call();
     if (!carry_.empty() && !done()) read_line(carry_.data(), carry_.data() + carry_.size());
     carry_.clear();
+    whole_ = true;
   }
 
   /// Whether the last wanted row has been read.
@@ -174,12 +170,6 @@ class NumberReader {
   }
 
   void read_line(const char* p, const char* end) {
-    within_line_ = true;  // and so it stays where the line is refused
-    take_line(p, end);
-    within_line_ = false;
-  }
-
-  void take_line(const char* p, const char* end) {
     ++line_;
     if (p != end && end[-1] == '\r') --end;
     p = skip_blanks(p, end);
@@ -262,9 +252,9 @@ class NumberReader {
     refuse(place() + ": " + layout_.labels[column], "must be a finite number", shown(begin, stop));
   }
 
-  void require_whole() const {
-    require(!interrupted_, "block", "must not follow one whose reading was interrupted, bytes", double(carry_.size()));
-    if (within_line_) refuse("NumberReader", "may not go on behind a line that was refused", place());
+  void begin_call() {
+    if (!whole_) refuse("NumberReader", "may not go on behind a call that failed", place());
+    whole_ = false;
   }
 
   void require_line_length(std::size_t length) const {
@@ -274,9 +264,8 @@ class NumberReader {
 
   TableLayout layout_;
   std::size_t first_row_, end_row_, line_, row_ = 0;
-  bool within_line_ = false;
+  bool whole_ = true;
   std::string carry_, cell_;
-  bool interrupted_ = false;
   std::vector<std::vector<double>> columns_;
 };
 

@@ -84,7 +84,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
     library = find_library()
     files = {
         "modelDescription.xml": _description(model, name, token, rate, parameters),
-        "resources/axis.txt": f"cogging_axis 1\ntoken {token}\n{numbers}".encode(),
+        "resources/axis.txt": f"cogging_axis 2\ntoken {token}\n{numbers}".encode(),
         f"binaries/{platform_tuple()}/{name}{library.suffix}": library.read_bytes(),
         "documentation/licenses/license.txt": licence().encode(),
     }
@@ -134,22 +134,22 @@ def _sections(model: Model) -> list[tuple[str, Any]]:
 def _numbers(model: Model, rate: float, parameters: list[Parameter]) -> str:
     """Return the numbers of a model as cpp/fmi/resource.hpp reads them, one item a line."""
     lines = [
-        _line("sample_rate", rate),
-        _line("steps_per_sample", model.steps_per_sample),
-        _line("initial_position", _initial_position(model)),
+        _line("start sample_rate", rate),
+        _line("start steps_per_sample", model.steps_per_sample),
+        _line("start initial_position", _initial_position(model)),
+        "parameter 6 start initial_position",
+        "parameter 7 start initial_velocity",
     ]
     for section, fields in _sections(model):
         lines += [_line(f"{section} {field}", value) for field, value in fields.to_dict().items()]
     if model.cogging is not None:
         basis = model.cogging.basis
         spline = basis.spline
-        knots = f"{spline.order} {_bits(spline.origin)} {_bits(spline.pitch)} {spline.control_points}"
-        terms = _line("cogging_periods", [float(period) for period in basis.periods])
-        if basis.harmonics:
-            terms = f"cogging_harmonics {_bits(basis.pitch)} {' '.join(str(int(one)) for one in basis.harmonics)}"
+        terms = basis.harmonics or [float(period) for period in basis.periods]  # the pitch of periods is 0
+        knots = [spline.order, spline.control_points, spline.origin, spline.pitch, basis.pitch]
         # One row a control point: sine and cosine of each term.
         amplitudes = np.stack([model.cogging.sine.T, model.cogging.cosine.T], axis=-1).ravel().tolist()
-        lines += [f"cogging_knots {knots}", terms, _line("cogging_coefficients", amplitudes)]
+        lines += [_line("cogging", [*knots, *terms]), _line("cogging_coefficients", amplitudes)]
     for number, effect in enumerate(model.effects):
         lines.append(f"effect {effect.NAME}")
         lines += [_line(f"{number} {field}", value) for field, value in effect.to_dict().items()]

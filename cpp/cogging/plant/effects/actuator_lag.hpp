@@ -1,8 +1,6 @@
 #pragma once
 // A first-order current loop.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -17,10 +15,9 @@ struct ActuatorLag {
 
   static constexpr auto fields() {
     using E = ActuatorLag;
-    return std::tuple{Field<E, Scalar>{"time_constant", &E::time_constant, "s", "of the current loop",
-                                       vanishing(logarithmic_shape(Quantity::sample_time, 0.1, 100.0))}};
+    return std::tuple{Field{"time_constant", &E::time_constant, "s", "of the current loop", Rule::not_negative,
+                            vanishing(logarithmic_shape(Quantity::sample_time, 0.1, 100.0))}};
   }
-  void validate() const { require_not_negative("time_constant", time_constant); }
 
   Scalar lag_time_constant() const { return time_constant; }
 };

@@ -1,8 +1,6 @@
 #pragma once
 // Lost motion between motor and load.
 
-#include <tuple>
-
 #include "cogging/plant/coupling.hpp"
 #include "cogging/plant/effect.hpp"
 
@@ -26,18 +24,13 @@ struct Backlash {
   static constexpr auto fields() {
     using E = Backlash;
     return std::tuple{
-        Field<E, double>{"gap", &E::gap, "m", "full play of the load",
-                         vanishing(logarithmic_shape(Quantity::distance, 1e-6, 0.02))},
-        Field<E, double>{"mass_ratio", &E::mass_ratio, "1", "load over total",
-                         vanishing(linear_shape(Quantity::relative, 0.0, 0.9))},
-        Field<E, double>{"contact_frequency", &E::contact_frequency, "Hz", "of the free-free vibration in contact"},
-        Field<E, double>{"contact_damping_ratio", &E::contact_damping_ratio, "1", "of that vibration"}};
-  }
-  void validate() const {
-    require_not_negative("gap", gap);
-    require(mass_ratio >= 0.0 && mass_ratio < 1.0, "mass_ratio", "must be at least 0 and below 1", mass_ratio);
-    require_positive("contact_frequency", contact_frequency);
-    require_not_negative("contact_damping_ratio", contact_damping_ratio);
+        Field{"gap", &E::gap, "m", "full play of the load", Rule::not_negative,
+              vanishing(logarithmic_shape(Quantity::distance, 1e-6, 0.02))},
+        Field{"mass_ratio", &E::mass_ratio, "1", "load over total", Rule::share,
+              vanishing(linear_shape(Quantity::relative, 0.0, 0.9))},
+        Field{"contact_frequency", &E::contact_frequency, "Hz", "of the free-free vibration in contact",
+              Rule::positive},
+        Field{"contact_damping_ratio", &E::contact_damping_ratio, "1", "of that vibration", Rule::not_negative}};
   }
 
   CouplingParameters coupling() const { return {mass_ratio, contact_frequency, contact_damping_ratio, gap, true}; }

@@ -1,8 +1,6 @@
 #pragma once
 // A cable chain or bellows that pulls towards one position.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -18,14 +16,9 @@ struct CableSpring {
 
   static constexpr auto fields() {
     using E = CableSpring;
-    return std::tuple{Field<E, Scalar>{"stiffness", &E::stiffness, "V/m", "force a metre of distance",
-                                       amplitude(Quantity::force_per_position)},
-                      Field<E, Scalar>{"center", &E::center, "m", "where the spring is slack",
-                                       linear_shape(Quantity::position, 0.0, 1.0)}};
-  }
-  void validate() const {
-    require_finite("stiffness", stiffness);
-    require_finite("center", center);
+    return std::tuple{
+        Field{"stiffness", &E::stiffness, "V/m", "force a metre of distance", amplitude(Quantity::force_per_position)},
+        Field{"center", &E::center, "m", "where the spring is slack", linear_shape(Quantity::position, 0.0, 1.0)}};
   }
 
   Scalar force(const Motion<Scalar>& motion) const { return stiffness * (center - motion.position); }

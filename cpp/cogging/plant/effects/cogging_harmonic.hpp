@@ -2,7 +2,6 @@
 // A spatial period that the cogging model lacks.
 
 #include <numbers>
-#include <tuple>
 
 #include "cogging/plant/effect.hpp"
 
@@ -21,16 +20,11 @@ struct CoggingHarmonic {
   static constexpr auto fields() {
     using E = CoggingHarmonic;
     return std::tuple{
-        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 1e-4, 1.0)},
-        Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
-        Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
+        Field{"period", &E::period, "m", "in position", Rule::period, logarithmic_shape(Quantity::distance, 1e-4, 1.0)},
+        Field{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
+        Field{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
-  void validate() const {
-    require_period("period", period);
-    require_finite("sine", sine);
-    require_finite("cosine", cosine);
-  }
 
   Scalar force(const Motion<Scalar>& motion) const {
     Scalar s, c;

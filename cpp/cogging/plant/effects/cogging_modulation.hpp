@@ -2,7 +2,6 @@
 // A known harmonic of the cogging whose amplitude changes along the travel.
 
 #include <cmath>
-#include <tuple>
 #include <vector>
 
 #include "cogging/basis/spline_harmonics.hpp"
@@ -32,25 +31,19 @@ struct CoggingModulation {
   static constexpr auto fields() {
     using E = CoggingModulation;
     return std::tuple{
-        Field<E, double>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 0.002, 1.0)},
-        Field<E, std::vector<double>>{"sine", &E::sine, "V", "amplitude of the sine at each control point",
-                                      amplitude(Quantity::force)},
-        Field<E, std::vector<double>>{"cosine", &E::cosine, "V", "amplitude of the cosine at each control point",
-                                      amplitude(Quantity::force)},
-        Field<E, double>{"pitch", &E::pitch, "m", "distance of the knots; 0 = the knots of [cogging]"},
-        Field<E, int>{"order", &E::order, "1", "of the B-splines"},
-        Field<E, double>{"origin", &E::origin, "m", "first knot of the first full span"}};
+        Field{"period", &E::period, "m", "in position", Rule::period,
+              logarithmic_shape(Quantity::distance, 0.002, 1.0)},
+        Field{"sine", &E::sine, "V", "amplitude of the sine at each control point", amplitude(Quantity::force)},
+        Field{"cosine", &E::cosine, "V", "amplitude of the cosine at each control point", amplitude(Quantity::force)},
+        Field{"pitch", &E::pitch, "m", "distance of the knots; 0 = the knots of [cogging]", Rule::not_negative},
+        Field{"order", &E::order, "1", "of the B-splines"},
+        Field{"origin", &E::origin, "m", "first knot of the first full span"}};
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}, SplineKnots{"pitch", "order", "origin"}}; }
   void validate() const {
-    require_period("period", period);
-    require_finite("sine", sine);
-    require_finite("cosine", cosine);
     require(sine.size() == cosine.size(), "cosine", "must have as many values as sine = " + format(double(sine.size())),
             double(cosine.size()));
-    require_not_negative("pitch", pitch);
     require(order >= 1 && order <= BSpline::order_max, "order", "must be from 1 to 16", order);
-    require_finite("origin", origin);
     if (pitch > 0.0) require_points(order);
   }
 

@@ -1,8 +1,6 @@
 #pragma once
 // Small commands do nothing.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -17,10 +15,9 @@ struct CommandDeadZone {
 
   static constexpr auto fields() {
     using E = CommandDeadZone;
-    return std::tuple{Field<E, Scalar>{"width", &E::width, "V", "half of the zone: largest command that does nothing",
-                                       vanishing(linear_shape(Quantity::command, 0.0, 0.5))}};
+    return std::tuple{Field{"width", &E::width, "V", "half of the zone: largest command that does nothing",
+                            Rule::not_negative, vanishing(linear_shape(Quantity::command, 0.0, 0.5))}};
   }
-  void validate() const { require_not_negative("width", width); }
 
   Scalar shape_command(const Scalar& command) const { return command - clamp(command, -width, width); }
 };

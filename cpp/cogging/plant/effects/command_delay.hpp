@@ -1,8 +1,6 @@
 #pragma once
 // The command acts later than it was computed.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -18,10 +16,9 @@ struct CommandDelay {
 
   static constexpr auto fields() {
     using E = CommandDelay;
-    return std::tuple{Field<E, double>{"delay", &E::delay, "s", "from computed to acting",
-                                       vanishing(linear_shape(Quantity::sample_time, 0.0, 50.0))}};
+    return std::tuple{Field{"delay", &E::delay, "s", "from computed to acting", Rule::not_negative,
+                            vanishing(linear_shape(Quantity::sample_time, 0.0, 50.0))}};
   }
-  void validate() const { require_not_negative("delay", delay); }
 
   double command_delay() const { return delay; }
 };

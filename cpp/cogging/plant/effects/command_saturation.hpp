@@ -2,7 +2,6 @@
 // Large commands are cut.
 
 #include <limits>
-#include <tuple>
 
 #include "cogging/plant/effect.hpp"
 
@@ -18,10 +17,9 @@ struct CommandSaturation {
 
   static constexpr auto fields() {
     using E = CommandSaturation;
-    return std::tuple{Field<E, Scalar>{"limit", &E::limit, "V", "largest command that passes; infinite = none",
-                                       vanishing(logarithmic_shape(Quantity::command, 0.1, 1.0))}};
+    return std::tuple{Field{"limit", &E::limit, "V", "largest command that passes; infinite = none", Rule::above_0,
+                            vanishing(logarithmic_shape(Quantity::command, 0.1, 1.0))}};
   }
-  void validate() const { require(limit > 0.0, "limit", "must be above 0 (infinite = none)", limit); }
 
   Scalar shape_command(const Scalar& command) const { return clamp(command, -limit, limit); }
 };

@@ -1,8 +1,6 @@
 #pragma once
 // Offset of the amplifier, tilt of the axis.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -16,10 +14,8 @@ struct ConstantForce {
   Scalar level = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{Field<ConstantForce, Scalar>{"force", &ConstantForce::level, "V", "pushes towards +x",
-                                                   amplitude(Quantity::force)}};
+    return std::tuple{Field{"force", &ConstantForce::level, "V", "pushes towards +x", amplitude(Quantity::force)}};
   }
-  void validate() const { require_finite("force", level); }
 
   Scalar force(const Motion<Scalar>&) const { return level; }
 };

@@ -1,8 +1,6 @@
 #pragma once
 // A Coulomb level that differs with direction.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -17,10 +15,9 @@ struct CoulombAsymmetry {
 
   static constexpr auto fields() {
     using E = CoulombAsymmetry;
-    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V", "forward level less backward level",
-                                       amplitude(Quantity::friction, 2.0)}};
+    return std::tuple{Field{"difference", &E::difference, "V", "forward level less backward level",
+                            amplitude(Quantity::friction, 2.0)}};
   }
-  void validate() const { require_finite("difference", difference); }
 
   Scalar friction_level(const Motion<Scalar>& motion) const { return 0.5 * difference * sign(motion.direction); }
 

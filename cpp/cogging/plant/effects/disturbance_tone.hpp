@@ -2,7 +2,6 @@
 // A force that is a sinusoid in time: a pump, a fan, the floor.
 
 #include <numbers>
-#include <tuple>
 
 #include "cogging/plant/effect.hpp"
 
@@ -20,18 +19,12 @@ struct DisturbanceTone {
 
   static constexpr auto fields() {
     using E = DisturbanceTone;
-    return std::tuple{
-        Field<E, Scalar>{"frequency", &E::frequency, "Hz", "of the tone",
-                         logarithmic_shape(Quantity::frequency, 0.0005, 0.5)},
-        Field<E, Scalar>{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
-        Field<E, Scalar>{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
+    return std::tuple{Field{"frequency", &E::frequency, "Hz", "of the tone", Rule::positive,
+                            logarithmic_shape(Quantity::frequency, 0.0005, 0.5)},
+                      Field{"sine", &E::sine, "V", "amplitude of the sine", amplitude(Quantity::force)},
+                      Field{"cosine", &E::cosine, "V", "amplitude of the cosine", amplitude(Quantity::force)}};
   }
   static Kinds kinds() { return {Wave{"frequency", "sine", "cosine"}}; }
-  void validate() const {
-    require_positive("frequency", frequency);
-    require_finite("sine", sine);
-    require_finite("cosine", cosine);
-  }
 
   Scalar force(const Motion<Scalar>& motion) const {
     Scalar s, c;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <tuple>
 #include <vector>
 
 #include "cogging/plant/effect.hpp"
@@ -28,16 +27,13 @@ struct EmpiricalForce {
 
   static constexpr auto fields() {
     using E = EmpiricalForce;
-    using List = std::vector<double>;
-    return std::tuple{Field<E, List>{"position_nodes", &E::position_nodes, "m", "positions, increasing"},
-                      Field<E, List>{"position_forces", &E::position_forces, "V", "pushes towards +x, one a node",
-                                     amplitude(Quantity::force)},
-                      Field<E, List>{"velocity_nodes", &E::velocity_nodes, "m/s", "velocities, increasing"},
-                      Field<E, List>{"velocity_forces", &E::velocity_forces, "V", "pushes towards +x, one a node",
-                                     amplitude(Quantity::force)},
-                      Field<E, List>{"time_nodes", &E::time_nodes, "s", "times, increasing"},
-                      Field<E, List>{"time_forces", &E::time_forces, "V", "pushes towards +x, one a node",
-                                     amplitude(Quantity::force)}};
+    return std::tuple{
+        Field{"position_nodes", &E::position_nodes, "m", "positions, increasing"},
+        Field{"position_forces", &E::position_forces, "V", "pushes towards +x, one a node", amplitude(Quantity::force)},
+        Field{"velocity_nodes", &E::velocity_nodes, "m/s", "velocities, increasing"},
+        Field{"velocity_forces", &E::velocity_forces, "V", "pushes towards +x, one a node", amplitude(Quantity::force)},
+        Field{"time_nodes", &E::time_nodes, "s", "times, increasing"},
+        Field{"time_forces", &E::time_forces, "V", "pushes towards +x, one a node", amplitude(Quantity::force)}};
   }
   static Kinds kinds() {
     return {Knots{"position", "position_nodes", "position_forces"},

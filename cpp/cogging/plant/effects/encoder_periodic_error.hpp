@@ -2,7 +2,6 @@
 // An encoder that reads wrong with a period: interpolation error, eccentricity.
 
 #include <numbers>
-#include <tuple>
 
 #include "cogging/plant/effect.hpp"
 
@@ -21,16 +20,11 @@ struct EncoderPeriodicError {
   static constexpr auto fields() {
     using E = EncoderPeriodicError;
     return std::tuple{
-        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 1e-5, 1.0)},
-        Field<E, Scalar>{"sine", &E::sine, "m", "amplitude of the sine", amplitude(Quantity::distance, 0.01)},
-        Field<E, Scalar>{"cosine", &E::cosine, "m", "amplitude of the cosine", amplitude(Quantity::distance, 0.01)}};
+        Field{"period", &E::period, "m", "in position", Rule::period, logarithmic_shape(Quantity::distance, 1e-5, 1.0)},
+        Field{"sine", &E::sine, "m", "amplitude of the sine", amplitude(Quantity::distance, 0.01)},
+        Field{"cosine", &E::cosine, "m", "amplitude of the cosine", amplitude(Quantity::distance, 0.01)}};
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
-  void validate() const {
-    require_period("period", period);
-    require_finite("sine", sine);
-    require_finite("cosine", cosine);
-  }
 
   Scalar reading_error(const Scalar& position) const {
     Scalar s, c;

@@ -1,8 +1,6 @@
 #pragma once
 // An encoder whose scale is wrong.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -17,10 +15,9 @@ struct EncoderScaleError {
 
   static constexpr auto fields() {
     using E = EncoderScaleError;
-    return std::tuple{Field<E, Scalar>{"scale", &E::scale, "1", "by which the reading is too large, relative",
-                                       amplitude(Quantity::relative, 0.1)}};
+    return std::tuple{Field{"scale", &E::scale, "1", "by which the reading is too large, relative",
+                            amplitude(Quantity::relative, 0.1)}};
   }
-  void validate() const { require_finite("scale", scale); }
 
   Scalar reading_error(const Scalar& position) const { return position * scale; }
 };

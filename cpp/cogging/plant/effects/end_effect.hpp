@@ -2,7 +2,6 @@
 // An extra force close to the ends of the travel.
 
 #include <cmath>
-#include <tuple>
 
 #include "cogging/plant/effect.hpp"
 
@@ -22,15 +21,13 @@ struct EndEffect {
   static constexpr auto fields() {
     using E = EndEffect;
     return std::tuple{
-        Field<E, Scalar>{"force", &E::level, "V", "at an end, outwards", amplitude(Quantity::force)},
-        Field<E, Scalar>{"decay_length", &E::decay_length, "m", "distance from the end at which it has fallen to 1/e",
-                         logarithmic_shape(Quantity::distance, 0.005, 0.5)},
-        Field<E, Range>{"travel", &E::travel, "m", "ends x0, x1 from which it is measured; infinite = of [axis]"}};
+        Field{"force", &E::level, "V", "at an end, outwards", amplitude(Quantity::force)},
+        Field{"decay_length", &E::decay_length, "m", "distance from the end at which it has fallen to 1/e",
+              Rule::positive, logarithmic_shape(Quantity::distance, 0.005, 0.5)},
+        Field{"travel", &E::travel, "m", "ends x0, x1 from which it is measured; infinite = of [axis]", Rule::any}};
   }
   static Kinds kinds() { return {Travel{"travel"}}; }
   void validate() const {
-    require_finite("force", level);
-    require_positive("decay_length", decay_length);
     if (!(travel[0] < travel[1]))
       refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
   }

@@ -2,7 +2,6 @@
 // A resonance between motor and load.
 
 #include <limits>
-#include <tuple>
 
 #include "cogging/plant/coupling.hpp"
 #include "cogging/plant/effect.hpp"
@@ -23,17 +22,12 @@ struct FlexibleMode {
 
   static constexpr auto fields() {
     using E = FlexibleMode;
-    return std::tuple{Field<E, double>{"frequency", &E::frequency, "Hz", "of the free-free vibration; infinite = rigid",
-                                       vanishing(logarithmic_shape(Quantity::frequency, 0.002, 0.9))},
-                      Field<E, double>{"damping_ratio", &E::damping_ratio, "1", "of that vibration",
-                                       logarithmic_shape(Quantity::one, 0.001, 0.5)},
-                      Field<E, double>{"mass_ratio", &E::mass_ratio, "1", "load over total",
-                                       vanishing(linear_shape(Quantity::relative, 0.0, 0.9))}};
-  }
-  void validate() const {
-    require(frequency > 0.0, "frequency", "must be above 0 (infinite = rigid)", frequency);
-    require_not_negative("damping_ratio", damping_ratio);
-    require(mass_ratio >= 0.0 && mass_ratio < 1.0, "mass_ratio", "must be at least 0 and below 1", mass_ratio);
+    return std::tuple{Field{"frequency", &E::frequency, "Hz", "of the free-free vibration; infinite = rigid",
+                            Rule::above_0, vanishing(logarithmic_shape(Quantity::frequency, 0.002, 0.9))},
+                      Field{"damping_ratio", &E::damping_ratio, "1", "of that vibration", Rule::not_negative,
+                            logarithmic_shape(Quantity::one, 0.001, 0.5)},
+                      Field{"mass_ratio", &E::mass_ratio, "1", "load over total", Rule::share,
+                            vanishing(linear_shape(Quantity::relative, 0.0, 0.9))}};
   }
 
   CouplingParameters coupling() const { return {mass_ratio, frequency, damping_ratio, 0.0, false}; }

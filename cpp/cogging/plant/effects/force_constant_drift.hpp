@@ -1,8 +1,6 @@
 #pragma once
 // A force constant that drifts in time: warm magnets, warm coils.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -18,14 +16,9 @@ struct ForceConstantDrift {
 
   static constexpr auto fields() {
     using E = ForceConstantDrift;
-    return std::tuple{
-        Field<E, Scalar>{"change", &E::change, "1", "relative, after a long time", amplitude(Quantity::relative)},
-        Field<E, Scalar>{"time_constant", &E::time_constant, "s", "of the drift",
-                         logarithmic_shape(Quantity::time, 0.02, 5.0)}};
-  }
-  void validate() const {
-    require_finite("change", change);
-    require_positive("time_constant", time_constant);
+    return std::tuple{Field{"change", &E::change, "1", "relative, after a long time", amplitude(Quantity::relative)},
+                      Field{"time_constant", &E::time_constant, "s", "of the drift", Rule::positive,
+                            logarithmic_shape(Quantity::time, 0.02, 5.0)}};
   }
 
   Scalar command_gain(const Scalar&, double time) const { return change * (1.0 - exp(Scalar(-time) / time_constant)); }

@@ -2,7 +2,6 @@
 // A force constant that changes along the travel.
 
 #include <numbers>
-#include <tuple>
 
 #include "cogging/plant/effect.hpp"
 
@@ -21,16 +20,11 @@ struct ForceConstantRipple {
   static constexpr auto fields() {
     using E = ForceConstantRipple;
     return std::tuple{
-        Field<E, Scalar>{"period", &E::period, "m", "in position", logarithmic_shape(Quantity::distance, 1e-4, 1.0)},
-        Field<E, Scalar>{"sine", &E::sine, "1", "relative amplitude of the sine", amplitude(Quantity::relative)},
-        Field<E, Scalar>{"cosine", &E::cosine, "1", "relative amplitude of the cosine", amplitude(Quantity::relative)}};
+        Field{"period", &E::period, "m", "in position", Rule::period, logarithmic_shape(Quantity::distance, 1e-4, 1.0)},
+        Field{"sine", &E::sine, "1", "relative amplitude of the sine", amplitude(Quantity::relative)},
+        Field{"cosine", &E::cosine, "1", "relative amplitude of the cosine", amplitude(Quantity::relative)}};
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}}; }
-  void validate() const {
-    require_period("period", period);
-    require_finite("sine", sine);
-    require_finite("cosine", cosine);
-  }
 
   Scalar command_gain(const Scalar& position, double) const {
     Scalar s, c;

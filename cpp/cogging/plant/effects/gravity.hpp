@@ -1,8 +1,6 @@
 #pragma once
 // An unbalanced mass on a rotary axis.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -19,17 +17,13 @@ struct Gravity {
 
   static constexpr auto fields() {
     using E = Gravity;
-    return std::tuple{Field<E, Scalar>{"moment", &E::moment, "V", "weight times arm, felt a quarter turn from `angle`",
-                                       // a swing-up in several strokes takes less than the weight
-                                       positive_amplitude(Quantity::force, 5.0)},
-                      Field<E, Scalar>{"angle", &E::angle, "rad", "where the mass hangs at rest",
-                                       linear_shape(Quantity::angle, -0.5, 0.5)}};
+    return std::tuple{
+        Field{"moment", &E::moment, "V", "weight times arm, felt a quarter turn from `angle`",
+              // a swing-up in several strokes takes less than the weight
+              positive_amplitude(Quantity::force, 5.0)},
+        Field{"angle", &E::angle, "rad", "where the mass hangs at rest", linear_shape(Quantity::angle, -0.5, 0.5)}};
   }
   static Kinds kinds() { return {Turn{"angle"}}; }
-  void validate() const {
-    require_finite("moment", moment);
-    require_finite("angle", angle);
-  }
 
   Scalar force(const Motion<Scalar>& motion) const {
     Scalar s, c;

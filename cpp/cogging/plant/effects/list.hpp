@@ -104,7 +104,7 @@ COGGING_INLINE void for_each_law(Effects& effects, const Visitor& visitor) {
 /// Raises std::invalid_argument for a parameter of an effect that breaks its rule.
 template <class Scalar>
 void validate_effects(const std::vector<Effect<Scalar>>& effects) {
-  for_each_law(effects, [](const auto& law) { law.validate(); });
+  for_each_law(effects, [](const auto& law) { validated(law); });
 }
 
 /// A copy of the effects, each having taken from the plant what it needs of it.

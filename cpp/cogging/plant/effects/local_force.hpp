@@ -1,8 +1,6 @@
 #pragma once
 // A force at one place: a defect of the guide, a joint, a snag.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -20,18 +18,12 @@ struct LocalForce {
   static constexpr auto fields() {
     using E = LocalForce;
     return std::tuple{
-        Field<E, Scalar>{"force", &E::level, "V", "at the center, towards +x", amplitude(Quantity::force)},
-        Field<E, Scalar>{"center", &E::center, "m", "place of the largest force",
-                         linear_shape(Quantity::position, 0.0, 1.0)},
-        Field<E, Scalar>{"width", &E::width, "m", "distance from the center at which it has fallen to 1/e",
-                         logarithmic_shape(Quantity::distance, 0.002, 0.1)}};
+        Field{"force", &E::level, "V", "at the center, towards +x", amplitude(Quantity::force)},
+        Field{"center", &E::center, "m", "place of the largest force", linear_shape(Quantity::position, 0.0, 1.0)},
+        Field{"width", &E::width, "m", "distance from the center at which it has fallen to 1/e", Rule::positive,
+              logarithmic_shape(Quantity::distance, 0.002, 0.1)}};
   }
   static Kinds kinds() { return {Place{"center", "width"}}; }
-  void validate() const {
-    require_finite("force", level);
-    require_finite("center", center);
-    require_positive("width", width);
-  }
 
   Scalar force(const Motion<Scalar>& motion) const {
     const Scalar distance = (motion.position - center) / width;

@@ -1,7 +1,6 @@
 #pragma once
 // A Coulomb level that changes along the travel.
 
-#include <tuple>
 #include <vector>
 
 #include "cogging/plant/effect.hpp"
@@ -20,10 +19,9 @@ struct PositionDependentFriction {
 
   static constexpr auto fields() {
     using E = PositionDependentFriction;
-    return std::tuple{Field<E, std::vector<double>>{"nodes", &E::nodes, "m", "positions, increasing",
-                                                    linear_shape(Quantity::position, 0.0, 1.0)},
-                      Field<E, std::vector<double>>{"levels", &E::levels, "V", "added to Fc, one a node",
-                                                    amplitude(Quantity::friction, 2.0)}};
+    return std::tuple{
+        Field{"nodes", &E::nodes, "m", "positions, increasing", linear_shape(Quantity::position, 0.0, 1.0)},
+        Field{"levels", &E::levels, "V", "added to Fc, one a node", amplitude(Quantity::friction, 2.0)}};
   }
   static Kinds kinds() { return {Knots{"position", "nodes", "levels"}}; }
   void validate() const { require_piecewise_linear("nodes", nodes, "levels", levels); }

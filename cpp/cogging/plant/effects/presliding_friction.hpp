@@ -2,7 +2,6 @@
 // Spring-like hysteresis before breakaway.
 
 #include <limits>
-#include <tuple>
 
 #include "cogging/plant/bristle.hpp"
 #include "cogging/plant/effect.hpp"
@@ -23,14 +22,10 @@ struct PreslidingFriction {
 
   static constexpr auto fields() {
     using E = PreslidingFriction;
-    return std::tuple{Field<E, double>{"stiffness", &E::stiffness, "V/m", "of the contact at rest; infinite = none",
-                                       vanishing(logarithmic_shape(Quantity::stiffness, 10.0, 1e6))},
-                      Field<E, double>{"damping", &E::damping, "V/(m/s)", "of the bristle",
-                                       linear_shape(Quantity::force_per_velocity, 0.0, 100.0)}};
-  }
-  void validate() const {
-    require(stiffness > 0.0, "stiffness", "must be above 0 (infinite = none)", stiffness);
-    require_not_negative("damping", damping);
+    return std::tuple{Field{"stiffness", &E::stiffness, "V/m", "of the contact at rest; infinite = none", Rule::above_0,
+                            vanishing(logarithmic_shape(Quantity::stiffness, 10.0, 1e6))},
+                      Field{"damping", &E::damping, "V/(m/s)", "of the bristle", Rule::not_negative,
+                            linear_shape(Quantity::force_per_velocity, 0.0, 100.0)}};
   }
 
   Bristle bristle() const { return {stiffness, damping}; }

@@ -1,8 +1,6 @@
 #pragma once
 // Drag that grows with the square of the speed.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -17,10 +15,9 @@ struct QuadraticDrag {
 
   static constexpr auto fields() {
     using E = QuadraticDrag;
-    return std::tuple{Field<E, Scalar>{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second",
-                                       amplitude(Quantity::force_per_velocity_squared)}};
+    return std::tuple{Field{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second",
+                            amplitude(Quantity::force_per_velocity_squared)}};
   }
-  void validate() const { require_finite("coefficient", coefficient); }
 
   Scalar force(const Motion<Scalar>& motion) const { return -coefficient * motion.velocity * abs(motion.velocity); }
 };

@@ -1,8 +1,6 @@
 #pragma once
 // Friction that falls as speed rises from zero.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -20,17 +18,12 @@ struct StribeckFriction {
 
   static constexpr auto fields() {
     using E = StribeckFriction;
-    return std::tuple{Field<E, Scalar>{"static_excess", &E::static_excess, "V", "static level above the Coulomb level",
-                                       positive_amplitude(Quantity::friction, 2.0)},
-                      Field<E, Scalar>{"velocity", &E::velocity, "m/s", "speed at which the excess has fallen to 1/e",
-                                       logarithmic_shape(Quantity::velocity, 0.001, 0.5)},
-                      Field<E, Scalar>{"exponent", &E::exponent, "1", "shape of the fall: 1 exponential, 2 Gaussian",
-                                       linear_shape(Quantity::exponent, 0.5, 3.0)}};
-  }
-  void validate() const {
-    require_finite("static_excess", static_excess);
-    require_positive("velocity", velocity);
-    require_positive("exponent", exponent);
+    return std::tuple{Field{"static_excess", &E::static_excess, "V", "static level above the Coulomb level",
+                            positive_amplitude(Quantity::friction, 2.0)},
+                      Field{"velocity", &E::velocity, "m/s", "speed at which the excess has fallen to 1/e",
+                            Rule::positive, logarithmic_shape(Quantity::velocity, 0.001, 0.5)},
+                      Field{"exponent", &E::exponent, "1", "shape of the fall: 1 exponential, 2 Gaussian",
+                            Rule::positive, linear_shape(Quantity::exponent, 0.5, 3.0)}};
   }
 
   Scalar friction_level(const Motion<Scalar>& motion) const {

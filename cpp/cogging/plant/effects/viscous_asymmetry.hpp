@@ -1,8 +1,6 @@
 #pragma once
 // A viscous slope that differs with direction.
 
-#include <tuple>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -17,10 +15,9 @@ struct ViscousAsymmetry {
 
   static constexpr auto fields() {
     using E = ViscousAsymmetry;
-    return std::tuple{Field<E, Scalar>{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope",
-                                       amplitude(Quantity::force_per_velocity)}};
+    return std::tuple{Field{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope",
+                            amplitude(Quantity::force_per_velocity)}};
   }
-  void validate() const { require_finite("difference", difference); }
 
   Scalar force(const Motion<Scalar>& motion) const { return -0.5 * difference * abs(motion.velocity); }
 
