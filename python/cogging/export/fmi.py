@@ -145,8 +145,8 @@ def _numbers(model: Model, rate: float, parameters: list[Parameter]) -> str:
     if model.cogging is not None:
         basis = model.cogging.basis
         spline = basis.spline
-        terms = basis.harmonics or [float(period) for period in basis.periods]  # the pitch of periods is 0
-        knots = [spline.order, spline.control_points, spline.origin, spline.pitch, basis.pitch]
+        terms: list[float] = [*basis.harmonics] or [*map(float, basis.periods)]  # the pitch of periods is 0
+        knots: list[float] = [spline.order, spline.control_points, spline.origin, spline.pitch, basis.pitch]
         # One row a control point: sine and cosine of each term.
         amplitudes = np.stack([model.cogging.sine.T, model.cogging.cosine.T], axis=-1).ravel().tolist()
         lines += [_line("cogging", [*knots, *terms]), _line("cogging_coefficients", amplitudes)]

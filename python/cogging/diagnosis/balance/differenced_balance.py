@@ -349,13 +349,13 @@ class DifferencedBalance:
             force: net force on the axis, V, (n,).
         """
         out = np.zeros(len(self.time))
-        for e in model.effects:
-            share = getattr(e, "mass_ratio", 0.0)
-            if e.NAME == "flexible_mode" and share > 0.0 and np.isfinite(e.frequency):
-                swing = force - load_response(force, self.step, e.frequency, e.damping_ratio)
+        for name, fields in ((e.NAME, e.to_dict()) for e in model.effects):
+            share = fields.get("mass_ratio", 0.0)
+            if name == "flexible_mode" and share > 0.0 and np.isfinite(fields["frequency"]):
+                swing = force - load_response(force, self.step, fields["frequency"], fields["damping_ratio"])
                 out += share / (1.0 - share) * swing
-            elif e.NAME == "backlash" and share > 0.0 and e.gap > 0.0:
-                apart = lost_motion(force / model.axis.mass * ~self.resting, self.step, e.gap)
+            elif name == "backlash" and share > 0.0 and fields["gap"] > 0.0:
+                apart = lost_motion(force / model.axis.mass * ~self.resting, self.step, fields["gap"])
                 out += share * model.axis.mass * np.gradient(apart, self.step)
         return out
 
