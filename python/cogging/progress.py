@@ -36,12 +36,13 @@ def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[C
 
         form = None if total else "{desc} [{elapsed}]"
         with tqdm(total=total, desc=name, unit="step", bar_format=form, leave=False, dynamic_ncols=True) as bar:
-            bar.start_t = time.time() - PATIENCE
+            bar.start_t, is_done = time.time() - PATIENCE, False
             while True:
                 bar.n = len(said)
                 bar.set_description_str(": ".join([name, *said[-1:]]))
-                if done.wait(BETWEEN):
+                if is_done:
                     return
+                is_done = done.wait(BETWEEN)
 
     thread = threading.Thread(target=show, daemon=True)
     thread.start()

@@ -161,7 +161,7 @@ def test_every_effect_has_a_limit_or_a_reason(plan):
     assert set(VOCABULARY) - {"gravity", "empirical_force", *entries} == set()
     assert all((one.expected is None) == bool(one.why) for one in plan.expected)
     assert entries["constant_force"].text().endswith("V would be detected; today 0.5 V")
-    assert entries["backlash"].text().startswith("backlash: not shown, ")
+    assert entries["backlash"].text().endswith("m would be detected")
 
 
 def test_intervals_are_as_wide_as_estimates_scatter():

@@ -89,8 +89,10 @@ def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
     assert found.verdict == "named"
     assert [effect.name for effect in found.effects] == ["flexible_mode"]
     for name, value in true.items():
-        low, high = found.effects[0].parameters[name].ci95
-        assert low < value < high
-        assert high - low < (0.03 if name == "frequency" else 0.6) * value
+        one = found.effects[0].parameters[name]
+        width = one.ci95[1] - one.ci95[0]
+        assert one.ci95[0] < one.value < one.ci95[1]
+        assert abs(one.value - value) < 0.75 * width  # three standard deviations
+        assert width < (0.03 if name == "frequency" else 0.6) * value
     assert found.gap.confirm_after < 0.95 * found.gap.confirm_before
     assert found.model.effects[0].NAME == "flexible_mode"

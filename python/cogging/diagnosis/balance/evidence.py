@@ -43,7 +43,6 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
-CONVERGED = 1.0  # gain in 2 ln likelihood that is not worth a step
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
 
@@ -251,8 +250,6 @@ class Evidence:
                     b.set_corner(r, self.model.axis.mass, self.largely)
                 self.make()
             before = self.decrement(self.model)
-            if before < CONVERGED:
-                break
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
                 if self.decrement(model) <= before:
@@ -530,7 +527,7 @@ class Evidence:
 
         best = min(map(tuned, SHARES_OF_A_STEP), key=itemgetter(0))
         is_free = width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0
-        return min(best, *(tuned(best[1], factor) for factor in WIDER if is_free), key=itemgetter(0))[2]
+        return min([best, *(tuned(best[1], factor) for factor in WIDER if is_free)], key=itemgetter(0))[2]
 
     def paths_in(self, model: Model) -> list[str]:
         """Return `paths` as named in a model with further effects: effects of one name are numbered."""

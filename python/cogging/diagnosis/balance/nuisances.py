@@ -28,7 +28,8 @@ ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
 LEAST_SHARE = 0.1  # of an effect's size: least uncertainty of one of its amplitudes
 COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
 # Instruments: regression of the command on the model's force along the reference at several lags
-LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, *range(32, 320, 16))  # of LAG: loops and modes ring for some 0.1 s
+LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
+RINGING = tuple(range(112, 320, 16))  # of LAG, for the force on loads: they ring for some 0.1 s
 LAG = 4e-4  # s
 MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
 SLOW = 10.0  # Hz: below it the measured acceleration has little noise
@@ -42,9 +43,9 @@ class Instruments(NamedTuple):
 
     Attributes:
         drive: command regressed on the model's force along the reference at several lags, V, (n,).
-        force: net force of drive and model, V, (n,).
-        acceleration: the one that this force causes without loads, m/s^2, (n,): with their ringing in it, mass and the
-            share of a load could replace each other.
+        force: net force, with what the ringing of loads adds to the command, V, (n,).
+        acceleration: the one that the drive causes, m/s^2, (n,): with ringing in it, mass and the share of a load could
+            replace each other.
         blur: force of the bare axis along the measured motion less that along the reference: mostly noise of the speed,
             V, (n,).
     """
@@ -84,18 +85,18 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     rows = np.arange(len(x))
     stride = max(1, round(LAG / b.step))
     columns = [np.ones(len(x)), x - x.mean(), v]
-    for lag in LAGS:
+    for lag in (*LAGS, *RINGING):
         at = np.clip(rows - stride * lag, 0, len(x) - 1)
         columns += [a[at], along[at]]
     table = np.array(columns)
-    size = np.linalg.norm(table, axis=1) + 1e-300
-    table /= size[:, None]
-    w = np.linalg.solve(table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command)
-    explained = w @ table
+    table /= np.linalg.norm(table, axis=1)[:, None] + 1e-300
+    gram, slope = table @ table.T + 1e-9 * np.eye(len(table)), table @ b.command
+    # in periodic motion many lags reproduce every force, also one that the model lacks: of the drive only the loop's
+    count = len(table) - 2 * len(RINGING)
+    explained, ringing = (np.linalg.solve(gram[:k, :k], slope[:k]) @ table[:k] for k in (count, len(table)))
     bare = quiet_plant(model.replace(effects=()))
     blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
-    net = explained + along
-    return Instruments(explained, net, net / model.axis.mass, blur)
+    return Instruments(explained, ringing + along, (explained + along) / model.axis.mass, blur)
 
 
 def nuisances_of(
