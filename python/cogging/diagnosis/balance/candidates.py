@@ -38,7 +38,7 @@ LOWEST_LIMIT = 0.3  # of the largest command; far below it a limit is nearly the
 BRISTLE = (0.5, 2.0)  # allowed amplitude of presliding, which replaces all of Coulomb friction
 LONGEST = 0.1  # of the travel: longest presliding and widest gap
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
-DAMPINGS = (0.01, 0.03, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
+DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 GAINS = (  # candidates that reduce the command
     *("force_constant_ripple", "force_constant_drift", "command_saturation", "command_dead_zone"),
     *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
