@@ -256,13 +256,14 @@ def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
 def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:
     """Return the model with the law of a candidate.
 
-    A candidate without a law is appended to `extra`, a change of the axis to `free`.
+    A candidate without a law is appended to `extra`, a change of the axis to `free`. Presliding stays a column: beside
+    its stiffness, re-tuned in steps, a wave that is no harmonic of the shaft was found in a real motor.
     """
     if f.columns is None:
         free.append(f.effect)
         return model
     laws = f.laws(f.amplitudes)
-    if not laws:
+    if not laws or f.name == "presliding_friction":
         extra.append(f)
         return model
     return model.replace(effects=(*model.effects, *laws))
