@@ -1,5 +1,5 @@
 #pragma once
-// The interpreter's lock, and long work of the core without it, which Ctrl-C ends all the same.
+// The interpreter's lock, and long calculations of the core without it, which Ctrl-C can still end.
 
 #include <pybind11/pybind11.h>
 

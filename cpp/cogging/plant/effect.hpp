@@ -57,7 +57,7 @@ using Range = std::array<double, 2>;
 struct PlantContext {
   Range travel = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};  // m
   bool has_knots = false;  // there is a cogging model
-  BSpline knots;           // of its amplitudes; a constant where they are constant, with the pitch all the same
+  BSpline knots;           // of its amplitudes; constant amplitudes have a constant spline, whose pitch is kept
 };
 
 /// The laws that an effect may be without though its type has them.
