@@ -35,7 +35,7 @@ UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effec
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.4, 2.5)  # allowed amplitude of a command limit, whose column is the complete effect
 LOWEST_LIMIT = 0.3  # of the largest command; far below it a limit is nearly the sign of the command
-BRISTLE = (0.5, 2.0)  # allowed amplitude of presliding, which replaces all of Coulomb friction
+BRISTLE = (0.6, 1.7)  # allowed amplitude of presliding, which replaces all of Coulomb friction
 LONGEST = 0.1  # of the travel: longest presliding and widest gap
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
@@ -71,11 +71,12 @@ CERTAIN_ZERO = 5.0  # minimum score of a shape that is refined
 
 
 class Shape(NamedTuple):
-    """A candidate at one shape: label, columns, and law (None for a generic force)."""
+    """A candidate at one shape: label, columns, law (None for a generic force), and whether rows near rest count."""
 
     label: str
     columns: Columns
     law: Law | None = None
+    near_rest: bool = False
 
 
 Refine = tuple[float, Callable[[float], Shape], float]
@@ -98,6 +99,7 @@ class Found:
         likeness: share of the T of a shape without a law that the law of its name explains.
         period: period of a wave along the travel, m.
         refine: a number of the shape, function(number) that returns a `Shape`, and the first relative step.
+        near_rest: whether rows near rest count.
     """
 
     name: str
@@ -112,6 +114,7 @@ class Found:
     likeness: float = 1.0
     period: float | None = None
     refine: Refine | None = None
+    near_rest: bool = False
 
     def laws(self, amplitudes: FloatArray) -> tuple[Effect, ...]:
         """Return the effects with these amplitudes; empty without a law, or where the law excludes them."""
@@ -123,10 +126,20 @@ class Found:
             return ()
         return () if made is None else made if isinstance(made, tuple) else (made,)
 
+    def rows(self, evidence: Evidence) -> tuple[Evidence, list[FloatArray]]:
+        """Return the evidence whose rows count, and the columns as its rows, of each log."""
+        evidence = evidence.near_rest if self.near_rest else evidence
+        return evidence, rows_of(evidence, self.columns)
+
     @property
     def score(self) -> float:
         """T less the expected gain of k amplitudes and N trials under the null hypothesis."""
         return float(self.T - self.k * np.log1p(self.T / max(self.k, 1)) - 2 * np.log(max(self.N, 1)))
+
+
+def rows_of(evidence: Evidence, columns: Columns) -> list[FloatArray]:
+    """Return columns as rows of the evidence, of each log."""
+    return [b.rows(x) for b, x in zip(evidence.balances, columns(evidence), strict=True)]
 
 
 def along(make: Callable[[DifferencedBalance], Any]) -> Columns:
@@ -180,15 +193,16 @@ class Search:
             if any(np.std(amplitudes @ x) > LARGEST_GAIN * np.std(d) for x, d in taken):
                 return 0.0
         columns, law, key = shape.columns, shape.law, family or name
-        one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine)
+        found = partial(Found, name, shape.label, T, k, trials, amplitudes, columns, law, near_rest=shape.near_rest)
+        one = found(period=period, refine=refine)
         if key not in self.found or one.score > self.found[key].score:
             self.found[key] = one
         return T
 
     def scored(self, shape: Shape) -> tuple[float, FloatArray, int]:
         """Return T, amplitudes and degrees of freedom of a shape."""
-        columns = shape.columns(self.ctx)
-        return self.ctx.score([b.rows(x) for b, x in zip(self.balances, columns, strict=True)])
+        ctx = self.ctx.near_rest if shape.near_rest else self.ctx
+        return ctx.score(rows_of(ctx, shape.columns))
 
     def varied(
         self,
@@ -313,8 +327,16 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
         s.most |= done.most
     best = sorted(s.found.values(), key=lambda f: -f.score)
     limit = max(best[0].score - REFINED, CERTAIN_ZERO)
-    final = on_threads(lambda f: refined(s, f) if f.score > limit else f, best)
-    return sorted(with_cells([f for f in final if f is not None]), key=lambda f: -f.score)
+    final = [f for f in on_threads(lambda f: refined(s, f) if f.score > limit else f, best) if f is not None]
+    final += [replace(f, name="end_effect", label="other shape", effect=None) for f in final if is_cut(s, f)]
+    return sorted(with_cells(final), key=lambda f: -f.score)
+
+
+def is_cut(s: Search, f: Found) -> bool:
+    """Return whether the motion ends within the width of a local force: it may then be the effect of an end."""
+    bells = f.laws(f.amplitudes) if f.name == "local_force" else ()
+    widths = [bell.to_dict() for bell in bells]
+    return any(min(w["center"] - s.low, s.high - w["center"]) < w["width"] for w in widths)
 
 
 @np.errstate(all="ignore")
@@ -426,13 +448,18 @@ def friction(s: Search) -> None:
     def presliding(length: float) -> Shape:
         law = E["presliding_friction"].replace(stiffness=max(float(s.model.axis.coulomb), 1e-12) / length)
         return Shape(
-            f"{length:.4g}", lambda c: [b.bristle(c.model.axis, length)[None] for b in c.balances], lambda a: law
+            f"{length:.4g}",
+            lambda c: [b.bristle(c.model.axis, length)[None] for b in c.balances],
+            lambda a: law,
+            near_rest=True,
         )
 
-    lengths = np.geomspace(max(1e-6, 12 * min(b.encoder_noise for b in s.balances)), LONGEST * s.length, 10)
+    if any(f.name == "presliding_friction" for f in s.ctx.extra):
+        return
+    lengths = np.geomspace(4.0 * min(b.encoder_noise for b in s.balances), LONGEST * s.length, 12)
     s.least["presliding_friction"] = lengths[0]
     for length in lengths:
-        s.varied("presliding_friction", length, presliding, 10, within(BRISTLE))
+        s.varied("presliding_friction", length, presliding, 12, within(BRISTLE))
 
 
 def friction_profile(s: Search, count: int, size: float) -> Shape:
@@ -598,7 +625,8 @@ def time(s: Search) -> None:
     s.put("disturbance_step", step, 300)
     tones, trials = best_tones(s)
     for q in tones:
-        for family, orders in (("", (1,)), ("s", (1, 2, 3))):
+        resolved = [k for k in (1, 2, 3) if k * q < TONE_SHARE * s.balances[0].rate]
+        for family, orders in (("", [1]), ("s", resolved)):
 
             def law(a: FloatArray, q: float = q) -> tuple[Effect, ...]:
                 pairs = enumerate(np.reshape(a, (-1, 2)), 1)

@@ -316,18 +316,19 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
             return None
         best.none = evidence.null
         return weighed(evidence, Contender(f, best, evidence.alike))
-    best = evidence.maximised([b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)])
+    own, rows = f.rows(evidence)
+    best = own.maximised(rows)
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
-    first = sum(int(m.sum()) for m in evidence.counted[:given])
+    first = sum(int(m.sum()) for m in own.counted[:given])
     gains, show = ((float(x[:first].sum()), float(x[first:].sum())) for x in (of_log, expected))
     return weighed(evidence, Contender(f, best, best.inflation, gains=gains, expected=show))
 
 
 def weighed(evidence: Evidence, c: Contender) -> Contender:
     """Return a contender with gain, score and blocks from its fit."""
-    edges, fit = block_edges(evidence), c.fit
+    edges, fit = block_edges(evidence, c.found.near_rest), c.fit
     c.ratio = (fit.none.cost - fit.cost) / c.inflation
     c.score = score_of(c.ratio, max(c.found.k, 1), c.found.N, len(edges))
     c.blocks = np.add.reduceat((fit.none.by_row() - fit.by_row()) / c.inflation, edges)
@@ -386,13 +387,15 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
     def worth(f: Found) -> float:
         if f.columns is None or f.name == JUMPS:  # a jump is in one log only
             return f.score
-        tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
-        return score_of(evidence.quick_ratio(tables), max(f.k, 1), f.N, blocks)
+        own, rows = f.rows(evidence)
+        return score_of(own.quick_ratio(rows), max(f.k, 1), f.N, blocks)
 
-    assert evidence.bases  # compute the cached fits before threads share them
+    # compute the cached fits before threads share them
+    assert evidence.bases
+    assert not any(f.near_rest for f in found) or evidence.near_rest.bases
     worths = on_threads(worth, found)
     near: list[Found] = []
-    for f in [*found[:FIRST], *(found[k] for k in np.argsort(worths, kind="stable")[::-1])]:
+    for f in [*found[:FIRST], *(found[k] for k in np.argsort(-np.array(worths), kind="stable"))]:
         if f not in near and sum(other.name == f.name for other in near) < SHAPES:
             near.append(f)
     return near[:CLOSE]
@@ -407,7 +410,7 @@ def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> flo
         given: number of given logs.
         joint: gain in 2 ln likelihood of the wave with a common zero.
     """
-    tables = [b.rows(x) for b, x in zip(evidence.balances, f.columns(evidence), strict=True)]
+    tables = f.rows(evidence)[1]
     none = [np.zeros_like(t) for t in tables]
     pairs = enumerate(zip(tables, none, strict=True))
     best = evidence.maximised([np.vstack([t, z] if i < given else [z, t]) for i, (t, z) in pairs])
@@ -428,15 +431,18 @@ def released(evidence: Evidence, path: str) -> Maximum:
     return other.maximised()
 
 
-def block_edges(evidence: Evidence) -> NDArray[np.intp]:
-    """Return the first rows of the blocks of motion; no block spans two logs."""
-    size = round(BLOCK * evidence.balances[0].rate)
+def block_edges(evidence: Evidence, near_rest: bool = False) -> NDArray[np.intp]:
+    """Return the first rows of the blocks of motion, also of rows that include those near rest.
+
+    No block spans two logs.
+    """
+    size, own = round(BLOCK * evidence.rate), evidence.near_rest if near_rest else evidence
     edges: list[int] = []
     at = 0
-    for m in evidence.counted:
-        n = int(m.sum())
-        edges += list(range(at, max(at + 1, at + n - size // 2), size))
-        at += n
+    for m, rows in zip(evidence.counted, own.counted, strict=True):
+        first = np.flatnonzero(m)[: max(1, int(m.sum()) - size // 2) : size]
+        edges += [at, *(at + np.cumsum(rows)[first[1:]] - 1)]
+        at += int(rows.sum())
     return np.array(edges, dtype=np.intp)
 
 

@@ -36,6 +36,7 @@ WIDTH_SHARE = 0.05  # of the rms speed: friction width where the model has none
 LOWEST_BAND = 30.0  # Hz: lowest corner of the speed filter, which keeps reversals
 NYQUIST_SHARE = 0.4  # of the sample rate: highest corner of the speed filter
 REST_TIME = 0.012  # s: an axis that moves less than the encoder resolution within it is at rest
+STILL = 4.5  # standard deviations of a reading: range of the readings of an axis that stands still, two counts
 # Decimated rows
 ROWS_PER_CORNER = 4.0  # sample rate over the corner of the low-pass filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
@@ -117,6 +118,7 @@ class DifferencedBalance:
         speed_noise: standard deviation of `velocity`, m/s.
         resting: rows at rest, (n,).
         keep: 1 for a valid row, else 0, (n,).
+        keep_near_rest: the same with rows near rest in which the readings still move, (n,).
         corner: corner of the low-pass filter before decimation, Hz.
     """
 
@@ -156,9 +158,10 @@ class DifferencedBalance:
         moved = maximum_filter1d(self.position, size) - minimum_filter1d(self.position, size)
         slowest = max(2.0 * quantum / REST_TIME, 3.0 * self.speed_noise)
         self.resting: Mask = maximum_filter1d((moved <= slowest * REST_TIME).astype(np.uint8), size) > 0
-        keep = ~self.resting & ~gap[1:-1][:: self.thinning]
-        keep &= (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
-        self.keep: FloatArray = keep.astype(float)
+        still: Mask = maximum_filter1d((moved <= STILL * self.encoder_noise).astype(np.uint8), size) > 0
+        valid = ~gap[1:-1][:: self.thinning] & (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
+        self.keep: FloatArray = (valid & ~self.resting).astype(float)
+        self.keep_near_rest: FloatArray = (valid & ~(still & self.resting)).astype(float)
 
     @property
     def every(self) -> int:
@@ -188,6 +191,12 @@ class DifferencedBalance:
         other.position = self.position + distance
         if self.reference is not None:
             other.reference = self.reference + np.array([[distance], [0.0], [0.0]])
+        return other
+
+    def with_creep(self) -> DifferencedBalance:
+        """Return a copy in which rows near rest are valid as long as the readings move."""
+        other = copy(self)
+        other.keep = self.keep_near_rest
         return other
 
     def earlier(self, seconds: float) -> DifferencedBalance:

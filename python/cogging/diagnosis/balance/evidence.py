@@ -6,7 +6,7 @@ Nuisance parameters (mass, friction, known cogging, accepted effects) are fitted
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from operator import itemgetter
@@ -278,6 +278,13 @@ class Evidence:
         own = slope[has] - beside @ slope[~has]
         return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
 
+    @cached_property
+    def near_rest(self) -> Evidence:
+        """Evidence of the same model with rows near rest, where only a bristle's friction is known."""
+        other = replace(self, balances=[b.with_creep() for b in self.balances])
+        other.make()
+        return other
+
     @property
     def drives(self) -> list[FloatArray]:
         """Part of the command that the reference motion explains, V, (n,) of each log (see `Instruments`)."""
@@ -321,7 +328,7 @@ class Evidence:
             raise TooLittleMotion(f"the encoder resolves the motion in {count} rows at {self.rate:.3g} Hz only")
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
-        for name in ("null", "screen", "basis", "unfiltered"):
+        for name in ("null", "screen", "basis", "unfiltered", "near_rest"):
             self.__dict__.pop(name, None)
         stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
         if stale:
