@@ -96,3 +96,22 @@ def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
         assert width < (0.03 if name == "frequency" else 0.6) * value
     assert found.gap.confirm_after < 0.95 * found.gap.confirm_before
     assert found.model.effects[0].NAME == "flexible_mode"
+
+
+@pytest.mark.parametrize("length", [2e-5, 1e-4])
+def test_presliding_is_seen_in_the_rows_near_rest(length):
+    """Most of its motion is slower than the noise of the speed; the readings show it, the speed does not."""
+    presliding = cogging.effects.PreslidingFriction(stiffness=pid_axis.MODEL.axis.coulomb / length)
+    outcome = search([pid_axis.run(presliding, duration=8.0)], [pid_axis.other(presliding)], pid_axis.MODEL)
+    [one] = outcome.accepted
+    assert one.found.name == "presliding_friction"
+    assert one.share > 0.9
+    [law] = one.found.laws(one.found.amplitudes)
+    assert 0.5 < law.stiffness / presliding.stiffness < 2.0
+
+
+@pytest.mark.parametrize("width", [0.0, 1.11e-3])
+def test_friction_that_sticks_is_no_presliding(width, monkeypatch):
+    stated = pid_axis.MODEL
+    monkeypatch.setattr(pid_axis, "MODEL", stated.replace(axis=stated.axis.replace(coulomb_width=width)))
+    assert not search([pid_axis.run(duration=8.0)], [pid_axis.other()], stated).accepted
