@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 import os
 import re
 import stat
 import sys
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from cogging.calls import did_you_mean
@@ -119,6 +121,12 @@ def parse_toml(text: str) -> dict[str, Any]:
     except ValueError:  # Python's own limit of digits
         raise ValueError("a whole number must have 64 bits, got one of thousands of digits") from None
     return document
+
+
+@functools.cache
+def shipped_toml(path: str) -> dict[str, Any]:
+    """Return the content of a TOML file of this package, by its path within it."""
+    return parse_toml((Path(__file__).parent / path).read_text(encoding="utf-8"))
 
 
 def _float_or_text(text: str) -> float | str:

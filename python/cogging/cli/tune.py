@@ -47,10 +47,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
     from cogging.design.tuning import tune
-    from cogging.file_schema import TUNE, TUNE_NEEDED
     from cogging.simulation.parameter_sweep import files_of_job, read_job
 
-    asked = read_job(arguments.tune, "tune", TUNE, TUNE_NEEDED)
+    asked = read_job(arguments.tune, "tune")
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.tune))
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}
