@@ -33,7 +33,7 @@ from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
 from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_model
-from cogging.shown import nearest, quoted
+from cogging.shown import nearest, not_one_of, quoted
 from cogging.tables import html_table
 from cogging.values import ByValue, line_of
 
@@ -98,8 +98,7 @@ class Model(ByValue):
         if self.controller is None and kind is not None:
             raise ValueError(f"controller: must be given with controller_type {kind!r}, got None")
         if kind is not None and kind not in CONTROLLERS:
-            rule = f"must be one of {', '.join(CONTROLLERS)}, got {kind!r}{nearest(kind, CONTROLLERS)}"
-            raise ValueError(f"controller_type: {rule}")
+            raise ValueError(f"controller_type: {not_one_of(kind, CONTROLLERS)}")
         if not isinstance(self.units, Units):
             raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
         if self.controller is not None:
@@ -468,8 +467,7 @@ def _controller_from(
     refuse_mistyped(section, "type", "controller")
     kind = section.pop("type", None)
     if not isinstance(kind, str) or kind not in CONTROLLERS:
-        near = nearest(str(kind), CONTROLLERS)
-        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}{near}")
+        raise FieldError("controller", "type", not_one_of(kind, CONTROLLERS))
     struct = CONTROLLERS[kind][0]
     if "coulomb_width" in struct.FIELDS:
         # The controller's width defaults to that of the axis when the file is read, and is independent from then on.
