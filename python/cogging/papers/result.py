@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cogging.arrays import FloatArray
 from cogging.outputs import made_folder, to_json, write_files
 from cogging.plot.canvas import png
 from cogging.tables import frame_of
@@ -67,6 +68,12 @@ class Row:
 def explored(controller: str, index: str, unit: str, value: float, **labels: str) -> Row:
     """Return an exploratory row: a number that the paper does not print."""
     return Row(controller, index, unit, None, float(value), "exploratory", labels)
+
+
+def known(column: FloatArray | None) -> FloatArray:
+    """Return a column that every simulated log has."""
+    assert column is not None
+    return column
 
 
 #: Relative distances to the printed number within which simulated ones are counted.

@@ -208,9 +208,3 @@ def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
     """Return e_inf and e_2 (m): maximum and rms of reading minus reference over the last move there and back."""
     result = _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
     return result.error_max, result.error_rms
-
-
-def known(column: FloatArray | None) -> FloatArray:
-    """Return a column that every simulated log has."""
-    assert column is not None
-    return column

@@ -33,7 +33,7 @@ from cogging.papers.malaize2009.linear_motors import (
     shipped,
     true_error,
 )
-from cogging.papers.result import Row, Table, explored
+from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.series import GREY, LIMIT, look, marker
 
@@ -148,7 +148,7 @@ def what_else(found: Sequence[Explanation]) -> Table:
         gains = replace(shipped(motor), amplitude=each.amplitude)
         logs = logs_under(motor, gains, conditions, strokes=causes.DRAWN_STROKES)
         log = logs["observer"]
-        error, speed = np.abs(true_error(log)), _speed(log)
+        error, speed = np.abs(true_error(log)), np.abs(known(log.reference_velocity))
         later, fast = log.time >= 0.5 * reference(motor).period, speed >= CRUISE * motor.velocity
         periods = [period / (1.0 + conditions.period_error) for period in motor.periods]
         (pid_lines, beside), (own_lines, _) = (lines_at_speed(logs[name], motor, periods) for name in CONTROLLERS)
@@ -162,18 +162,13 @@ def what_else(found: Sequence[Explanation]) -> Table:
     return Table("what_else", "What each cause does beside, at that size", rows)
 
 
-def _speed(log: Log) -> FloatArray:
-    assert log.reference_velocity is not None
-    return np.abs(log.reference_velocity)
-
-
 def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[FloatArray, float]:
     """Return the rms amplitude of lines of some periods (m) in the error at constant speed, and its other share."""
     half = 0.5 * reference(motor).period
     powers, left, all_ = [], 0.0, 0.0
+    fast = np.abs(known(log.reference_velocity)) >= CRUISE * motor.velocity
     for stroke in range(1, round(log.time[-1] / half)):
-        at_speed = (np.floor(log.time / half) == stroke) & (_speed(log) >= CRUISE * motor.velocity)
-        rows = np.flatnonzero(at_speed)[::THINNED]
+        rows = np.flatnonzero((np.floor(log.time / half) == stroke) & fast)[::THINNED]
         angle = 2.0 * np.pi * np.outer(log.position[rows], 1.0 / np.array(periods))
         basis = np.column_stack([np.ones(rows.size), np.sin(angle), np.cos(angle)])
         error = true_error(log)[rows]

@@ -22,7 +22,7 @@ from cogging.design.pid import pid_gains
 from cogging.files import shipped_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.result import with_tuples
+from cogging.papers.result import known, with_tuples
 from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.
@@ -168,9 +168,7 @@ def run(machine: Plant, controller: ListedController, motor: Motor, *, strokes: 
 
 def true_error(log: Log) -> FloatArray:
     """Return true position minus reference of a simulated log, m, (n,)."""
-    assert log.true_position is not None
-    assert log.reference is not None
-    return log.true_position - log.reference
+    return known(log.true_position) - known(log.reference)
 
 
 def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
+from cogging.files import shipped_toml
 from cogging.logs.log import Log
 from cogging.papers.compared import PRINTED, Trace, compared
 from cogging.papers.result import Row, Table, explored
@@ -185,33 +186,12 @@ def gap(found: FloatArray) -> float:
 
 
 def changes() -> dict[str, dict[str, Any]]:
-    """Return the tried changes of the ARC's numbers, each alone and some together."""
-    base = arc_parameters()
-
-    def adaptation(factor: float) -> dict[str, Any]:
-        return {"adaptation": [factor * rate for rate in base.adaptation]}
-
-    def gains(factor: float) -> dict[str, Any]:
-        return {"gain_1": factor * base.gain_1, "gain_2": factor * base.gain_2}
-
-    observer = {"observer_gain_1": 2 * base.observer_gain_1, "observer_gain_2": 4 * base.observer_gain_2}
-    return {
-        "as printed, g only": {},
-        "adaptation x 2": adaptation(2.0),
-        "adaptation x 3.5": adaptation(3.5),
-        "gains x 1.2": gains(1.2),
-        "theta_1(0) = 37": {"theta": [37.0, 10.0, 0.0]},
-        "theta_1(0) = 20": {"theta": [20.0, 10.0, 0.0]},
-        "adaptation x 5": adaptation(5.0),
-        "gains x 0.8": gains(0.8),
-        "observer poles at -400": observer,
-        "with the C_phi1 term": {"use_c_phi_1": True},
-        "Euler steps of the filters": {"filter_steps": "euler"},
-        "no friction compensation": {"coulomb": 0.0},
-        "adaptation x 3.5, gains x 1.2": {**adaptation(3.5), **gains(1.2)},
-        "adaptation x 3.5, theta_1(0) = 20": {**adaptation(3.5), "theta": [20.0, 10.0, 0.0]},
-        "all three": {**adaptation(3.5), **gains(1.2), "theta": [20.0, 10.0, 0.0]},
-    }
+    """Return the tried changes of the ARC's numbers by name (changes.toml)."""
+    printed, found = arc_parameters(), {}
+    for name, part in shipped_toml("papers/xu2001/changes.toml").items():
+        scaled = {key: (factor * np.array(getattr(printed, key))).tolist() for key, factor in part["factors"].items()}
+        found[name] = {**scaled, **part["values"]}
+    return found
 
 
 def exploration_table(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
