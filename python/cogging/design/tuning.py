@@ -27,19 +27,12 @@ from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
+from cogging.simulation import varied
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.kept_work import KeptWork
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
-from cogging.simulation.varied import (
-    BOUNDS,
-    Setup,
-    make_controller,
-    numbers_of,
-    range_of,
-    require_numbers,
-    with_numbers,
-)
+from cogging.simulation.varied import BOUNDS, Setup, make_controller, range_of, with_numbers
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -234,7 +227,7 @@ def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Ma
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
-        known = {path: one.value for path, one in numbers_of(setup).items() if one and path.startswith(PREFIX)}
+        known = {path: one.value for path, one in varied.numbers_of(setup).items() if one and path.startswith(PREFIX)}
         if ranges is None:
             paths = [f"{PREFIX}{name}" for name in USUAL.get(setup.model.controller_type or "", ())]
             values = {path: float(known.get(path) or 0.0) for path in paths}
@@ -585,7 +578,7 @@ def tune(
     """
     library = optuna()
     counts = {"machines": machines, "held_out": held_out, "trials": trials}
-    require_numbers(counts, seed, duration, (start, stop, 1.0), threads)
+    varied.require_numbers(counts, seed, duration, (start, stop, 1.0), threads)
     if not is_number(quantile) or not 0.0 < quantile <= 1.0:
         raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
     if against is not None and against not in TUNE_INDEXES:

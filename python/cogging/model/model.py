@@ -13,21 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging import _core
+from cogging import _core, files
 from cogging._core import AxisParameters, CoggingModel, EncoderParameters, NoiseParameters, Plant, SplineHarmonics
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import (
-    LARGEST,
-    FieldError,
-    errors_of,
-    parse_toml,
-    read_text,
-    read_toml,
-    refuse_mistyped,
-    refuse_unknown_keys,
-)
+from cogging.files import LARGEST, FieldError, refuse_mistyped, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
@@ -233,8 +224,8 @@ class Model(ByValue):
         Raises:
             InputError: the file is invalid; names file, line, field, rule and value.
         """
-        with errors_of(path):
-            return cls.from_dict(read_toml(path), effects=effects)
+        with files.errors_of(path):
+            return cls.from_dict(files.read_toml(path), effects=effects)
 
     def write(self, path: str | os.PathLike[str], *, like: str | os.PathLike[str] | None = None) -> None:
         """Write a model file (TOML), without loss.
@@ -245,12 +236,12 @@ class Model(ByValue):
             path: of the file.
             like: a model file whose comments and order of lines are kept; a changed value says what it was.
         """
-        write_text(path, self.to_toml("" if like is None else read_text(like)))
+        write_text(path, self.to_toml("" if like is None else files.read_text(like)))
 
     def to_toml(self, like: str = "") -> str:
         """Return the text of a model file; `like`: that of another one, whose comments and order of lines are kept."""
         document = self.to_dict()
-        if "units" in (stated := parse_toml(like)):
+        if "units" in (stated := files.parse_toml(like)):
             document["units"] = self.units.to_dict()
         if "simulation" in stated:
             document["simulation"] = {"steps_per_sample": self.steps_per_sample}

@@ -17,16 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    DivergedError,
-    EncoderParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
-    Plant,
-    smooth_sign,
-)
+from cogging import _core, effects
+from cogging._core import AxisParameters, OutputFeedbackArc, OutputFeedbackArcParameters, Plant
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.compared import PRINTED
@@ -66,7 +58,7 @@ class Backstepping:
 def backstepping(log: Log, p: OutputFeedbackArcParameters) -> Backstepping:
     """Return the steps of an ARC along its log, which has reference and estimates."""
     y, velocity = log.position - log.position[0], known(log.reference_velocity)
-    compensation = p.coulomb * np.asarray(smooth_sign(velocity, p.coulomb_width))
+    compensation = p.coulomb * np.asarray(_core.smooth_sign(velocity, p.coulomb_width))
     eta, lam, psi = (filtered(p, driven) for driven in (y, log.command - compensation, np.ones_like(y)))
     return steps(p, log.time, log.error, y, eta, lam, psi, known(log.estimates), velocity)
 
@@ -306,7 +298,7 @@ STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
 def rigid(resolution: float) -> Plant:
     """Return set 1 without delay, friction or noise: only the quantiser is left."""
     axis = AxisParameters(mass=epoxy_motor.MASSES["1"], viscous=epoxy_motor.VISCOUS, travel=[-0.3, 0.3])
-    return Plant(axis, encoder=EncoderParameters(resolution=resolution))
+    return Plant(axis, encoder=_core.EncoderParameters(resolution=resolution))
 
 
 def increment(factor: float, sample_rate: float, resolution: float) -> float:
@@ -315,7 +307,7 @@ def increment(factor: float, sample_rate: float, resolution: float) -> float:
     substeps = max(1, round(20_000 / sample_rate))
     try:
         log = closed_loop(rigid(resolution), controller, reference(), duration=1.0, steps_per_sample=substeps)
-    except DivergedError:
+    except _core.DivergedError:
         return float("inf")
     return epoxy_motor.indexes(log)["du_rms"]
 
