@@ -7,6 +7,7 @@ import contextlib
 import shutil
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.cli.terminal import print_error, print_text
@@ -96,6 +97,12 @@ def add_command(commands: argparse._SubParsersAction[Any], name: str, module: An
     command.set_defaults(parser=command, run=module.run)
     if hasattr(module, "add_options"):
         module.add_options(command)
+
+
+def example_file(name: str) -> str:
+    """Return the example of an input file of this name, for the help: the one in example_files, in small letters."""
+    text = (Path(__file__).parent / "example_files" / name.lower()).read_text(encoding="utf-8")
+    return f"{name}:\n{textwrap.indent(text.rstrip(), '  ')}"
 
 
 class PrintConstant(argparse.Action):
