@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 import os
 import re
 import stat
 import sys
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from cogging.calls import did_you_mean
@@ -70,12 +72,11 @@ def require_file(path: str | os.PathLike[str], called: str = "") -> int:
     return status.st_size
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """Return the content of a UTF-8 text file of at most MOST_TEXT bytes."""
+@contextlib.contextmanager
+def reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Let the errors of opening and decoding a file be InputErrors that name it."""
     try:
-        size = require_file(path)
-        with open(path, encoding="utf-8-sig") as file:
-            text = file.read(MOST_TEXT + 1) if size <= MOST_TEXT else ""
+        yield
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
@@ -84,6 +85,14 @@ def read_text(path: str | os.PathLike[str]) -> str:
         raise
     except ValueError as error:  # a zero byte in the name
         raise InputError(f"{path!r}: cannot be read: {error}") from None
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return the content of a UTF-8 text file of at most MOST_TEXT bytes."""
+    with reading(path):
+        size = require_file(path)
+        with open(path, encoding="utf-8-sig") as file:
+            text = file.read(MOST_TEXT + 1) if size <= MOST_TEXT else ""
     if max(size, len(text)) > MOST_TEXT:
         raise InputError(f"{path}: must be at most {MOST_TEXT >> 20} MiB of text, got {max(size, len(text))} bytes")
     return text
@@ -119,6 +128,12 @@ def parse_toml(text: str) -> dict[str, Any]:
     except ValueError:  # Python's own limit of digits
         raise ValueError("a whole number must have 64 bits, got one of thousands of digits") from None
     return document
+
+
+@functools.cache
+def shipped_toml(path: str) -> dict[str, Any]:
+    """Return the content of a TOML file of this package, by its path within it."""
+    return parse_toml((Path(__file__).parent / path).read_text(encoding="utf-8"))
 
 
 def _float_or_text(text: str) -> float | str:

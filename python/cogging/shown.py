@@ -73,5 +73,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return "" if found is None else f" (did you mean {quoted(found)}?)"
 
 
+def not_one_of(value: Any, known: Iterable[str]) -> str:
+    """Return the rule that a value breaks: `must be one of mass, force, got 'mas' (did you mean 'mass'?)`."""
+    names = list(known)
+    return f"must be one of {', '.join(names)}, got {quoted(value)}{nearest(str(value), names)}"
+
+
 def _plain(name: str) -> str:
     return name.strip().casefold().replace("-", "_")

@@ -7,7 +7,7 @@ import pytest
 import cogging
 from cogging.cli.main import main
 from cogging.file_schema import TUNE_INDEXES
-from cogging.files import parse_toml
+from cogging.files import parse_toml, shipped_toml
 from cogging.model.model import COGGING_KEYS, CONTROLLERS, SECTIONS
 from cogging.outputs import to_toml
 from cogging.simulation.reference import REFERENCES
@@ -34,6 +34,11 @@ def test_the_command_prints_it(capsys, schema):
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads(json.dumps(schema))
     jsonschema.Draft202012Validator.check_schema(printed)
+
+
+@pytest.mark.parametrize("part", ["limits", "sweep", "tune"])
+def test_the_example_of_the_help_is_valid(schema, part):
+    validator(schema, part).validate(shipped_toml(f"cli/example_files/{part}.toml"))
 
 
 def test_every_section_and_field_has_its_unit_and_meaning(schema):

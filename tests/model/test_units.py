@@ -50,6 +50,6 @@ def test_a_wrong_label_is_one_line_and_invalid_by_the_schema(tmp_path, section, 
         cogging.Model.read(path)
     assert len(str(error.value).splitlines()) == 1
     document = cogging.schema()["$defs"]["model"]["properties"]["units"]
-    entry = cogging.model.model.read_toml(path)["units"]
+    entry = cogging.files.read_toml(path)["units"]
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(entry, document)

@@ -13,18 +13,14 @@ import os
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import again, command_line, files, log_options, option
-from cogging.cli.parser import add_seed
+from cogging.cli.parser import add_seed, example_file
 from cogging.files import FieldError, InputError, errors_of, parse_toml, read_text
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.progress import steps
 from cogging.shown import printable
 
 PURPOSES = "separate: detection limits and how the alternatives differ; detect: detection limits; fit: intervals"
-EPILOG = """LIMITS.toml:
-  velocity = 0.3          # m/s
-  acceleration = 5.0      # m/s^2
-  duration = 10.0         # s
-  # where the model does not say so: travel = [0.0, 0.5] (m), jerk (m/s^3), command (its unit)"""
+EPILOG = example_file("LIMITS.toml")
 
 EXAMPLES = """\
 cogging experiment --model model.toml --result result.json --limits limits.toml --out next.toml

@@ -7,11 +7,12 @@ import contextlib
 import shutil
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.cli.terminal import print_error, print_text
 from cogging.files import InputError
-from cogging.shown import LONGEST_LINE, nearest, printable, quoted, shortened
+from cogging.shown import LONGEST_LINE, nearest, not_one_of, printable, quoted, shortened
 
 if TYPE_CHECKING:
     from cogging.model.model import Model
@@ -57,9 +58,7 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
-            known = list(action.choices)
-            got = f"{quoted(value)}{nearest(str(value), known)}"
-            raise argparse.ArgumentError(action, f"must be one of {', '.join(known)}, got {got}")
+            raise argparse.ArgumentError(action, not_one_of(value, action.choices))
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Print what is wrong with the call and exit with status 2."""
@@ -100,6 +99,12 @@ def add_command(commands: argparse._SubParsersAction[Any], name: str, module: An
         module.add_options(command)
 
 
+def example_file(name: str) -> str:
+    """Return the example of an input file of this name, for the help: the one in example_files, in small letters."""
+    text = (Path(__file__).parent / "example_files" / name.lower()).read_text(encoding="utf-8")
+    return f"{name}:\n{textwrap.indent(text.rstrip(), '  ')}"
+
+
 class PrintConstant(argparse.Action):
     """Option that prints the result of `const()` and ends the command."""
 
@@ -123,8 +128,7 @@ def whole(least: int, most: int) -> Callable[[str], int]:
 def refuse_unknown(kind: str, name: str, known: Sequence[str]) -> None:
     """Raise InputError for an unknown name, with the nearest one."""
     if name not in known:
-        got = quoted(printable(name))
-        raise InputError(f"{kind}: must be one of {', '.join(known)}, got {got}{nearest(name, known)}")
+        raise InputError(f"{kind}: {not_one_of(printable(name), known)}")
 
 
 def add_run_files(command: argparse.ArgumentParser) -> None:

@@ -12,19 +12,13 @@ import numpy as np
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import add_threads
+from cogging.cli.parser import add_threads, example_file
 from cogging.files import errors_of
 from cogging.outputs import check_outputs
 from cogging.shown import printable
 from cogging.simulation.reductions import INDEXES
 
-EPILOG = """SWEEP.toml:
-  model = "model.toml"             # beside this file
-  reference = "ref.toml"
-  method = "latin_hypercube"       # or grid, random, sobol
-  runs = 1000
-  [vary]
-  "axis.mass" = { from = 0.11, to = 0.13 }"""
+EPILOG = example_file("SWEEP.toml")
 
 EXAMPLES = """\
 cogging sweep sweep.toml --out runs.csv

@@ -11,21 +11,11 @@ import argparse
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.next_command import after_many_runs
-from cogging.cli.parser import add_threads
+from cogging.cli.parser import add_threads, example_file
 from cogging.files import errors_of
 from cogging.outputs import check_outputs
 
-EPILOG = """TUNE.toml:
-  model = "gantry.toml"            # with [controller] and [bounds]
-  reference = "move.toml"
-  trials = 200
-  [gains]                          # absent: the usual ones, a decade either side
-  "controller.kp" = { from = 1e3, to = 5e4 }
-  "controller.kd" = { from = 10, to = 200 }
-  [limits]                         # on every machine
-  command_max = 4.0                # V
-  delay_margin = 1e-3              # s
-  command_chatter = { present = 1.5 }"""
+EPILOG = example_file("TUNE.toml")
 
 EXAMPLES = """\
 cogging tune tune.toml --out tuned.toml
@@ -47,10 +37,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Tune, write the model, say what was found."""
     from cogging.design.tuning import tune
-    from cogging.file_schema import TUNE, TUNE_NEEDED
     from cogging.simulation.parameter_sweep import files_of_job, read_job
 
-    asked = read_job(arguments.tune, "tune", TUNE, TUNE_NEEDED)
+    asked = read_job(arguments.tune, "tune")
     outputs = {"--out": arguments.out, "--json": json_file(arguments), "--figure": arguments.figure}
     check_outputs(outputs, files_of_job(asked, arguments.tune))
     options = {"out": arguments.out, "threads": arguments.threads, "progress": not arguments.quiet}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cogging.files import InputError
-from cogging.shown import nearest, one_line
+from cogging.shown import not_one_of, one_line
 
 VARIABLE = "COGGING_DATA"  # the environment variable that names the folder of all sets
 
@@ -45,7 +45,7 @@ class Source:
     def require_name(name: str, names: Iterable[str]) -> None:
         """Raise ValueError for a name that is not one of some."""
         if name not in (known := list(names)):
-            raise ValueError(f"name: must be one of {', '.join(known)}, got {name!r}{nearest(name, known)}")
+            raise ValueError(f"name: {not_one_of(name, known)}")
 
     def absent(self, file: str, looked: Iterable[Path], also: str = "") -> InputError:
         """Return the error for a missing file: where it was searched, where to get it, and the licence."""

@@ -11,12 +11,7 @@ from typing import Any
 import numpy as np
 
 from cogging import _core
-from cogging._core import (
-    AdaptiveRobustParameters,
-    ObserverBasedParameters,
-    OutputFeedbackArcParameters,
-    SplineHarmonics,
-)
+from cogging._core import AdaptiveRobustParameters, ObserverBasedParameters, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.calls import check_constructor
 from cogging.design.observer import ObserverDesign, ObserverProblem
@@ -328,14 +323,14 @@ class Bounds(ByValue):
         }
         return problem.controller_parameters(design.observer_gain.tolist(), **{**fields, **overrides})
 
-    def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> OutputFeedbackArcParameters:
+    def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.OutputFeedbackArcParameters:
         """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.
 
         Xu and Yao 2001, section 4.3, printed for w = 300 1/s (the poles of their PID) and 1/M = 30: the unit of each
         gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
         Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
         """
-        axis, rate = self.model.axis, self._sample_rate(OutputFeedbackArcParameters, overrides)
+        axis, rate = self.model.axis, self._sample_rate(_core.OutputFeedbackArcParameters, overrides)
         r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
         # Every quotient by a mass in the bounds lies between these.
         corners = np.array([[1.0, b, d] for b in self.viscous for d in self.disturbance])
@@ -356,7 +351,7 @@ class Bounds(ByValue):
             "coulomb": axis.coulomb,
             "coulomb_width": axis.coulomb_width,
         }
-        return OutputFeedbackArcParameters(**{**fields, **overrides})
+        return _core.OutputFeedbackArcParameters(**{**fields, **overrides})
 
     def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.PidParameters:
         """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward."""

@@ -23,7 +23,7 @@ from cogging.model.model import Model, is_number
 from cogging.model.parameters import with_values
 from cogging.model.units import Units
 from cogging.resources import on_one_blas_thread, require_machines
-from cogging.shown import nearest
+from cogging.shown import not_one_of
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.reductions import INDEXES as OF_A_RUN
 from cogging.simulation.reductions import kept_of_runs
@@ -152,8 +152,7 @@ def chosen_controllers(
     if isinstance(controllers, str) or not wanted or len(set(wanted)) != len(wanted):
         raise ValueError(f"controllers: must be a list of different names, got {controllers!r}")
     if wrong := [name for name in wanted if name not in known]:
-        rule = f"each must be one of {', '.join(known)}"
-        raise ValueError(f"controllers: {rule}, got {wrong[0]!r}{nearest(str(wrong[0]), known)}")
+        raise ValueError(f"controllers: each {not_one_of(wrong[0], known)}")
     velocity = float(np.abs(motion.sample(np.linspace(0.0, duration, 4001))[1]).max())
     chosen: dict[str, AnyController] = {}
     notes: list[str] = []

@@ -37,7 +37,7 @@ from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_plan
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
-from cogging.shown import nearest, quoted
+from cogging.shown import nearest, not_one_of, quoted
 from cogging.simulation.arguments import MODEL
 from cogging.values import ByValue
 
@@ -225,7 +225,7 @@ def plan_experiment(
     rivals = alternatives_in(document, vocabulary)
     goal = goal or ("separate" if rivals else "detect")
     if goal not in GOALS:
-        raise ValueError(f"goal: must be one of {', '.join(GOALS)}, got {goal!r}{nearest(goal, GOALS)}")
+        raise ValueError(f"goal: {not_one_of(goal, GOALS)}")
     if goal == "separate" and not rivals:
         raise ValueError("goal: separate needs a result with alternatives, got none; detect and fit need none")
     notes: list[str] = []

@@ -27,19 +27,12 @@ from cogging.plot.results import WHOLE_TUNING, whole_tuning
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
 from cogging.shown import quoted
+from cogging.simulation import varied
 from cogging.simulation.arguments import MODEL, REFERENCE
 from cogging.simulation.kept_work import KeptWork
 from cogging.simulation.reductions import kept_of_runs, names_of
 from cogging.simulation.reference import motion_of, reference_to_dict
-from cogging.simulation.varied import (
-    BOUNDS,
-    Setup,
-    make_controller,
-    numbers_of,
-    range_of,
-    require_numbers,
-    with_numbers,
-)
+from cogging.simulation.varied import BOUNDS, Setup, make_controller, range_of, with_numbers
 from cogging.tables import frame_of
 from cogging.values import ByValue
 
@@ -134,7 +127,7 @@ class Tuning(ByValue):
         lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in columns))
         for row in ROWS:
             cells = [getattr(reached, row) for reached in columns.values()]
-            factor, unit = SCALED.get(row) or (1.0, TUNE_INDEXES[row][0])
+            factor, unit = SCALED.get(row) or (1.0, TUNE_INDEXES[row]["unit"])
             name = row if unit == "1" else f"{row}, {self.units.of(unit)}"
             if any(cell is not None for cell in cells):
                 shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
@@ -160,7 +153,7 @@ class Tuning(ByValue):
         """
         if what not in ("trials", "front"):
             raise ValueError(f"what: must be trials or front, got {what!r}")
-        units = {"error_rms": "m", **{name: unit for name, (unit, *_) in TUNE_INDEXES.items() if unit != "1"}}
+        units = {"error_rms": "m", **{name: one["unit"] for name, one in TUNE_INDEXES.items() if one["unit"] != "1"}}
         labels = {name: self.units.of(unit) for name, unit in units.items()}
         return frame_of(self.trials if what == "trials" else self.front, labels)
 
@@ -234,7 +227,7 @@ def gains_of(setup: Setup, make: Callable[..., AnyController] | None, ranges: Ma
     known: dict[str, float | None]
     if make is None:
         fields, what, is_open = make_controller(setup.model).parameters.to_dict(), "number", False
-        known = {path: one.value for path, one in numbers_of(setup).items() if one and path.startswith(PREFIX)}
+        known = {path: one.value for path, one in varied.numbers_of(setup).items() if one and path.startswith(PREFIX)}
         if ranges is None:
             paths = [f"{PREFIX}{name}" for name in USUAL.get(setup.model.controller_type or "", ())]
             values = {path: float(known.get(path) or 0.0) for path in paths}
@@ -298,7 +291,7 @@ def checked_limits(given: Mapping[str, Any]) -> dict[str, float | Mapping[str, f
 
 def limit_text(name: str, limit: float, units: Units, reached: float | None = None) -> str:
     """Return a limit in words, optionally with the value reached."""
-    unit, is_upper = TUNE_INDEXES[name][:2]
+    unit, is_upper = TUNE_INDEXES[name]["unit"], TUNE_INDEXES[name]["at_most"]
     label = "" if unit == "1" else f" {units.of(unit)}"
     rule = f"{name}: {'at most' if is_upper else 'at least'} {limit:.4g}{label}"
     return rule if reached is None else f"{rule}, reached {reached:.4g}{label}"
@@ -418,7 +411,7 @@ class Judge:
             if value is None and name == "modulus_margin" and not reached.failed:
                 value = self._modulus_margin(gains, self.machines)
             if value is not None and math.isfinite(value):
-                found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name][1] else 1.0 - value / limit, BEYOND)
+                found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name]["at_most"] else 1.0 - value / limit, BEYOND)
             elif value is None and reached.failed:
                 found[name] = 1.0
             elif value is None and name in ("delay_margin", "gain_margin"):
@@ -464,7 +457,7 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     other, and continues as it would have.
     """
     library, against = optuna(), judge.against
-    other = [] if against is None else ["minimize" if TUNE_INDEXES[against][1] else "maximize"]
+    other = [] if against is None else ["minimize" if TUNE_INDEXES[against]["at_most"] else "maximize"]
     study = library.create_study(sampler=library.samplers.TPESampler(seed=seed), directions=["minimize", *other])
     if all(gain.low <= gain.present <= gain.high for gain in gains):
         study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
@@ -498,7 +491,7 @@ def best_of(trials: Sequence[Trial]) -> Trial | None:
 
 def front_of(trials: Sequence[Trial], against: str) -> list[int]:
     """Return the places of the kept trials that none beats in both rms error and an index, by falling error."""
-    sign = 1.0 if TUNE_INDEXES[against][1] else -1.0
+    sign = 1.0 if TUNE_INDEXES[against]["at_most"] else -1.0
     kept = [(t.reached.error_rms, sign * getattr(t.reached, against), n) for n, t in enumerate(trials) if t.kept]
     front: list[int] = []
     least = math.inf
@@ -585,7 +578,7 @@ def tune(
     """
     library = optuna()
     counts = {"machines": machines, "held_out": held_out, "trials": trials}
-    require_numbers(counts, seed, duration, (start, stop, 1.0), threads)
+    varied.require_numbers(counts, seed, duration, (start, stop, 1.0), threads)
     if not is_number(quantile) or not 0.0 < quantile <= 1.0:
         raise FieldError("", "quantile", f"must be above 0, at most 1, got {quantile!r}")
     if against is not None and against not in TUNE_INDEXES:

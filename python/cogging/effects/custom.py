@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from cogging._core import EFFECTS, AxisParameters, CoggingModel
 from cogging._core.effects import CompiledLaw, OwnLaws, PythonLaw
-from cogging.shown import nearest
+from cogging.shown import nearest, not_one_of
 
 Value = float | list[float]
 
@@ -85,8 +85,7 @@ class Parameter:
         if self.role not in ("amplitude", "shape", "setting"):
             raise ValueError(f"role: must be amplitude, shape or setting, got {self.role!r}")
         if self.quantity is not None and self.quantity not in QUANTITIES:
-            got = f"{self.quantity!r}{nearest(self.quantity, QUANTITIES)}"
-            raise ValueError(f"quantity: must be one of {', '.join(QUANTITIES)}, got {got}")
+            raise ValueError(f"quantity: {not_one_of(self.quantity, QUANTITIES)}")
         if (self.low is None) != (self.high is None):
             raise ValueError(f"low, high: both or neither must be given, got {self.low} and {self.high}")
         if self.low is not None and self.high is not None:

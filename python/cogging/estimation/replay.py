@@ -68,11 +68,6 @@ class Replay:
         """Typical sizes of the log's quantities."""
         return self._seen.scales
 
-    @property
-    def velocity(self) -> FloatArray:
-        """Along the prediction, m/s, (n,)."""
-        return np.asarray(self._seen.velocity)
-
     def as_run(self, model: Model) -> Model:
         """The model as it is run: without noise, and free to leave the travel."""
         model = quiet(model)

@@ -6,7 +6,6 @@ ValueError.
 
 from __future__ import annotations
 
-import importlib.resources
 import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -15,7 +14,7 @@ import numpy as np
 
 from cogging.export.drive_table import NEGLIGIBLE, Frame, Law, Rest, Table, frame_of, table_of
 from cogging.export.forms import Exported
-from cogging.files import parse_toml
+from cogging.files import shipped_toml
 from cogging.model.model import Model
 from cogging.shown import quoted
 
@@ -32,9 +31,7 @@ QUESTIONS = {
     "loaded by": "loading",
     "source": "source",
 }
-SHEETS: dict[str, dict[str, Any]] = parse_toml(
-    importlib.resources.files("cogging.export").joinpath("drives.toml").read_text(encoding="utf-8")
-)
+SHEETS: dict[str, dict[str, Any]] = shipped_toml("export/drives.toml")
 
 # The drives -----------------------------------------------------------------------------------------------------------
 

@@ -183,14 +183,10 @@ def _parameters(model: Model) -> Iterator[Parameter]:
                 yield Parameter(f"{called}.{field}", section, field, model.units.of(unit), meaning, value)
 
 
-def _bits(value: float) -> str:
-    return struct.pack(">d", value).hex()
-
-
 def _line(item: str, value: Any) -> str:
     """Return an item with its value, and as a comment in decimal."""
     values = value if isinstance(value, list) else [value]
-    words = [_bits(one) if isinstance(one, float) else str(int(one)) for one in values]
+    words = [struct.pack(">d", one).hex() if isinstance(one, float) else str(int(one)) for one in values]
     comment = f"  # {value!r}" if len(values) == 1 and isinstance(values[0], float) else ""
     return " ".join([item, *words]) + comment
 

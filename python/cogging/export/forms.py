@@ -1,10 +1,10 @@
 """The forms of `cogging export`, by name.
 
-To add a form: a module in this folder with a function `make(model, **options) -> Exported`, an entry of FORMS that
+To add a form: a module in this folder with a function `make(model, **options) -> Exported`, an entry of forms.toml that
 names them, and a test that reads the file back. The command, its `--help` and `cogging.export.to` read the list; the
 module is imported when its form is used.
 
-Forms that share an option list the same Option. Defaults are in the signature of `make`: only given options are passed.
+Forms may share an option. Defaults are in the signature of `make`: only given options are passed.
 `make` raises FieldError or ValueError, `name: rule, got value`; `to` adds the model's file.
 """
 
@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cogging.calls import did_you_mean
-from cogging.files import errors_of, read_toml
+from cogging.files import errors_of, read_toml, shipped_toml
 from cogging.model.model import Model
 from cogging.shown import quoted
 
@@ -70,49 +70,22 @@ class Form:
         return made
 
 
-_SCALE = Option(
-    "scale", float, "units of the drive per command unit of the model, as A per N; default: they are the same"
-)
-_SIGN = Option("sign", int, "-1: the drive subtracts its table, or the map is the motor's push; default 1", "S")
-_ZERO = Option("zero", float, "position of the model at which the drive is at 0; default 0")
-_REVERSE = Option("reverse", bool, "the drive counts and pushes the other way")
-_TURN = Option(
-    "turn", float, "one mechanical revolution, in the model's unit of position; default 2 pi where that is rad"
-)
-_FRAME = (_SCALE, _SIGN, _ZERO, _REVERSE, _TURN)
-_BETWEEN = Option("between", str, "between entries: straight lines, or each held", choices=("linear", "hold"))
-_ENTRIES = Option("entries", int, "entries of the table", "N")
-_WIDTH = Option("pole_pair_width", float, "magnetic period of a linear motor, m; default: the pitch of the map")
-_OVER = Option("over", str, "what the table covers", choices=("travel", "turn", "period"))
-_QUANTUM = Option("quantum", float, "step of an entry, A; default 0.001")
-_PAIRS = Option("pole_pairs", int, "electrical periods a revolution", "N")
-_QUANTITY = Option("quantity", str, "what the firmware's map is of", choices=("torque", "current"))
-_WAVE = Option("wave", str, "which wave has the phase phi", choices=("cosine", "sine"))
-_CHANNEL = Option("channel", str, "of a two-channel drive", choices=("A", "B"))
-_NAME = Option("name", str, "name in code: of the namespace, of the unit; default axis", "NAME")
-_RATE = Option("sample_rate", float, "Hz, at which a unit draws noise; default the controller's", "HZ")
-
-
-def _drive(name: str, writes: str, *options: Option) -> Form:
-    """Return a form of a map, with the options of the frame."""
-    return Form(name, writes, f"cogging.export.drives:{name}", (*_FRAME, *options), of_map=True)
+def _forms() -> dict[str, Form]:
+    """Return the forms of forms.toml by name."""
+    shipped, kinds = shipped_toml("export/forms.toml"), {kind.__name__: kind for kind in (float, int, str, bool)}
+    options = {
+        name: Option(name, **{**entry, "kind": kinds[entry["kind"]], "choices": tuple(entry.get("choices", ()))})
+        for name, entry in shipped["options"].items()
+    }
+    forms = {}
+    for name, entry in shipped["forms"].items():
+        names = (shipped["frame"] if entry.get("of_map") else []) + entry.get("options", [])
+        forms[name] = Form(name, **{**entry, "options": tuple(options[each] for each in names)})
+    return forms
 
 
 #: Forms by name, in the order of the help.
-FORMS: dict[str, Form] = {
-    form.name: form
-    for form in (
-        _drive("csv", "a map by position: position, force", _ENTRIES, _OVER, _BETWEEN),
-        _drive("akd", "a map as Kollmorgen AKD's compensation table (csv)", _ENTRIES, _BETWEEN, _QUANTUM),
-        _drive("sinamics", "a map as Siemens SINAMICS' p5260[0..4095]", _BETWEEN, _WIDTH),
-        _drive("ax8000", "a map as Beckhoff AX8000's coefficients (0x32CB)", _WAVE, _CHANNEL),
-        _drive("novanta", "a map as Novanta's 0x2306 to 0x2308", _ENTRIES, _PAIRS, _WIDTH, _BETWEEN),
-        _drive("odrive", "a map as the anticogging map of ODrive 0.5", _QUANTITY),
-        _drive("moteus", "a map as moteus' motor.cogging_dq_comp"),
-        Form("cpp", "the controller with its gains as one C++ header", "cogging.export.cpp_header:make", (_NAME,)),
-        Form("fmi", "the axis as a unit of FMI 3.0, co-simulation", "cogging.export.fmi:make", (_NAME, _RATE)),
-    )
-}
+FORMS = _forms()
 
 
 def to(model: Model | str | os.PathLike[str], form: str, **options: Any) -> Exported:

@@ -10,44 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray
+from cogging.files import shipped_toml
 from cogging.logs.readers.column_request import FACTORS, SPELLINGS, TIME_FACTORS, bracketed, split_unit
 
-#: Names by quantity, the most specific first, from English and German drives and loggers.
-NAMES = {
-    "reference_velocity": (
-        "reference_velocity velocity_reference v_ref vref v_soll sollgeschwindigkeit "
-        "velocity_demand velocity_setpoint target_velocity velocity_command"
-    ),
-    "reference_acceleration": (
-        "reference_acceleration acceleration_reference a_ref aref a_soll sollbeschleunigung "
-        "acceleration_demand target_acceleration"
-    ),
-    "reference": (
-        "reference position_reference reference_position position_setpoint setpoint_position "
-        "position_demand demand_position target_position position_target position_command pos_ref "
-        "x_ref xref x_soll sollposition position_soll lagesollwert sollwert x_cmd pos_cmd setpoint "
-        "target soll qg xd x_d q_ref qref ref r theta_ref"
-    ),
-    "velocity": (
-        "velocity velocity_actual actual_velocity speed geschwindigkeit istgeschwindigkeit drehzahl "
-        "v_ist v vel qd dq omega xdot dx"
-    ),
-    "acceleration": "acceleration beschleunigung acc a qdd ddx",
-    "error": "error position_error following_error error_position schleppfehler lageabweichung err",
-    "time": "time zeit timestamp time_stamp zeitstempel t sec elapsed clock ticks",
-    "position": (
-        "position actual_position position_actual istposition position_ist lageistwert lage pos "
-        "encoder x_ist weg x q qm x_m y pos_act angle theta winkel phi displacement "
-        "encoder_position encoder_counts x_meas x_act istwert"
-    ),
-    "command": (
-        "command iq current motor_current strom motorstrom i_q current_command iq_ref force "
-        "force_command kraft vir torque drehmoment moment u control control_output stellgrosse "
-        "stellgröße stellgroesse voltage spannung dac output effort tau f i cmd thrust iq_cmd sollstrom "
-        "stromsollwert iq_actual current_setpoint current_actual"
-    ),
-}
-WORDS = {kind: tuple(words.split()) for kind, words in NAMES.items()}
+#: Names by quantity, the most specific first.
+WORDS: dict[str, list[str]] = shipped_toml("first_model/column_names.toml")
 #: Factors to SI of units of position, time and command, and the label of the command's unit.
 LENGTHS = {**dict.fromkeys(SPELLINGS["m"][:5], 1.0), "micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "grad": math.pi / 180.0}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from cogging.arrays import FloatArray
-from cogging.files import InputError, require_file
+from cogging.files import InputError, reading, require_file
 from cogging.logs.readers import text_table
 from cogging.logs.readers.column_request import Request
 from cogging.logs.readers.isolate import FORMATS, read_isolated
@@ -96,16 +96,10 @@ def survey_columns(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
     """Return the format of a file from its first bytes: a key of FORMATS, or None for text."""
-    try:
+    with reading(path):
         require_file(path)
         with open(path, "rb") as file:
             head = file.read(1024)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except ValueError as error:  # a zero byte in the name
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path!r}: cannot be read: {error}") from None
     if HDF5_SIGNATURE in (head[:8], head[512:520]):
         return "hdf5"
     if head[:6] == b"MATLAB" and head[126:128] in (b"IM", b"MI"):

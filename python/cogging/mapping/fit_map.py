@@ -15,18 +15,8 @@ from cogging._core import CoggingModel, SplineHarmonics
 from cogging.arrays import FloatArray
 from cogging.calls import check_arguments
 from cogging.files import InputError
-from cogging.mapping.cogging_spectrum import (
-    FLOOR,
-    FOLDS,
-    HarmonicSpectrum,
-    Line,
-    SplineFit,
-    cogging_of,
-    cross_validate,
-    fit_splines,
-    predict,
-    rows_of,
-)
+from cogging.mapping import cogging_spectrum
+from cogging.mapping.cogging_spectrum import FLOOR, HarmonicSpectrum, Line, SplineFit, fit_splines, rows_of
 from cogging.mapping.scan import Scan, is_number, read_scan, require
 from cogging.model.model import cogging_to_dict
 from cogging.model.units import UNITS, Units
@@ -256,7 +246,9 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
         own = np.zeros_like(fit.coefficients)
         for part in chosen:
             own[part] = fit.coefficients[part]
-        component = predict(basis, own, scan.position, np.zeros((len(scan.position), len(own) - basis.coefficients)))
+        component = cogging_spectrum.predict(
+            basis, own, scan.position, np.zeros((len(scan.position), len(own) - basis.coefficients))
+        )
         rows = slice(harmonic, harmonic + 1)
         power = spectrum.power(fit.residual + component, rows)
         ratio = np.max(np.where(spectrum.near[rows], power / noise.level[rows], 0.0))
@@ -531,7 +523,7 @@ def fit_map(
     direction_amplitudes, direction_rms, direction_lag = direction_content(spectrum, scan, fit, noise, odd)
     shown, power = spectrum.present, spectrum.power(scan.force - nuisance @ fit.coefficients[p:])
     result = MapFit(
-        cogging=cogging_of(basis, values),
+        cogging=cogging_spectrum.cogging_of(basis, values),
         order=chosen,
         sine_standard_error=sine_error,
         cosine_standard_error=cosine_error,
@@ -588,8 +580,8 @@ def _choose(
         )
         fits[tried] = fit_splines(basis, scan.position, scan.force, nuisance)
         # Long enough that noise of neighbours does not leak, short enough that a spline is held from both sides.
-        block = min(pitch / 8.0, scan.travel / (8.0 * FOLDS))
-        rms, error = cross_validate(fits[tried], scan.position, scan.force, nuisance, block)
+        block = min(pitch / 8.0, scan.travel / (8.0 * cogging_spectrum.FOLDS))
+        rms, error = cogging_spectrum.cross_validate(fits[tried], scan.position, scan.force, nuisance, block)
         scores.append(CrossValidation(tried, size, rms, error))
     best = min(scores, key=lambda score: score.rms, default=None)
     if best is None:

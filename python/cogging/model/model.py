@@ -13,27 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cogging import _core
+from cogging import _core, files
 from cogging._core import AxisParameters, CoggingModel, EncoderParameters, NoiseParameters, Plant, SplineHarmonics
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import (
-    LARGEST,
-    FieldError,
-    errors_of,
-    parse_toml,
-    read_text,
-    read_toml,
-    refuse_mistyped,
-    refuse_unknown_keys,
-)
+from cogging.files import LARGEST, FieldError, refuse_mistyped, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
 from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_model
-from cogging.shown import nearest, quoted
+from cogging.shown import nearest, not_one_of, quoted
 from cogging.tables import html_table
 from cogging.values import ByValue, line_of
 
@@ -98,8 +89,7 @@ class Model(ByValue):
         if self.controller is None and kind is not None:
             raise ValueError(f"controller: must be given with controller_type {kind!r}, got None")
         if kind is not None and kind not in CONTROLLERS:
-            rule = f"must be one of {', '.join(CONTROLLERS)}, got {kind!r}{nearest(kind, CONTROLLERS)}"
-            raise ValueError(f"controller_type: {rule}")
+            raise ValueError(f"controller_type: {not_one_of(kind, CONTROLLERS)}")
         if not isinstance(self.units, Units):
             raise TypeError(f"units: must be Units(command=..., position=...), got {type(self.units).__name__}")
         if self.controller is not None:
@@ -234,8 +224,8 @@ class Model(ByValue):
         Raises:
             InputError: the file is invalid; names file, line, field, rule and value.
         """
-        with errors_of(path):
-            return cls.from_dict(read_toml(path), effects=effects)
+        with files.errors_of(path):
+            return cls.from_dict(files.read_toml(path), effects=effects)
 
     def write(self, path: str | os.PathLike[str], *, like: str | os.PathLike[str] | None = None) -> None:
         """Write a model file (TOML), without loss.
@@ -246,12 +236,12 @@ class Model(ByValue):
             path: of the file.
             like: a model file whose comments and order of lines are kept; a changed value says what it was.
         """
-        write_text(path, self.to_toml("" if like is None else read_text(like)))
+        write_text(path, self.to_toml("" if like is None else files.read_text(like)))
 
     def to_toml(self, like: str = "") -> str:
         """Return the text of a model file; `like`: that of another one, whose comments and order of lines are kept."""
         document = self.to_dict()
-        if "units" in (stated := parse_toml(like)):
+        if "units" in (stated := files.parse_toml(like)):
             document["units"] = self.units.to_dict()
         if "simulation" in stated:
             document["simulation"] = {"steps_per_sample": self.steps_per_sample}
@@ -468,8 +458,7 @@ def _controller_from(
     refuse_mistyped(section, "type", "controller")
     kind = section.pop("type", None)
     if not isinstance(kind, str) or kind not in CONTROLLERS:
-        near = nearest(str(kind), CONTROLLERS)
-        raise FieldError("controller", "type", f"must be one of {', '.join(CONTROLLERS)}, got {quoted(kind)}{near}")
+        raise FieldError("controller", "type", not_one_of(kind, CONTROLLERS))
     struct = CONTROLLERS[kind][0]
     if "coulomb_width" in struct.FIELDS:
         # The controller's width defaults to that of the axis when the file is read, and is independent from then on.

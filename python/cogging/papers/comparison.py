@@ -19,11 +19,12 @@ from cogging import _core, effects
 from cogging._core import Arc, Dcarc, DivergedError, ObserverBased, OutputFeedbackArc, Pid, Plant
 from cogging.design.observer import ObserverProblem, design_observer
 from cogging.design.pid import pid_gains
+from cogging.files import shipped_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, SAMPLE_RATE, GantryAxis
-from cogging.papers.result import Reproduction, Table, explored, shipped_toml
+from cogging.papers.result import Reproduction, Table, explored
 from cogging.papers.xu2001 import epoxy_motor
 from cogging.plot.canvas import drawn, titled_panels
 from cogging.plot.series import look, marker
@@ -79,7 +80,7 @@ Found = Mapping[tuple[str, str], Mapping[str, float]]
 
 def shipped() -> dict[str, Any]:
     """Return comparison_gains.toml: observer gains by the papers' rules, and what gives DELAY_MARGIN by axis."""
-    return shipped_toml("cogging.papers", "comparison_gains.toml")
+    return shipped_toml("papers/comparison_gains.toml")
 
 
 def controllers() -> dict[str, ListedController]:

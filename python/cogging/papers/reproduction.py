@@ -9,7 +9,7 @@ from cogging.calls import check_arguments
 from cogging.papers.result import Reproduction
 from cogging.progress import Progress, steps
 from cogging.resources import on_one_blas_thread
-from cogging.shown import nearest
+from cogging.shown import not_one_of
 
 #: The papers that can be reproduced; each is a package beside this file.
 PAPERS = ("lu2008", "malaize2009", "xu2001")
@@ -38,7 +38,7 @@ def reproduce(paper: str, *, out: str | os.PathLike[str] | None = None, progress
         ValueError: paper: must be one of lu2008, malaize2009, xu2001, got 'lu2009' (did you mean 'lu2008'?)
     """
     if paper not in PAPERS:
-        raise ValueError(f"paper: must be one of {', '.join(PAPERS)}, got {paper!r}{nearest(paper, PAPERS)}")
+        raise ValueError(f"paper: {not_one_of(paper, PAPERS)}")
     return _run(paper, out, progress)
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import functools
-import importlib.resources
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cogging.files import parse_toml
+from cogging.arrays import FloatArray
 from cogging.outputs import made_folder, to_json, write_files
 from cogging.plot.canvas import png
 from cogging.tables import frame_of
@@ -18,12 +16,6 @@ from cogging.values import ByValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-@functools.cache
-def shipped_toml(package: str, name: str) -> dict[str, Any]:
-    """Return the content of a TOML file of a package of papers: printed values, or those that studies calibrated."""
-    return parse_toml(importlib.resources.files(package).joinpath(name).read_text(encoding="utf-8"))
 
 
 def with_tuples(value: Any) -> Any:
@@ -76,6 +68,12 @@ class Row:
 def explored(controller: str, index: str, unit: str, value: float, **labels: str) -> Row:
     """Return an exploratory row: a number that the paper does not print."""
     return Row(controller, index, unit, None, float(value), "exploratory", labels)
+
+
+def known(column: FloatArray | None) -> FloatArray:
+    """Return a column that every simulated log has."""
+    assert column is not None
+    return column
 
 
 #: Relative distances to the printed number within which simulated ones are counted.

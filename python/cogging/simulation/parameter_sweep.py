@@ -24,7 +24,7 @@ from cogging import plot
 from cogging._core import Reference, StopFlag
 from cogging.arrays import FloatArray
 from cogging.calls import Kind, check_arguments
-from cogging.files import FieldError, InputError, errors_of, read_toml, refuse_unknown_keys
+from cogging.files import FieldError, InputError, errors_of, read_toml, refuse_unknown_keys, shipped_toml
 from cogging.model.model import Model, is_number
 from cogging.outputs import AnyPath, target_of
 from cogging.progress import Progress, steps
@@ -386,40 +386,34 @@ def run_elsewhere(pieces: Iterable[Piece], executor: Executor) -> Iterator[Table
 
 # Sweep files, and what they share with tune files ---------------------------------------------------------------------
 
-#: Keys of a sweep file: type and meaning.
-KEYS: dict[str, tuple[type, str]] = {
-    "model": (str, "model file, beside the sweep file"),
-    "reference": (str, "reference file, beside the sweep file"),
-    "method": (str, "grid (all combinations), random, latin_hypercube or sobol; default grid"),
-    "runs": (int, "how many, but for a grid; default 1000"),
-    "seed": (int, "of draws and noise: run i has the noise of seed + i; default 0"),
-    "duration": (float, "s; default that of the reference"),
-    "start": (float, "s; indexes use the rows from this time on"),
-    "stop": (float, "s; indexes use the rows before this time"),
-    "final_window": (float, "s, of error_final_max; default 2"),
-    "reductions": (list, "beside the indexes, such as error_quantile(0.95), command_max, error_tone(3.0)"),
-    "vary": (dict, 'how each number is varied, by path; or "bounds": all that the model has [bounds] for'),
+#: Types of the keys of these files (file_schema.toml), and what they are called.
+TYPES: dict[str, tuple[type, str]] = {
+    "string": (str, "a text"),
+    "integer": (int, "a whole number"),
+    "number": (float, "a number"),
+    "array": (list, "a list of names"),
+    "object": (dict, "a section"),
 }
-NEEDED = ("model", "reference", "vary")
-WORDS = {str: "a text", int: "a whole number", float: "a number", list: "a list of names", dict: "a section"}
 
 
-def read_job(path: AnyPath, what: str, keys: Mapping[str, tuple[type, str]], needed: Iterable[str]) -> dict[str, Any]:
+def read_job(path: AnyPath, what: str) -> dict[str, Any]:
     """Return what a sweep or tune file (`what`) holds, with the paths of its model and reference relative to it.
 
-    InputError: an unknown key, a missing one that is needed, one of another type (KEYS), or no such file.
+    InputError: an unknown key, a missing one that is required, one of another type, or no such file.
     """
     document, folder = read_toml(path), Path(path).parent
+    known = shipped_toml("file_schema.toml")
+    keys: Mapping[str, Any] = known[what]
     with errors_of(path):
         refuse_unknown_keys(document, keys, "")
-        for key in needed:
+        for key in known["required"][what]:
             if key not in document:
                 raise FieldError("", key, "must be given, got nothing")
         for key, value in document.items():
-            kind = keys[key][0]
+            kind, called = TYPES[keys[key]["type"]]
             fits = is_number(value) if kind in (int, float) else isinstance(value, kind)
             if (kind is int and not isinstance(value, int)) or not (fits or (key == "vary" and value == BOUNDS)):
-                words = f'{WORDS[kind]} or "{BOUNDS}"' if key == "vary" else WORDS[kind]
+                words = f'{called} or "{BOUNDS}"' if key == "vary" else called
                 raise FieldError("", key, f"must be {words}, got {quoted(value)}")
         for key in ("model", "reference"):
             if not (folder / document[key]).is_file():
@@ -429,7 +423,7 @@ def read_job(path: AnyPath, what: str, keys: Mapping[str, tuple[type, str]], nee
 
 def read_sweep(path: AnyPath) -> dict[str, Any]:
     """Return the arguments of `sweep` from a sweep file; paths of other files are relative to it."""
-    asked = read_job(path, "sweep", KEYS, NEEDED)
+    asked = read_job(path, "sweep")
     if asked["vary"] == BOUNDS:
         return asked
     vary: dict[str, Any] = {}

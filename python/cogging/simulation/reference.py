@@ -16,7 +16,7 @@ from cogging.calls import PATHS, check_arguments
 from cogging.files import LARGEST, FieldError, errors_of, read_toml, refuse_mistyped, refuse_unknown_keys
 from cogging.logs.columns import read_columns
 from cogging.model.model import is_number, parameters_from
-from cogging.shown import nearest, quoted
+from cogging.shown import not_one_of, quoted
 
 TYPES = tuple(_core.REFERENCES)
 #: Parameter struct and class of each motion by its name in reference files, except the sampled one.
@@ -62,8 +62,7 @@ def reference_from(document: Mapping[str, Any], folder: Path | None = None) -> t
     refuse_mistyped(fields, "type", "")
     kind = fields.pop("type", None)
     if kind not in TYPES:
-        got = f"{quoted(kind)}{nearest(str(kind), TYPES)}"
-        raise FieldError("", "type", f"must be one of {', '.join(TYPES)}, got {got}")
+        raise FieldError("", "type", not_one_of(kind, TYPES))
     duration = fields.pop("duration", 0.0)
     if not is_number(duration) or not 0 <= duration < 1e9:
         raise FieldError("", "duration", f"must be a number of seconds from 0 to 1e9, got {quoted(duration)}")

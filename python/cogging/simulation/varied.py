@@ -17,7 +17,7 @@ from cogging.model.model import CONTROLLERS, Model, is_number
 from cogging.model.parameters import SECTIONS, Parameter, parameters_of, with_fields, with_values
 from cogging.model.units import Units
 from cogging.resources import require_table
-from cogging.shown import nearest, quoted
+from cogging.shown import not_one_of, quoted
 from cogging.simulation.reductions import unit_of
 from cogging.simulation.reference import REFERENCES
 
@@ -211,8 +211,7 @@ def points_of(variations: list[Variation], method: str, runs: int, seed: int) ->
     """Return the values of each run, (runs, variations); the same arguments give the same points."""
     count = len(variations)
     if method not in METHODS:
-        near = nearest(str(method), METHODS)
-        raise FieldError("", "method", f"must be one of {', '.join(METHODS)}, got {quoted(method)}{near}")
+        raise FieldError("", "method", not_one_of(method, METHODS))
     axes = []
     for variation in variations if method == "grid" else ():
         if variation.grid is None:

@@ -83,14 +83,13 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
         "memory": int(min(LIBRARIES + COPIES * numbers_most(size), ADDRESSES + memory_left())),
         "seconds": seconds,
         "parent": os.getpid(),
-        "path": os.path.abspath(request.path),
-        "shown": os.fspath(request.path),
-        "names": list(request.names),
-        "optional": list(request.optional),
-        "columns": dict(request.columns),
-        "scaled": sorted(request.scaled),
-        "rows": [request.rows.start, request.rows.stop],
-        "survey": request.survey is not None,
+        "request": {
+            **vars(request),
+            "path": os.path.abspath(request.path),
+            "shown": os.fspath(request.path),
+            "scaled": sorted(request.scaled),
+            "rows": [request.rows.start, request.rows.stop],
+        },
         "sys_path": import_paths(os.fspath(request.path)),
         "package": [os.path.abspath(folder) for folder in sys.modules["cogging"].__path__],
         "temporary": None,
@@ -164,8 +163,7 @@ def serve(job: Mapping[str, Any]) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards what a library prints
     confine(job)
     tempfile.tempdir = job["temporary"]
-    named = {name: job[name] for name in ("path", "names", "optional", "columns", "scaled", "shown")}
-    request = Request(**named, rows=slice(*job["rows"]), survey=[] if job["survey"] else None)
+    request = Request(**{**job["request"], "rows": slice(*job["request"]["rows"])})
     answer: dict[str, Any]
     try:
         columns = _read(job["kind"], request)

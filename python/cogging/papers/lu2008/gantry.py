@@ -16,8 +16,9 @@ import numpy as np
 from cogging import _core
 from cogging._core import AdaptiveRobustParameters, CoggingModel, Dcarc, Plant, PointToPoint, SplineHarmonics
 from cogging.arrays import FloatArray
+from cogging.files import shipped_toml
 from cogging.logs.log import Log
-from cogging.papers.result import shipped_toml, with_tuples
+from cogging.papers.result import with_tuples
 from cogging.simulation.batch import Batch, closed_loop_batch
 
 PITCH = 0.05  # m (section "System Identification": P = 50 mm)
@@ -69,7 +70,7 @@ class GantryAxis:
 #: The axes by name (axes.toml).
 AXES = {
     name: GantryAxis(name=name, **with_tuples(fields))
-    for name, fields in shipped_toml("cogging.papers.lu2008", "axes.toml").items()
+    for name, fields in shipped_toml("papers/lu2008/axes.toml").items()
 }
 
 
@@ -124,12 +125,12 @@ def share_of_bound(axis: GantryAxis, cogging: CoggingModel) -> float:
 
 def shipped_shape() -> MapShape:
     """Return the shape of both maps (maps.toml, by studies.lu2008.calibration)."""
-    return MapShape(**shipped_toml("cogging.papers.lu2008", "maps.toml")["shape"])
+    return MapShape(**shipped_toml("papers/lu2008/maps.toml")["shape"])
 
 
 def shipped_amplitudes(axis: GantryAxis, fit: str = PRESENT) -> Amplitudes:
     """Return the calibrated amplitudes of a fit in maps.toml, V."""
-    part = shipped_toml("cogging.papers.lu2008", "maps.toml")[fit][axis.name]
+    part = shipped_toml("papers/lu2008/maps.toml")[fit][axis.name]
     return part["periodic"], part["modulated"], part["uncompensated"]
 
 
@@ -207,9 +208,3 @@ def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
     """Return e_inf and e_2 (m): maximum and rms of reading minus reference over the last move there and back."""
     result = _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
     return result.error_max, result.error_rms
-
-
-def known(column: FloatArray | None) -> FloatArray:
-    """Return a column that every simulated log has."""
-    assert column is not None
-    return column

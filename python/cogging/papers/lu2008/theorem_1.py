@@ -26,8 +26,8 @@ from cogging.arrays import FloatArray
 from cogging.effects import ConstantForce, DisturbanceStep, DisturbanceTone
 from cogging.logs.log import Log
 from cogging.papers.lu2008 import gantry
-from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, ESTIMATED, START, GantryAxis, controller_parameters, known
-from cogging.papers.result import Row, Table, explored
+from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, ESTIMATED, START, GantryAxis, controller_parameters
+from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.scales import scale_of
 from cogging.plot.series import LIMIT, look, marker

@@ -17,8 +17,8 @@ from cogging.effects import CoggingHarmonic
 from cogging.logs.log import Log
 from cogging.papers.compared import Trace, compared
 from cogging.papers.lu2008 import gantry
-from cogging.papers.lu2008.gantry import AXES, CONTROL_POINTS, CONTROLLERS, HARMONICS, GantryAxis, known
-from cogging.papers.result import Row, Table, explored
+from cogging.papers.lu2008.gantry import AXES, CONTROL_POINTS, CONTROLLERS, HARMONICS, GantryAxis
+from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.series import look, marker
 

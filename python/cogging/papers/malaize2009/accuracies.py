@@ -20,20 +20,8 @@ from cogging.model.controller import ListedController
 from cogging.papers.compared import Trace, compared, set_ticks
 from cogging.papers.malaize2009 import causes, linear_motors
 from cogging.papers.malaize2009.causes import LINES, Cause, Conditions, Explanation, drawn_accuracies, other
-from cogging.papers.malaize2009.linear_motors import (
-    CONTROLLERS,
-    MOTORS,
-    Calibrated,
-    Motor,
-    controllers,
-    observer,
-    plant,
-    reference,
-    run,
-    shipped,
-    true_error,
-)
-from cogging.papers.result import Row, Table, explored
+from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor, controllers, observer, plant, shipped
+from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.series import GREY, LIMIT, look, marker
 
@@ -48,11 +36,13 @@ THINNED = 20  # lines are fitted to one sample of so many
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
 
 
-def logs_under(motor: Motor, gains: Calibrated, conditions: Conditions, *, strokes: int = 0) -> dict[str, Log]:
+def logs_under(
+    motor: Motor, gains: linear_motors.Calibrated, conditions: Conditions, *, strokes: int = 0
+) -> dict[str, Log]:
     """Run PID and observer with a cogging of gains.amplitude for the first strokes; 0: all."""
     machine = causes.machine(motor, gains.amplitude, conditions)
     laws = controllers(motor, gains, 1.0 + conditions.thrust)
-    return {name: run(machine, law, motor, strokes=strokes) for name, law in laws.items()}
+    return {name: linear_motors.run(machine, law, motor, strokes=strokes) for name, law in laws.items()}
 
 
 def logs_of_table_1() -> dict[str, dict[str, Log]]:
@@ -148,8 +138,8 @@ def what_else(found: Sequence[Explanation]) -> Table:
         gains = replace(shipped(motor), amplitude=each.amplitude)
         logs = logs_under(motor, gains, conditions, strokes=causes.DRAWN_STROKES)
         log = logs["observer"]
-        error, speed = np.abs(true_error(log)), _speed(log)
-        later, fast = log.time >= 0.5 * reference(motor).period, speed >= CRUISE * motor.velocity
+        error, speed = np.abs(linear_motors.true_error(log)), np.abs(known(log.reference_velocity))
+        later, fast = log.time >= 0.5 * linear_motors.reference(motor).period, speed >= CRUISE * motor.velocity
         periods = [period / (1.0 + conditions.period_error) for period in motor.periods]
         (pid_lines, beside), (own_lines, _) = (lines_at_speed(logs[name], motor, periods) for name in CONTROLLERS)
         ramps = error[later & ~fast & (speed > 0.0)].max()
@@ -162,21 +152,16 @@ def what_else(found: Sequence[Explanation]) -> Table:
     return Table("what_else", "What each cause does beside, at that size", rows)
 
 
-def _speed(log: Log) -> FloatArray:
-    assert log.reference_velocity is not None
-    return np.abs(log.reference_velocity)
-
-
 def lines_at_speed(log: Log, motor: Motor, periods: Sequence[float]) -> tuple[FloatArray, float]:
     """Return the rms amplitude of lines of some periods (m) in the error at constant speed, and its other share."""
-    half = 0.5 * reference(motor).period
+    half = 0.5 * linear_motors.reference(motor).period
     powers, left, all_ = [], 0.0, 0.0
+    fast = np.abs(known(log.reference_velocity)) >= CRUISE * motor.velocity
     for stroke in range(1, round(log.time[-1] / half)):
-        at_speed = (np.floor(log.time / half) == stroke) & (_speed(log) >= CRUISE * motor.velocity)
-        rows = np.flatnonzero(at_speed)[::THINNED]
+        rows = np.flatnonzero((np.floor(log.time / half) == stroke) & fast)[::THINNED]
         angle = 2.0 * np.pi * np.outer(log.position[rows], 1.0 / np.array(periods))
         basis = np.column_stack([np.ones(rows.size), np.sin(angle), np.cos(angle)])
-        error = true_error(log)[rows]
+        error = linear_motors.true_error(log)[rows]
         parts = np.linalg.lstsq(basis, error, rcond=None)[0]
         powers.append(parts[1 : 1 + len(periods)] ** 2 + parts[1 + len(periods) :] ** 2)
         left += float(np.sum((error - basis @ parts) ** 2))
@@ -209,7 +194,7 @@ def figure_velocity() -> Figure:
     """Draw Fig. 2: the reference velocities."""
     figure, panels = titled_panels("Fig. 2: reference velocity (top speeds, strokes and rests assumed)", (8.0, 5.5), 2)
     for axes, motor in zip(panels, MOTORS.values(), strict=True):
-        motion = reference(motor)
+        motion = linear_motors.reference(motor)
         time = np.linspace(0.0, motion.period, 2001)
         axes.plot(time, 1e3 * motion.sample(time)[1], **look(0))
         axes.set(ylabel=f"{motor.name} (mm/s)", xlabel="time (s)", ylim=(-450, 450))
@@ -239,10 +224,10 @@ def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Fi
 def figure_errors(logs: Logs, motor: Motor) -> Figure:
     """Draw Fig. 4: the tracking errors of a motor over the whole run, and the third stroke with its rest."""
     traces = [
-        Trace(name, log.time, true_error(log), printed)
+        Trace(name, log.time, linear_motors.true_error(log), printed)
         for (name, log), printed in zip(logs[motor.name].items(), motor.accuracy, strict=True)
     ]
-    period = reference(motor).period
+    period = linear_motors.reference(motor).period
     return compared(f"Fig. 4, {motor.name}: tracking error", traces, zoom=(period, 1.5 * period))
 
 

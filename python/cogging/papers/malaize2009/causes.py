@@ -21,9 +21,9 @@ import numpy as np
 from cogging import effects
 from cogging._core import Plant
 from cogging.arrays import FloatArray
+from cogging.files import shipped_toml
 from cogging.papers.malaize2009 import linear_motors
 from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, shipped
-from cogging.papers.result import shipped_toml
 
 LINE_COUNT, LINE_PERIODS = 8, (4e-3, 60e-3)  # number of unmodelled lines, and range of their periods (m), assumed
 DRAWS = 10
@@ -125,7 +125,7 @@ CAUSES = (
 
 def conditions_file() -> dict[str, Any]:
     """Return the sizes and amplitudes that studies.malaize2009.causes_calibration wrote."""
-    return shipped_toml("cogging.papers.malaize2009", "conditions.toml")
+    return shipped_toml("papers/malaize2009/conditions.toml")
 
 
 #: The two that serve both motors with one size: Table I is shown under each.

@@ -19,9 +19,10 @@ from cogging._core import CoggingModel, ObserverBased, Pid, Plant, PointToPoint,
 from cogging.arrays import FloatArray
 from cogging.design.observer import ObserverProblem
 from cogging.design.pid import pid_gains
+from cogging.files import shipped_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.result import shipped_toml, with_tuples
+from cogging.papers.result import known, with_tuples
 from cogging.simulation.batch import closed_loop_batch
 
 # Not reported, assumed.
@@ -57,7 +58,7 @@ class Motor:
 #: The motors by name (motors.toml).
 MOTORS = {
     name: Motor(name=name, **with_tuples(fields))
-    for name, fields in shipped_toml("cogging.papers.malaize2009", "motors.toml").items()
+    for name, fields in shipped_toml("papers/malaize2009/motors.toml").items()
 }
 
 
@@ -73,7 +74,7 @@ class Calibrated:
 
 def shipped(motor: Motor) -> Calibrated:
     """Return the calibrated values that come with the package (by studies.malaize2009.calibration)."""
-    return Calibrated(**with_tuples(shipped_toml("cogging.papers.malaize2009", "gains.toml")[motor.name]))
+    return Calibrated(**with_tuples(shipped_toml("papers/malaize2009/gains.toml")[motor.name]))
 
 
 def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem:
@@ -167,9 +168,7 @@ def run(machine: Plant, controller: ListedController, motor: Motor, *, strokes: 
 
 def true_error(log: Log) -> FloatArray:
     """Return true position minus reference of a simulated log, m, (n,)."""
-    assert log.true_position is not None
-    assert log.reference is not None
-    return log.true_position - log.reference
+    return known(log.true_position) - known(log.reference)
 
 
 def accuracy(log: Log, motor: Motor, *, cold: bool = False) -> float:

@@ -96,13 +96,13 @@ def theorem_3() -> Table:
     for rate in RATES:
         found = as_printed(task, rate)
         label = {"unit of time": f"{1.0 / rate:g} s", "solver": found.status}
-        rows += _rows("as printed", label, found.lambda_equal, found.gain, found.condition, found.poles)
+        rows += _rows("as printed", label, found)
     for radius in RADII:
         design = design_observer(replace(task, pole_radius=radius))
         vertices = [replace(task, pole_radius=1.0).matrices(v)[0] for v in (task.velocity_min, task.velocity_max)]
-        poles = _poles(vertices, design.observer_gain)
-        label = {"radius": f"{radius:g} 1/s", "solver": "certified"}
-        rows += _rows("poles bounded", label, design.lambda_equal, design.observer_gain, design.condition, poles)
+        gain = design.observer_gain
+        found = Solution("certified", gain, design.lambda_equal, design.condition, _poles(vertices, gain))
+        rows += _rows("poles bounded", {"radius": f"{radius:g} 1/s", "solver": found.status}, found)
     for alpha in (task.decay_rate, 0.0):
         status = as_printed(replace(task, decay_rate=alpha), RATES[1], from_rest=True).status
         label = {"velocity_min": "0 m/s", "alpha": f"{alpha:g} 1/s", "solver": status}
@@ -117,14 +117,12 @@ def further_tables() -> tuple[list[Table], list[str]]:
     return [theorem_3()], []
 
 
-def _rows(
-    name: str, label: dict[str, str], bound: float, gain: FloatArray, condition: float, poles: FloatArray | float
-) -> list[Row]:
-    if not gain.size:
+def _rows(name: str, label: dict[str, str], found: Solution) -> list[Row]:
+    if not found.gain.size:
         return []
     return [
-        explored(name, "lambda_star", "m/s^2", bound, **label),
-        explored(name, "largest_gain", "1/s^3", np.abs(gain[2:]).max(), **label),
-        explored(name, "condition", "1", condition, **label),
-        explored(name, "fastest_pole", "1/s", np.abs(poles).max(), **label),
+        explored(name, "lambda_star", "m/s^2", found.lambda_equal, **label),
+        explored(name, "largest_gain", "1/s^3", np.abs(found.gain[2:]).max(), **label),
+        explored(name, "condition", "1", found.condition, **label),
+        explored(name, "fastest_pole", "1/s", np.abs(found.poles).max(), **label),
     ]

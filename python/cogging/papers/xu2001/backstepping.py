@@ -17,20 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from cogging import effects
-from cogging._core import (
-    AxisParameters,
-    DivergedError,
-    EncoderParameters,
-    OutputFeedbackArc,
-    OutputFeedbackArcParameters,
-    Plant,
-    smooth_sign,
-)
+from cogging import _core, effects
+from cogging._core import AxisParameters, OutputFeedbackArc, OutputFeedbackArcParameters, Plant
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
 from cogging.papers.compared import PRINTED
-from cogging.papers.result import Row, Table, explored
+from cogging.papers.result import Row, Table, explored, known
 from cogging.papers.xu2001 import epoxy_motor
 from cogging.papers.xu2001.epoxy_motor import INDEXES, RESOLUTION, TABLE_1, Unknowns, arc_parameters, reference
 from cogging.plot.canvas import drawn, legend, titled_panels
@@ -65,12 +57,10 @@ class Backstepping:
 
 def backstepping(log: Log, p: OutputFeedbackArcParameters) -> Backstepping:
     """Return the steps of an ARC along its log, which has reference and estimates."""
-    assert log.reference_velocity is not None
-    assert log.estimates is not None
-    y = log.position - log.position[0]
-    compensation = p.coulomb * np.asarray(smooth_sign(log.reference_velocity, p.coulomb_width))
+    y, velocity = log.position - log.position[0], known(log.reference_velocity)
+    compensation = p.coulomb * np.asarray(_core.smooth_sign(velocity, p.coulomb_width))
     eta, lam, psi = (filtered(p, driven) for driven in (y, log.command - compensation, np.ones_like(y)))
-    return steps(p, log.time, log.error, y, eta, lam, psi, log.estimates, log.reference_velocity)
+    return steps(p, log.time, log.error, y, eta, lam, psi, known(log.estimates), velocity)
 
 
 def filtered(p: OutputFeedbackArcParameters, driven: FloatArray) -> FloatArray:
@@ -104,7 +94,13 @@ def steps(
     model = -(xi_22 - theta[:, 1] * (xi_12 + y) + theta[:, 2] * psi[:, 1] - velocity) / theta[:, 0]  # (25)
     phi_1 = np.stack([model, -(xi_12 + y), psi[:, 1]], axis=1)  # (26)
     omega = np.stack([lam[:, 1], -(xi_12 + y), psi[:, 1]], axis=1)  # (39)
-    weights = weights_1(p)
+    rates = np.array(p.adaptation)
+    weights = np.zeros(3)  # of phi_1^2 in the gain of step 1: (28), and (37) with h_1 = ||theta_M||^2 ||phi_1||^2
+    if p.use_c_phi_1:
+        weights += (np.array(p.c_phi_1) * rates) ** 2
+    if p.use_alpha_1s2:
+        weights += theta_range_square(p) / (4.0 * p.epsilon_11)
+    weights = p.robust_factor * weights
     gain_1 = p.gain_1 + (phi_1**2) @ weights
     if p.use_alpha_1s3:
         gain_1 = gain_1 + p.robust_factor / (4.0 * p.epsilon_12)  # (38)
@@ -117,39 +113,22 @@ def steps(
     by_theta = -phi_1 / theta[:, :1] * (1.0 - of_gain[0])[:, None]
     phi_2 = -by_position[:, None] * omega  # (45)
     phi_2[:, 0] += p.weight_1 / p.weight_2 * z_1
-    gain_2 = p.gain_2 + robust_2(p, by_theta, by_position, phi_2)
+    robust = np.zeros_like(by_position)  # (43), and (47) with h_2 = ||theta_M||^2 ||phi_2||^2
+    if p.use_c_theta_2:
+        robust += np.sum((by_theta * np.array(p.c_theta_2)) ** 2, axis=1)
+    if p.use_c_phi_2:
+        robust += np.sum((phi_2 * np.array(p.c_phi_2) * rates) ** 2, axis=1)
+    if p.use_u_s2:
+        robust += theta_range_square(p) * np.sum(phi_2**2, axis=1) / (4.0 * p.epsilon_21)
+    if p.use_u_s3:
+        robust += by_position**2 / (4.0 * p.epsilon_22)
+    gain_2 = p.gain_2 + p.robust_factor * robust
     return Backstepping(time, z_1, z_2, phi_1, phi_2, by_theta, gain_1, gain_2)
 
 
 def theta_range_square(p: OutputFeedbackArcParameters) -> float:
     """Return ||theta_M||^2 of (32)."""
     return float(np.sum((np.array(p.theta_max) - np.array(p.theta_min)) ** 2))
-
-
-def weights_1(p: OutputFeedbackArcParameters) -> FloatArray:
-    """Return the weights of phi_1^2 in the gain of step 1, (3,): (28), (37) with h_1 = ||theta_M||^2 ||phi_1||^2."""
-    found = np.zeros(3)
-    if p.use_c_phi_1:
-        found += (np.array(p.c_phi_1) * np.array(p.adaptation)) ** 2
-    if p.use_alpha_1s2:
-        found += theta_range_square(p) / (4.0 * p.epsilon_11)
-    return p.robust_factor * found
-
-
-def robust_2(
-    p: OutputFeedbackArcParameters, by_theta: FloatArray, by_position: FloatArray, phi_2: FloatArray
-) -> FloatArray:
-    """Return the terms beside g_2 in the gain of step 2: (43), and (47) with h_2 = ||theta_M||^2 ||phi_2||^2."""
-    found = np.zeros_like(by_position)
-    if p.use_c_theta_2:
-        found += np.sum((by_theta * np.array(p.c_theta_2)) ** 2, axis=1)
-    if p.use_c_phi_2:
-        found += np.sum((phi_2 * np.array(p.c_phi_2) * np.array(p.adaptation)) ** 2, axis=1)
-    if p.use_u_s2:
-        found += theta_range_square(p) * np.sum(phi_2**2, axis=1) / (4.0 * p.epsilon_21)
-    if p.use_u_s3:
-        found += by_position**2 / (4.0 * p.epsilon_22)
-    return p.robust_factor * found
 
 
 class Bound(NamedTuple):
@@ -252,8 +231,7 @@ def kept(p: OutputFeedbackArcParameters, theta: FloatArray, size: float, start: 
 def adaptive_lyapunov(p: OutputFeedbackArcParameters, theta: FloatArray, duration: float) -> FloatArray:
     """Return V_theta of (A.7) along a run with parametric uncertainty only; epsilon is zero from rest."""
     log, found = run(p, design_model(theta), duration)
-    assert log.estimates is not None
-    off = log.estimates - theta
+    off = known(log.estimates) - theta
     return np.asarray(found.lyapunov(p) + 0.5 * np.sum(off**2 / np.array(p.adaptation), axis=1))
 
 
@@ -266,8 +244,7 @@ def conditions(unknowns: Unknowns, set_name: str) -> dict[str, float]:
     p, full = arc_parameters(), arc_parameters(use_c_phi_1=True, use_c_theta_2=True, use_c_phi_2=True)
     log, found = run(p, epoxy_motor.plant(unknowns, set_name), epoxy_motor.DURATION, seed=epoxy_motor.SEED)
     needed = backstepping(log, full)
-    assert log.estimates is not None
-    off = log.estimates - np.array([1.0, epoxy_motor.VISCOUS, unknowns.offset]) / epoxy_motor.MASSES[set_name]
+    off = known(log.estimates) - np.array([1.0, epoxy_motor.VISCOUS, unknowns.offset]) / epoxy_motor.MASSES[set_name]
     first, second = (
         float(np.max(-z * np.sum(off * phi, axis=1))) for z, phi in ((found.z_1, found.phi_1), (found.z_2, found.phi_2))
     )
@@ -321,7 +298,7 @@ STABLE = 2.0  # z_2[k+1] = (1 - K_2 T) z_2[k] decays below this K_2 T
 def rigid(resolution: float) -> Plant:
     """Return set 1 without delay, friction or noise: only the quantiser is left."""
     axis = AxisParameters(mass=epoxy_motor.MASSES["1"], viscous=epoxy_motor.VISCOUS, travel=[-0.3, 0.3])
-    return Plant(axis, encoder=EncoderParameters(resolution=resolution))
+    return Plant(axis, encoder=_core.EncoderParameters(resolution=resolution))
 
 
 def increment(factor: float, sample_rate: float, resolution: float) -> float:
@@ -330,7 +307,7 @@ def increment(factor: float, sample_rate: float, resolution: float) -> float:
     substeps = max(1, round(20_000 / sample_rate))
     try:
         log = closed_loop(rigid(resolution), controller, reference(), duration=1.0, steps_per_sample=substeps)
-    except DivergedError:
+    except _core.DivergedError:
         return float("inf")
     return epoxy_motor.indexes(log)["du_rms"]
 

@@ -17,9 +17,9 @@ from cogging import _core, effects
 from cogging._core import FilteredSine, OutputFeedbackArc, OutputFeedbackArcParameters, Pid, PidParameters, Plant
 from cogging.arrays import FloatArray
 from cogging.design.pid import pid_gains
+from cogging.files import shipped_toml
 from cogging.logs.log import Log
 from cogging.model.controller import ListedController
-from cogging.papers.result import shipped_toml
 from cogging.simulation.batch import closed_loop_batch
 
 SAMPLE_RATE = 2500.0  # Hz (section 4.3)
@@ -44,7 +44,7 @@ CORE_INDEXES = ("error_max", "error_final_max", "error_rms", "command_rms", "com
 UNITS = ("m", "m", "m", "V", "V", "1")
 
 #: Table 1: e_M, e_F, e_rms (m), u_rms, du_rms (V), c_u by controller and set.
-TABLE_1: dict[str, dict[str, Sequence[float]]] = shipped_toml("cogging.papers.xu2001", "printed.toml")["table_1"]
+TABLE_1: dict[str, dict[str, Sequence[float]]] = shipped_toml("papers/xu2001/printed.toml")["table_1"]
 
 JOINT_LAW = "smooth_coulomb_without_offset"
 #: The numbers of Table 1 that a fit uses: sets by controller; those of a held-out fit, which predicts the others.
@@ -127,7 +127,7 @@ def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
     """Return the ARC as printed (section 4.3) without robust terms, which cannot run (backstepping.py)."""
     rate = {"sample_rate": SAMPLE_RATE, "coulomb": FRICTION_LEVEL, "coulomb_width": FRICTION_WIDTH}
-    fields = rate | shipped_toml("cogging.papers.xu2001", "printed.toml")["arc"]
+    fields = rate | shipped_toml("papers/xu2001/printed.toml")["arc"]
     return OutputFeedbackArcParameters(**{**fields, **changes})
 
 
@@ -229,7 +229,7 @@ class Conditions:
 
 def shipped_file() -> dict[str, Any]:
     """Return the content of plant.toml (by studies.xu2001.calibration)."""
-    return shipped_toml("cogging.papers.xu2001", "plant.toml")
+    return shipped_toml("papers/xu2001/plant.toml")
 
 
 def conditions_of(part: Mapping[str, Any]) -> Conditions:

@@ -15,31 +15,12 @@ from matplotlib.figure import Figure
 
 from cogging._core import DivergedError, OutputFeedbackArc
 from cogging.arrays import FloatArray
+from cogging.files import shipped_toml
 from cogging.logs.log import Log
 from cogging.papers.compared import PRINTED, Trace, compared
 from cogging.papers.result import Row, Table, explored
 from cogging.papers.xu2001 import epoxy_motor
-from cogging.papers.xu2001.epoxy_motor import (
-    CONTROLLERS,
-    DISTURBANCE,
-    DURATION,
-    FITTED,
-    HELD_OUT,
-    INDEXES,
-    JOINT_LAW,
-    PERIOD,
-    PID,
-    SEED,
-    SEEDS,
-    SETS,
-    TABLE_1,
-    Conditions,
-    Unknowns,
-    arc_parameters,
-    fast_reference,
-    indexes,
-    shipped_file,
-)
+from cogging.papers.xu2001.epoxy_motor import CONTROLLERS, FITTED, INDEXES, SETS, TABLE_1, Conditions
 from cogging.plot.canvas import drawn, titled_panels
 from cogging.plot.scales import pretty, scale_of
 from cogging.plot.series import look
@@ -53,9 +34,9 @@ OTHER_SEEDS = tuple(range(100, 900, 100))  # that took part in no fit
 GUESS = {"set_2": "set 2 equals set 1", "arc_sets_2_3": "the PID's number times ARC over PID in set 1"}
 #: Number and title of the figure of each set, and the part (s) of the run in its second column.
 OF_SET = {
-    "1": (2, "without load", (DURATION - PERIOD, DURATION)),
-    "2": (3, "with load (cut off, as in the paper)", (DURATION - PERIOD, DURATION)),
-    "3": (4, "with disturbance", (DISTURBANCE[1] - 0.2, DISTURBANCE[1] + 0.8)),
+    "1": (2, "without load", (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)),
+    "2": (3, "with load (cut off, as in the paper)", (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)),
+    "3": (4, "with disturbance", (epoxy_motor.DISTURBANCE[1] - 0.2, epoxy_motor.DISTURBANCE[1] + 0.8)),
 }
 #: m: where Fig. 3 is cut off. The paper says that it is, but not where; assumed: the scale of Fig. 2.
 CUT_OFF = 60e-6
@@ -64,7 +45,7 @@ CUT_OFF = 60e-6
 def table_1(
     found: Mapping[str, FloatArray],
     *,
-    fitted: Mapping[str, Sequence[str]] = PID,
+    fitted: Mapping[str, Sequence[str]] = epoxy_motor.PID,
     free: Sequence[str] = (),
     before: Table | None = None,
 ) -> Table:
@@ -77,7 +58,7 @@ def table_1(
             for index, unit, paper, value in zip(INDEXES, epoxy_motor.UNITS, printed, values, strict=True):
                 status = seen if index in FITTED else "derived"
                 rows.append(Row(controller, index, unit, paper, value, status, {"set": name}))
-    title = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(SEEDS)} seeds of the encoder noise"
+    title = f"Table 1: sinusoidal motion, sets 1 to 3; means over {len(epoxy_motor.SEEDS)} seeds of the encoder noise"
     return Table("table1", title, rows, free=free, before=before)
 
 
@@ -90,7 +71,7 @@ def rms_log_error(rows: Iterable[Row]) -> float:
 def seeds_table(joint: Conditions) -> Table:
     """Tabulate how near Table 1 is at single seeds of the encoder noise, those of the fit and others."""
     rows = []
-    for words, seeds in (("fitted", SEEDS), ("others", OTHER_SEEDS)):
+    for words, seeds in (("fitted", epoxy_motor.SEEDS), ("others", OTHER_SEEDS)):
         runs = {name: joint.by_seed(name, seeds=seeds) for name in CONTROLLERS}
         tables = [table_1({name: runs[name][:, place] for name in CONTROLLERS}) for place in range(len(seeds))]
         near = [float(table.counts()["within"]["15"]) for table in tables]
@@ -110,7 +91,9 @@ def joint_note(table: Table) -> str:
     early = [row.ratio for row in (table.before or table).rows if row.controller == "ARC" and row.ratio]
     factor, runs, near = joint.adaptation_factor, joint.earlier_runs, counts["within"]
     smaller, left = sum(arc < pid for pid, arc in pairs), rms_log_error(table.rows)
-    others = " and ".join(f"{part['adaptation_factor']:.3g}" for part in shipped_file()["held_out"].values())
+    others = " and ".join(
+        f"{part['adaptation_factor']:.3g}" for part in epoxy_motor.shipped_file()["held_out"].values()
+    )
     return textwrap.fill(
         f"Two assumptions bring the ARC columns near the printed ones: adaptation rates {factor:.3g} times those "
         f"printed, and estimates of theta_1 and theta_2 kept from {runs} earlier runs of each set, where the paper "
@@ -128,7 +111,7 @@ def joint_note(table: Table) -> str:
 def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
     """Return what the paper's fitted numbers say of a withheld set without a model, by index (GUESS)."""
     guess = np.array(TABLE_1[controller]["1"])
-    if len(HELD_OUT[split][controller]) == 1:
+    if len(epoxy_motor.HELD_OUT[split][controller]) == 1:
         other = next(name for name in CONTROLLERS if name != controller)
         guess *= np.divide(TABLE_1[other][set_name], TABLE_1[other]["1"])
     return dict(zip(INDEXES, guess.tolist(), strict=True))
@@ -136,7 +119,10 @@ def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
 
 def held_out_table(split: str) -> Table:
     """Return the predictions of a fit to a part of the table, beside the trivial guess."""
-    conditions, seen = epoxy_motor.conditions_of(shipped_file()["held_out"][split]), HELD_OUT[split]
+    conditions, seen = (
+        epoxy_motor.conditions_of(epoxy_motor.shipped_file()["held_out"][split]),
+        epoxy_motor.HELD_OUT[split],
+    )
     rows = [
         row
         for row in table_1(conditions.table(), fitted=seen).rows
@@ -162,8 +148,8 @@ def held_out_table(split: str) -> Table:
 
 def conditions_table() -> Table:
     """Tabulate the errors of the fits to all numbers under other conditions, as the calibration found them."""
-    file = shipped_file()
-    joint = file["joint"][JOINT_LAW]
+    file = epoxy_motor.shipped_file()
+    joint = file["joint"][epoxy_motor.JOINT_LAW]
     runs = {**file["earlier_runs"], str(joint["earlier_runs"]): joint}
     parts = {f"plant {law}": part for law, part in file["joint"].items()}
     parts |= {f"earlier runs: {number}": runs[number] for number in sorted(runs)} | file["readings"]
@@ -175,7 +161,7 @@ def conditions_table() -> Table:
 
 def columns(logs: Mapping[str, Log]) -> FloatArray:
     """Return the fitted indexes of the logs of the three sets, (3, 5)."""
-    return np.array([[indexes(logs[name])[index] for index in FITTED] for name in SETS])
+    return np.array([[epoxy_motor.indexes(logs[name])[index] for index in FITTED] for name in SETS])
 
 
 def gap(found: FloatArray) -> float:
@@ -185,41 +171,22 @@ def gap(found: FloatArray) -> float:
 
 
 def changes() -> dict[str, dict[str, Any]]:
-    """Return the tried changes of the ARC's numbers, each alone and some together."""
-    base = arc_parameters()
-
-    def adaptation(factor: float) -> dict[str, Any]:
-        return {"adaptation": [factor * rate for rate in base.adaptation]}
-
-    def gains(factor: float) -> dict[str, Any]:
-        return {"gain_1": factor * base.gain_1, "gain_2": factor * base.gain_2}
-
-    observer = {"observer_gain_1": 2 * base.observer_gain_1, "observer_gain_2": 4 * base.observer_gain_2}
-    return {
-        "as printed, g only": {},
-        "adaptation x 2": adaptation(2.0),
-        "adaptation x 3.5": adaptation(3.5),
-        "gains x 1.2": gains(1.2),
-        "theta_1(0) = 37": {"theta": [37.0, 10.0, 0.0]},
-        "theta_1(0) = 20": {"theta": [20.0, 10.0, 0.0]},
-        "adaptation x 5": adaptation(5.0),
-        "gains x 0.8": gains(0.8),
-        "observer poles at -400": observer,
-        "with the C_phi1 term": {"use_c_phi_1": True},
-        "Euler steps of the filters": {"filter_steps": "euler"},
-        "no friction compensation": {"coulomb": 0.0},
-        "adaptation x 3.5, gains x 1.2": {**adaptation(3.5), **gains(1.2)},
-        "adaptation x 3.5, theta_1(0) = 20": {**adaptation(3.5), "theta": [20.0, 10.0, 0.0]},
-        "all three": {**adaptation(3.5), **gains(1.2), "theta": [20.0, 10.0, 0.0]},
-    }
+    """Return the tried changes of the ARC's numbers by name (changes.toml)."""
+    printed, found = epoxy_motor.arc_parameters(), {}
+    for name, part in shipped_toml("papers/xu2001/changes.toml").items():
+        scaled = {key: (factor * np.array(getattr(printed, key))).tolist() for key, factor in part["factors"].items()}
+        found[name] = {**scaled, **part["values"]}
+    return found
 
 
-def exploration_table(unknowns: Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
+def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
     """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
     gaps = {}
     for name, change in changes().items():
         try:
-            gaps[name] = gap(columns(epoxy_motor.run(unknowns, OutputFeedbackArc(arc_parameters(**change)))))
+            gaps[name] = gap(
+                columns(epoxy_motor.run(unknowns, OutputFeedbackArc(epoxy_motor.arc_parameters(**change))))
+            )
         except DivergedError:
             gaps[name] = float("inf")
     runs, factor = joint.earlier_runs, joint.adaptation_factor
@@ -239,7 +206,7 @@ def figure_errors(logs: Mapping[str, Mapping[str, Log]], set_name: str) -> Figur
     traces = []
     for name in CONTROLLERS:
         log, printed = logs[name][set_name], TABLE_1[name][set_name][0]
-        largest = f"{name}: largest {1e6 * indexes(log)['e_M']:.3g} µm, the paper's {1e6 * printed:.3g} µm"
+        largest = f"{name}: largest {1e6 * epoxy_motor.indexes(log)['e_M']:.3g} µm, the paper's {1e6 * printed:.3g} µm"
         traces.append(Trace(largest if cut else name, log.time, log.error, printed=None if cut else printed))
     return compared(f"Fig. {number}: sinusoidal motion {words}", traces, zoom=part, limit=CUT_OFF if cut else None)
 
@@ -262,7 +229,7 @@ class Errors(NamedTuple):
 
 def errors(log: Log) -> Errors:
     """Return the errors of a run of case 2."""
-    motion = fast_reference()
+    motion = epoxy_motor.fast_reference()
     since = np.mod(log.time, motion.period / 2.0) - motion.move_time
     size, moving = np.abs(log.error), since < 0.0
     outside = ~moving & (size > WITHIN + 1e-3 * epoxy_motor.RESOLUTION)  # readings are whole counts
@@ -274,11 +241,13 @@ def run_fast(conditions: Conditions) -> dict[str, Log]:
     """Return the logs of PID and ARC in case 2 without load."""
     laws = [conditions.controller(name) for name in CONTROLLERS]
     machines = [epoxy_motor.plant(conditions.unknowns, "1")] * len(laws)
-    batch = closed_loop_batch(machines, laws, fast_reference(), seeds=[SEED] * len(laws), logs=True)
+    batch = closed_loop_batch(
+        machines, laws, epoxy_motor.fast_reference(), seeds=[epoxy_motor.SEED] * len(laws), logs=True
+    )
     return dict(zip(CONTROLLERS, batch, strict=True))
 
 
-def fast_motion_table(unknowns: Unknowns, joint: Conditions) -> Table:
+def fast_motion_table(unknowns: epoxy_motor.Unknowns, joint: Conditions) -> Table:
     """Tabulate errors of PID and ARC, moving and at rest, on the calibrated plants and variations of the first."""
     sticks = epoxy_motor.shipped_unknowns("exact_stribeck")
     plants = {
@@ -303,7 +272,7 @@ def fast_motion_table(unknowns: Unknowns, joint: Conditions) -> Table:
 @drawn
 def figure_reference() -> Figure:
     """Draw Fig. 5: the fast point-to-point motion; dashed: the printed largest velocity and acceleration."""
-    motion = fast_reference()
+    motion = epoxy_motor.fast_reference()
     time = np.linspace(0.0, motion.end, 4001)
     title = "Fig. 5: fast point-to-point motion (stroke and rests assumed)"
     figure, panels = titled_panels(title, (8.0, 5.4), 3, sharex=True)
@@ -321,7 +290,7 @@ def figure_reference() -> Figure:
 @drawn
 def figure_fast(logs: Mapping[str, Log]) -> Figure:
     """Draw Fig. 6: the errors of PID and ARC in the fast motion, and in one rest beside the paper's 1 um."""
-    motion = fast_reference()
+    motion = epoxy_motor.fast_reference()
     rest = (motion.move_time, motion.period / 2.0)
     scale = scale_of("m", *(logs[name].error for name in CONTROLLERS))
     title = "Fig. 6: fast point-to-point motion, and its first rest"

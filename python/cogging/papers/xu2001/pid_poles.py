@@ -14,7 +14,6 @@ import numpy as np
 
 from cogging import effects
 from cogging._core import AxisParameters, OutputFeedbackArc, Pid, Plant, smooth_sign
-from cogging.arrays import FloatArray
 from cogging.design.linear_plant import held, linear_plant
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
@@ -42,11 +41,10 @@ class Loop:
     at_rest: bool = False  # friction and its compensation have the slope of rest; otherwise that of motion, none
 
     def radius(self) -> float:
-        """Return the largest |eigenvalue| from sample to sample, exact for a held command; above 1 it is unstable."""
-        return float(np.abs(np.linalg.eigvals(self._transition())).max())
+        """Return the largest |eigenvalue| from sample to sample, exact for a held command; above 1 it is unstable.
 
-    def _transition(self) -> FloatArray:
-        """Return the transition of the axis, the commands that still act, the previous error, the sum of the errors."""
+        The states are those of the axis, the commands that still act, the previous error and the sum of the errors.
+        """
         slope = epoxy_motor.FRICTION_LEVEL * float(smooth_sign(1e-9, epoxy_motor.FRICTION_WIDTH)) / 1e-9
         friction = slope if self.at_rest else 0.0
         axis = AxisParameters(mass=self.mass, viscous=epoxy_motor.VISCOUS + friction)
@@ -68,7 +66,7 @@ class Loop:
         )
         step[states : states + late] = commands[:late]
         step[size - 2], step[size - 1] = output, total + output
-        return step
+        return float(np.abs(np.linalg.eigvals(step)).max())
 
     def modes(self) -> list[effects.FlexibleMode]:
         """Return the mode as an effect of a plant; empty if there is none."""
