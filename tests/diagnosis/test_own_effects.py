@@ -22,7 +22,7 @@ def hidden_in(name):
         "encoder_periodic_error": {"period": 0.021, "sine": 1e-5, "cosine": 1e-5},
         "position_dependent_friction": {"nodes": [0.0, 0.1, 0.2, 0.3], "levels": [0.2, -0.2, 0.2, 0.0]},
     }[name]
-    return fields, record(machine([cogging.EFFECTS[name](**fields)]), 21)
+    return fields, record(machine([cogging.EFFECTS[name](**fields)]), 21, 5.0)
 
 
 #: The others are a longer study; a force of a user's own is in docs/own_effect.md, below.

@@ -30,7 +30,7 @@ def find(log, model):
 
 @pytest.mark.parametrize("missing", MISSING)
 def test_a_log_read_right_is_not_doubted(missing):
-    for seed, motion in ((12, "multisine"), (13, "slow")):
+    for seed, motion in ((59, "multisine"), (45, "slow")):
         case = drawn(seed, missing, motion)
         assert misreading([case.log], case.model) is None, (missing, motion)
 
@@ -42,7 +42,7 @@ def test_nor_is_one_that_cogging_drives_back_and_forth():
 
 
 #: What two machines lack and how they move, by seed.
-PLAIN = {21: ("nothing", "strokes"), 23: ("spring", "multisine")}
+PLAIN = {59: ("nothing", "strokes"), 45: ("spring", "multisine")}
 
 
 def judge(kind, case):
