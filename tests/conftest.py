@@ -30,8 +30,8 @@ def pytest_configure():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
-#: Folders whose files share a build or the reproductions of the papers.
-TOGETHER = {"cpp": "cpp", "papers": "papers"}
+#: Folders whose files share a build, the reproductions of the papers, or a diagnosis.
+TOGETHER = {"cpp", "papers", "diagnosis"}
 
 
 def is_slow(path):
@@ -69,7 +69,8 @@ def pytest_xdist_make_scheduler(config, log):
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file = nodeid.partition("::")[0]
-            return TOGETHER.get(Path(file).parent.name, file)
+            folder = Path(file).parent.name
+            return folder if folder in TOGETHER else file
 
     config.option.loadscopereorder = False  # else by number of tests
     return ByFile(config, log)

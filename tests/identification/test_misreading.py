@@ -13,7 +13,8 @@ import cogging
 from cogging import Log
 from cogging.files import InputError
 from cogging.identification.misreading import misreading
-from tests.fixtures import emps, moving_axis, slow_rotary, unlike_machines
+from tests.fixtures import moving_axis, slow_rotary, unlike_machines
+from tests.fixtures.measured import emps_log, emps_model
 from tests.fixtures.unlike_machines import MISREADINGS, MISSING
 
 drawn = functools.cache(unlike_machines.drawn)
@@ -66,7 +67,7 @@ def test_a_misreading_is_found(kind):
 
 @pytest.mark.data
 def test_volts_for_newtons_on_a_real_machine():
-    model, log = emps.published(controller=False), emps.read()
+    model, log = emps_model(controller=False), emps_log()
     assert misreading([log], model) is None
     found = misreading([replace(log, command=log.command / 35.15)], model)
     assert (found.column, found.misreading) == ("command", "scale")
