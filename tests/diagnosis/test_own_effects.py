@@ -22,7 +22,7 @@ def hidden_in(name):
         "encoder_periodic_error": {"period": 0.021, "sine": 1e-5, "cosine": 1e-5},
         "position_dependent_friction": {"nodes": [0.0, 0.1, 0.2, 0.3], "levels": [0.2, -0.2, 0.2, 0.0]},
     }[name]
-    return fields, record(machine([cogging.EFFECTS[name](**fields)]), 21, 5.0)
+    return fields, record(machine([cogging.EFFECTS[name](**fields)]), 21)
 
 
 #: The others are a longer study; a force of a user's own is in docs/own_effect.md, below.
@@ -56,7 +56,7 @@ def test_identify_fits_a_copy_as_the_effect():
     own = Custom("own_spring", force=law, parameters=own_spring()._definition.parameters)
     fields, log = hidden_in("cable_spring")
     fits = [
-        cogging.identify(log[:4001], machine([one.replace(center=fields["center"])]))
+        cogging.identify(log[:2001], machine([one.replace(center=fields["center"])]))
         for one in (own, cogging.effects.CableSpring())
     ]
     for mine, its in zip(fits[0].parameters, fits[1].parameters, strict=True):
