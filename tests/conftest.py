@@ -30,8 +30,9 @@ def pytest_configure():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
-#: Folders whose files share a build, the reproductions of the papers, or a diagnosis.
-TOGETHER = {"cpp", "papers", "diagnosis"}
+#: Folders and files by what they share: a build, the reproductions of the papers, a diagnosis, examples of all results.
+TOGETHER = {"cpp": "cpp", "papers": "papers", "diagnosis": "diagnosis", "plot": "examples"}
+TOGETHER |= {f"test_{name}.py": "examples" for name in ("docstrings", "face", "mistakes", "tables")}
 
 
 def is_slow(path):
@@ -69,8 +70,7 @@ def pytest_xdist_make_scheduler(config, log):
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file = nodeid.partition("::")[0]
-            folder = Path(file).parent.name
-            return folder if folder in TOGETHER else file
+            return TOGETHER.get(Path(file).parent.name) or TOGETHER.get(Path(file).name, file)
 
     config.option.loadscopereorder = False  # else by number of tests
     return ByFile(config, log)
