@@ -1,5 +1,6 @@
 """What the tests share."""
 
+import gc
 import os
 import signal
 from pathlib import Path
@@ -29,8 +30,9 @@ def pytest_configure():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
-#: Folders whose files share a build or the reproductions of the papers.
-TOGETHER = {"cpp": "cpp", "papers": "papers"}
+#: Folders and files by what they share: a build, the reproductions of the papers, a diagnosis, examples of all results.
+TOGETHER = {"cpp": "cpp", "papers": "papers", "diagnosis": "diagnosis", "plot": "examples"}
+TOGETHER |= {f"test_{name}.py": "examples" for name in ("docstrings", "face", "mistakes", "tables")}
 
 
 def is_slow(path):
@@ -54,6 +56,12 @@ def pytest_collection_modifyitems(config, items):
         items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 
+def pytest_collection_finish():
+    """Leave all that was imported and collected out of the passes of the garbage collector, and have fewer of them."""
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 100)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Give each file to one process, and what TOGETHER names: what its tests share is built or fitted once."""
@@ -62,7 +70,7 @@ def pytest_xdist_make_scheduler(config, log):
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid):
             file = nodeid.partition("::")[0]
-            return TOGETHER.get(Path(file).parent.name, file)
+            return TOGETHER.get(Path(file).parent.name) or TOGETHER.get(Path(file).name, file)
 
     config.option.loadscopereorder = False  # else by number of tests
     return ByFile(config, log)

@@ -11,7 +11,7 @@ from cogging.cli.main import main
 from cogging.outputs import to_json
 from cogging.papers.result import Reproduction, Row, Table
 from tests.fixtures import command_files
-from tests.fixtures.commands import examples_of
+from tests.fixtures.command_files import examples_of
 
 #: The keys that programs may rely on, as docs/command_line.md has them; a dot leads into an object, [] into a list.
 KEYS = {
@@ -52,15 +52,8 @@ def reproduction(paper, progress):
     return Reproduction(paper, [Table("table1", "Table 1", [Row("C1", "e_inf", "m", None, math.nan, "predicted")])], {})
 
 
-@pytest.fixture
-def files(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    command_files.write(tmp_path)
-    return tmp_path
-
-
 @pytest.mark.parametrize("command", KEYS)
-def test_a_result_as_json_alone_on_standard_output(command, files, monkeypatch, capsys):
+def test_a_result_as_json_alone_on_standard_output(command, folder, monkeypatch, capsys):
     """With its keys, and with the numbers of Python to the last digit."""
     monkeypatch.setattr("cogging.cli.reproduce.reproduce", reproduction)
     rows = ["--rows", "0:600"] if command == "diagnose" else []  # which is quick
@@ -90,7 +83,7 @@ def test_an_error_is_printed_also_when_quiet(tmp_path, monkeypatch, capsys):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_json_in_a_file_is_that_of_standard_output(files, capsys):
+def test_json_in_a_file_is_that_of_standard_output(folder, capsys):
     assert main(["audit", "log.csv", "--json", "-"]) == 0
     out = capsys.readouterr().out
     assert main(["audit", "log.csv", "--json", "found.json"]) == 0
@@ -98,10 +91,10 @@ def test_json_in_a_file_is_that_of_standard_output(files, capsys):
     assert (named, following[:14]) == ("found.json written", "next: cogging ")
     assert main(["audit", "log.csv", "--json", "./-", "--quiet"]) == 0, "a file of that name"
     assert capsys.readouterr() == ("", "")
-    assert (files / "found.json").read_text() == (files / "-").read_text() == out
+    assert (folder / "found.json").read_text() == (folder / "-").read_text() == out
 
 
-def test_python_prints_nothing(files, capsys):
+def test_python_prints_nothing(folder, capsys):
     model, log = cogging.Model.read("model.toml"), cogging.read_log("log.csv")
     cogging.audit(log, model)
     cogging.sweep(model, "ref.toml", {"axis.mass": [0.11, 0.12]}, duration=0.1)
@@ -109,7 +102,7 @@ def test_python_prints_nothing(files, capsys):
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_model_without_a_controller_runs_under_an_assumed_one(files, capsys):
+def test_a_model_without_a_controller_runs_under_an_assumed_one(folder, capsys):
     cogging.Model.read("model.toml").replace(controller=None, controller_type=None).write("bare.toml")
     call = ["--reference", "ref.toml", "--controller", "pid"]
     assert main(["simulate", "bare.toml", *call, "--out", "run.csv"]) == 0

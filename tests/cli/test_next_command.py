@@ -15,7 +15,7 @@ import cogging.diagnosis.diagnosis
 from cogging.cli.main import COMMANDS, main
 from cogging.cli.next_command import command_line
 from tests.fixtures import command_files
-from tests.fixtures.commands import examples_of
+from tests.fixtures.command_files import examples_of
 from tests.fixtures.hostile_calls import NAMES
 
 # On Windows bash may be one that runs nothing: that of a Linux that is not installed.

@@ -15,7 +15,7 @@ from cogging.files import FieldError, InputError
 from cogging.model.parameters import parameters_of
 from tests.fixtures.pid_axis import MODEL
 
-SMALL = MODEL.replace(controller=MODEL.controller.replace(sample_rate=1000.0), uncertainty={"coulomb_width": 0.0})
+SMALL = MODEL.replace(uncertainty={"coulomb_width": 0.0})
 LIMITS = cogging.MotionLimits(0.5, 5.0, 5.0, jerk=500.0)
 GOOD = {"travel": [0.0, 0.4], "velocity": 0.5, "acceleration": 5.0, "jerk": 400.0, "duration": 5.0, "command": 3.0}
 COLUMNS = ("time", "reference", "reference_velocity", "reference_acceleration")

@@ -63,7 +63,7 @@ def null():
 
 def test_a_limit_goes_with_the_noise():
     """Half of the noise shows half of a force; what the encoder's noise hides does not follow."""
-    loud, quiet = (cogging.diagnose(record(machine(force=one), 7)[:4001], machine()).limits for one in (0.08, 0.04))
+    loud, quiet = (cogging.diagnose(record(machine(force=one), 7)[:2001], machine()).limits for one in (0.08, 0.04))
     for name in ("cable_spring", "viscous_asymmetry", "cogging_harmonic", "disturbance_tone"):
         assert 0.4 * loud[name].value < quiet[name].value < 0.75 * loud[name].value, name
 

@@ -46,7 +46,7 @@ def test_a_strong_effect_is_named_up_to_its_look_alikes(hidden, tmp_path):
     patched = cogging.Model.read(tmp_path / "patched.toml")
     assert [e.NAME for e in patched.effects] == [e.NAME for e in result.model.effects]
     motion = cogging.Sampled(time=log.time, position=log.reference, velocity=np.gradient(log.reference, log.time))
-    assert len(cogging.simulate(patched, motion, duration=0.2)) == 401
+    assert len(cogging.simulate(patched, motion, duration=0.2)) == 201
 
 
 def test_the_asymmetry_is_named_and_confirmed(found):
@@ -134,7 +134,7 @@ def test_a_wrong_controller_is_told(tmp_path):
 
 def test_a_short_log_is_refused():
     log = run(duration=0.2)
-    with pytest.raises(ValueError, match=r"log 1: rows: must be at least 500 to be diagnosed, got 401"):
+    with pytest.raises(ValueError, match=r"log 1: rows: must be at least 500 to be diagnosed, got 201"):
         cogging.diagnose(log, MODEL)
     with pytest.raises(ValueError, match=r"logs: must be at least 1, got 0"):
         cogging.diagnose([], MODEL)
@@ -154,7 +154,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_the_command_writes_result_report_and_model(folder, capsys):
-    call = ["diagnose", "log.csv", "--model", "model.toml", "--rows", "0:5000", "--json", "out.json"]
+    call = ["diagnose", "log.csv", "--model", "model.toml", "--rows", "0:2500", "--json", "out.json"]
     assert main([*call, "--report", "out.html", "--out", "patched.toml"]) == 0
     said = capsys.readouterr()
     assert "disturbance_tone" in said.out

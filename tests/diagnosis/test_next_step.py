@@ -70,7 +70,7 @@ def test_what_was_just_followed_is_not_next(verdict):
 
 def test_the_report_of_the_command_says_what_the_screen_says(tmp_path, capsys):
     """The command in it names the files and how they were read."""
-    log = run(duration=0.3)
+    log = run(duration=0.6)
     log.write(tmp_path / "a b.csv")
     MODEL.write(tmp_path / "m.toml")
     call = ["diagnose", str(tmp_path / "a b.csv"), "--model", str(tmp_path / "m.toml"), "--rows", "a b.csv:0:590"]

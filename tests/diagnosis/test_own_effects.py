@@ -56,7 +56,7 @@ def test_identify_fits_a_copy_as_the_effect():
     own = Custom("own_spring", force=law, parameters=own_spring()._definition.parameters)
     fields, log = hidden_in("cable_spring")
     fits = [
-        cogging.identify(log[:4001], machine([one.replace(center=fields["center"])]))
+        cogging.identify(log[:2001], machine([one.replace(center=fields["center"])]))
         for one in (own, cogging.effects.CableSpring())
     ]
     for mine, its in zip(fits[0].parameters, fits[1].parameters, strict=True):

@@ -7,7 +7,7 @@ import pytest
 
 import cogging
 from cogging.datasets.emps import SCREW_LEAD
-from tests.fixtures import emps
+from tests.fixtures.measured import emps_log, emps_model
 from tests.fixtures.notebooks import differences, in_notebook
 
 pytestmark = pytest.mark.data
@@ -15,14 +15,14 @@ pytestmark = pytest.mark.data
 
 @pytest.fixture(scope="module")
 def logs():
-    return emps.read("DATA_EMPS"), emps.read("DATA_EMPS_PULSES")
+    return emps_log(), emps_log("DATA_EMPS_PULSES")
 
 
 @pytest.fixture(
     scope="module", params=[True, pytest.param(False, marks=pytest.mark.study)], ids=["cascade", "no controller"]
 )
 def axis(request, logs):
-    result = cogging.diagnose(logs[0], emps.published(request.param), confirm=logs[1])
+    result = cogging.diagnose(logs[0], emps_model(request.param), confirm=logs[1])
     print("\n" + result.text())
     return result
 
@@ -91,7 +91,7 @@ def test_the_floor_of_four_laps(logs):
 
 @pytest.mark.study
 def test_a_coulomb_level_taken_away(logs):
-    model = emps.published()
+    model = emps_model()
     result = cogging.diagnose(logs[0], model.replace(axis=model.axis.replace(coulomb=0.0)), confirm=logs[1])
     print("\n" + result.text())
     axis, published = result.model.axis, model.axis
@@ -105,7 +105,7 @@ def test_a_coulomb_level_taken_away(logs):
 def replay(logs):
     """The published model on the axis' own reference with a spring and a tone, noise and the encoder's quantum."""
     log = logs[0]
-    model = emps.published()
+    model = emps_model()
     truth = model.replace(
         axis=model.axis.replace(coulomb_width=1e-4),
         effects=(
@@ -122,7 +122,7 @@ def replay(logs):
 
 
 def test_a_spring_and_a_tone_in_its_replay(replay):
-    result = cogging.diagnose(replay, emps.published())
+    result = cogging.diagnose(replay, emps_model())
     print("\n" + result.text())
     found = {name: e for e in result.effects for name in (e.name, *e.alternatives)}
     # Without a second log, a spring and the slow end of an end effect stay alternatives of each other.

@@ -9,43 +9,38 @@ from cogging.diagnosis.balance.decision import contender, search
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
 from tests.fixtures import pid_axis
+from tests.fixtures.pid_axis import FAST, other, run
 
 PITCH = 0.012  # m
 WAVE = cogging.CoggingModel(cogging.SplineHarmonics(periods=[PITCH]), sine=[[0.2]], cosine=[[0.0]])
 MODEL = pid_axis.MODEL.replace(cogging=WAVE)
 
 
-def logs(monkeypatch, *effects):
-    monkeypatch.setattr(pid_axis, "MODEL", MODEL)
-    return pid_axis.run(*effects), pid_axis.other(*effects)
-
-
-def balances(*made):
-    return [DifferencedBalance(log, MODEL.axis.coulomb_width, MODEL.encoder.resolution) for log in made]
+def balance(*effects, model=MODEL):
+    return DifferencedBalance(run(*effects, model=model), model.axis.coulomb_width, model.encoder.resolution)
 
 
 @pytest.mark.parametrize("scale", [0.004, *(pytest.param(scale, marks=pytest.mark.study) for scale in (-0.002, 0.001))])
-def test_a_scale_error_that_turns_the_known_cogging_is_not_taken_for_a_modulation(scale, monkeypatch):
+def test_a_scale_error_that_turns_the_known_cogging_is_not_taken_for_a_modulation(scale):
     """It turns the cogging by up to 0.8 rad: the model without it has the mean phase and too little cogging."""
-    given, confirm = logs(monkeypatch, cogging.EFFECTS["encoder_scale_error"](scale=scale))
-    outcome = search([given], [confirm], MODEL)
+    hidden = cogging.EFFECTS["encoder_scale_error"](scale=scale)
+    outcome = search([run(hidden, model=MODEL)], [other(hidden, model=MODEL)], MODEL)
     first = outcome.accepted[0]
     assert first.found.name == "encoder_scale_error"
     assert first.share > 0.8
     assert outcome.both.model.effects[0].scale == pytest.approx(scale, abs=2e-4)
 
 
-def test_retuning_finds_phase_and_gain_of_cogging_from_afar(monkeypatch):
+def test_retuning_finds_phase_and_gain_of_cogging_from_afar():
     turned = cogging.CoggingModel(WAVE.basis, sine=[[0.25 * np.cos(1.2)]], cosine=[[0.25 * np.sin(1.2)]])
-    [balance] = balances(logs(monkeypatch)[0])
-    evidence = Evidence([balance], MODEL, MODEL.replace(cogging=turned)).prepare(3, listen=True)
+    evidence = Evidence([balance()], MODEL, MODEL.replace(cogging=turned)).prepare(3, listen=True)
     found = evidence.model.cogging
     assert np.array([found.sine, found.cosine]).ravel() == pytest.approx([0.2, 0.0], abs=4e-3)
 
 
-def test_an_error_of_the_reading_scales_noise_and_motion_alike(monkeypatch):
+def test_an_error_of_the_reading_scales_noise_and_motion_alike():
     """Else one of two models of the same force is likelier, by the noise alone."""
-    [b] = balances(logs(monkeypatch)[0])
+    b = balance()
     bare = MODEL.replace(cogging=None)
     wrong = bare.replace(effects=(cogging.EFFECTS["encoder_scale_error"](scale=0.01),))
     lighter = bare.replace(axis=bare.axis.replace(mass=0.99 * bare.axis.mass))
@@ -55,9 +50,9 @@ def test_an_error_of_the_reading_scales_noise_and_motion_alike(monkeypatch):
     assert np.abs(inertia[b.keep > 0]).max() < 2 * friction
 
 
-def test_a_change_in_time_or_along_the_travel_has_no_constant_part(monkeypatch):
+def test_a_change_in_time_or_along_the_travel_has_no_constant_part():
     """Constant friction is Coulomb or viscous friction, which re-tuning absorbs whatever its law."""
-    [b] = balances(logs(monkeypatch)[0])
+    b = balance()
     evidence = Evidence([b], MODEL, MODEL).prepare(1, listen=True)
     shapes = {f.name: f for f in search_once(evidence, {})}
     for name, part in (("~friction in time", np.sign(b.velocity)), ("~viscous along travel", b.velocity)):
@@ -70,22 +65,22 @@ def test_a_change_in_time_or_along_the_travel_has_no_constant_part(monkeypatch):
 
 
 @pytest.mark.parametrize("periods", [2.7, 8.0])
-def test_a_modulated_wave_has_more_periods_than_its_envelope_has_turns(periods, monkeypatch):
+def test_a_modulated_wave_has_more_periods_than_its_envelope_has_turns(periods):
     """With fewer it is a force of any smooth shape."""
     knots = {"pitch": 0.11, "order": 4, "origin": 0.08}
     wave = {"period": 0.32 / periods, "sine": [0.06, -0.06, 0.06, -0.06, 0.06, -0.06], "cosine": [0.0] * 6}
-    [b] = balances(logs(monkeypatch, cogging.EFFECTS["cogging_modulation"](**wave, **knots))[0])
-    found = search_once(Evidence([b], MODEL, MODEL).prepare(1, listen=True), {})
+    model = FAST.replace(cogging=WAVE)
+    b = balance(cogging.EFFECTS["cogging_modulation"](**wave, **knots), model=model)
+    found = search_once(Evidence([b], model, model).prepare(1, listen=True), {})
     assert any(f.name == "cogging_modulation" and f.T > 50.0 for f in found) is (periods > 5)
 
 
-@pytest.mark.parametrize("seed", [1, 11])
+@pytest.mark.parametrize("seed", [1, pytest.param(11, marks=pytest.mark.study)])
 def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
     """Its ringing is in the command too, for as long as it lasts."""
     true = {"frequency": 40.0, "damping_ratio": 0.05, "mass_ratio": 0.1}
     mode = cogging.EFFECTS["flexible_mode"](**true)
-    given, confirm = pid_axis.run(mode, seed=seed), pid_axis.other(mode)
-    found = cogging.diagnose(given, pid_axis.MODEL, confirm=confirm)
+    found = cogging.diagnose(run(mode, model=FAST, seed=seed), FAST, confirm=other(mode, model=FAST))
     assert found.verdict == "named"
     assert [effect.name for effect in found.effects] == ["flexible_mode"]
     for name, value in true.items():

@@ -26,7 +26,16 @@ from cogging.diagnosis.report.sentences import (
 from cogging.diagnosis.report.words import harmonic_text, plain
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
-from tests.fixtures.laws_by_symbol import SHAPED, of_the_law
+
+SYMBOLS = {"x": "position", "v": "velocity", "t": "time"}
+SHAPED = ("force", "friction_level", "command_gain", "shape_command", "reading")
+
+
+def of_the_law(effect):
+    """Coordinates of the formula as it is printed, without the S(v) that every friction level has."""
+    formula = effect.LAW.replace("S(v)", "")
+    found = {SYMBOLS[symbol] for symbol in re.findall(r"\b[xvt]\b", formula)}
+    return found or ({"command"} if "shape_command" in effect.HOOKS else {"position"})
 
 
 @pytest.fixture(scope="module")

@@ -42,13 +42,15 @@ def test_intervals_of_white_rows_hold_the_truth_also_where_one_block_shows_a_col
     random = np.random.default_rng(6)
     columns = random.normal(size=(2, ROWS))
     columns[1, ROWS // BLOCKS :] *= elsewhere
-    is_inside, variances = [], []
+    errors, degrees, variances = [], [], []
     for _ in range(300):
         residual = random.normal(size=ROWS)
         error = np.linalg.lstsq(columns.T, residual, rcond=None)[0]
-        covariance, degrees = jackknife([whitened(columns, residual - error @ columns)])
-        is_inside.append(np.abs(error) < stats.t.ppf(0.975, degrees) * np.sqrt(np.diag(covariance)))
+        covariance, known = jackknife([whitened(columns, residual - error @ columns)])
+        errors.append(error)
+        degrees.append(known)
         variances.append(np.diag(covariance))
+    is_inside = np.abs(errors) < stats.t.ppf(0.975, degrees) * np.sqrt(variances)
     assert np.all(np.abs(np.mean(is_inside, axis=0) - 0.95) < 0.04)
     if elsewhere == 1.0:
         white = np.diag(np.linalg.inv(columns @ columns.T))

@@ -9,7 +9,119 @@ import pytest
 import cogging
 from cogging import effects
 from cogging.cli.main import main
-from tests.fixtures.drives import READERS
+
+
+class Drive:
+    """Added to the command at the drive's own position, in its own unit."""
+
+    def __init__(self, values, span, start=0.0, linear=True, wraps=True):
+        self.values, self.span, self.start = np.asarray(values, dtype=float), span, start
+        self.linear, self.wraps = linear, wraps
+
+    def adds(self, place):
+        n = len(self.values)
+        if not self.wraps:  # an entry at both ends
+            return np.interp(place, self.start + self.span * np.arange(n) / (n - 1), self.values, left=0.0, right=0.0)
+        share = (np.asarray(place) - self.start) / self.span
+        share = share - np.floor(share)
+        if not self.linear:
+            return self.values[np.minimum((share * n).astype(int), n - 1)]
+        closed = np.append(self.values, self.values[0])
+        return np.interp(share * n, np.arange(n + 1), closed)
+
+
+class Waves:
+    """A sum of waves over one revolution."""
+
+    def __init__(self, waves, turn):
+        self.waves, self.turn = waves, turn
+
+    def adds(self, place):
+        angle = 2 * np.pi * np.asarray(place) / self.turn
+        return sum(r * np.cos(n * angle + np.deg2rad(phi)) for n, phi, r in self.waves)
+
+
+def _columns(exported, names):
+    lines = exported.content.decode().splitlines()
+    assert lines[0] == names
+    return [line.split(",") for line in lines[1:]]
+
+
+def csv(exported, machine):
+    rows = np.array(_columns(exported, "position,force"), dtype=float)
+    if machine.turn:
+        return Drive(rows[:, 1], machine.turn, rows[0, 0])
+    return Drive(rows[:, 1], rows[-1, 0] - rows[0, 0], rows[0, 0], wraps=False)
+
+
+def akd(exported, machine):
+    values = [float(line) for line in exported.content.decode().splitlines()]
+    assert len(values) == 8192
+    if machine.turn:
+        return Drive(values, machine.turn)
+    low, high = machine.drive_travel()
+    return Drive(values, high - low, low, wraps=False)
+
+
+def sinamics(exported, machine):
+    rows = _columns(exported, "parameter,index,value")
+    assert [(name, int(index)) for name, index, _ in rows] == [("p5260", i) for i in range(4096)]
+    values = [float(np.float32(value)) for *_, value in rows]
+    factor = float(re.search(r"^set p5253 to (\S+)$", exported.beside[".txt"].decode(), re.MULTILINE)[1])
+    return Drive(values, factor * (machine.turn or machine.pitch), linear=False)
+
+
+def novanta(exported, machine):
+    rows = _columns(exported, "index,value")
+    assert [int(index) for index, _ in rows] == list(range(256))
+    return Drive([float(np.float32(value)) for _, value in rows], machine.electrical_period())
+
+
+def odrive(exported, machine):
+    text = exported.content.decode()
+    values = [float(np.float32(v)) for v in re.findall(r"^ +(\S+)f,$", text, re.MULTILINE)]
+    assert len(values) == 3600
+    return Drive(values, machine.turn, linear=False)
+
+
+def moteus(exported, machine):
+    lines = exported.content.decode().splitlines()
+    scale = float(np.float32(lines[0].removeprefix("conf set motor.cogging_dq_scale ")))
+    found = [re.fullmatch(r"conf set motor\.cogging_dq_comp\.(\d+) (-?\d+)", line) for line in lines[1:-1]]
+    assert [int(one[1]) for one in found] == list(range(1024))
+    whole = np.array([int(one[2]) for one in found])
+    assert np.abs(whole).max() == 127
+    assert lines[-1] == "conf write"
+    return Drive(whole * scale, machine.turn)
+
+
+def ax8000(exported, machine):
+    objects = {name: (kind, float(value)) for name, kind, value in _columns(exported, "object,type,value")}
+    assert objects.pop("32CB:01") == ("INT16", 3.0)
+    assert objects.pop("32CB:02") == ("REAL32", 1.0)
+    waves = []
+    for number in range(10):
+        entry = [objects.pop(f"32CB:{0x07 + 3 * number + k:02X}") for k in range(3)]
+        assert [kind for kind, _ in entry] == ["UINT32", "REAL32", "REAL32"]
+        (_, times), (_, phase), (_, size) = entry
+        assert 0 <= times <= 200
+        assert 0.0 <= phase <= 360.0
+        assert size >= 0.0
+        waves.append((times, float(np.float32(phase)), float(np.float32(size))))
+    assert not objects
+    return Waves(waves, machine.turn)
+
+
+READERS = {
+    "csv": csv,
+    "akd": akd,
+    "sinamics": sinamics,
+    "ax8000": ax8000,
+    "novanta": novanta,
+    "odrive": odrive,
+    "moteus": moteus,
+}
+
 
 #: Where each form may go, and how it reads: linear between entries, or held.
 BOTH, ROTARY = ("rotary", "linear"), ("rotary",)

@@ -1,8 +1,10 @@
 """First models of drawn and measured logs: right, or marked as not identifiable; and the next command runs."""
 
 import math
+import random
 import re
 import shlex
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -13,7 +15,142 @@ from cogging.datasets import emps
 from cogging.files import InputError, read_toml
 from tests.fixtures.measured import FOLDER
 from tests.fixtures.pid_axis import MODEL
-from tests.fixtures.user_logs import user_log
+
+LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+#: Headers by style: time, position, command, reference; % stands for the unit.
+STYLES = (
+    ("time [%]", "position [%]", "command [%]", "reference [%]"),
+    ("t (%)", "x (%)", "Iq (%)", "x_ref (%)"),
+    ("Zeit [%]", "Istposition [%]", "Motorstrom [%]", "Sollposition [%]"),
+    ("t_%", "pos_%", "force_%", "ref_%"),
+    ("Zeit / %", "Lage / %", "Kraft / %", "Sollwert / %"),
+    ("Time in %", "Actual position in %", "Current in %", "Target position in %"),
+)
+BARE = (("time", "position", "command", "reference"), ("t", "qm", "vir", "qg"), ("Zeit", "Weg", "Strom", "Soll"))
+
+
+@dataclass
+class UserLog:
+    """A log as text, and what is true of it."""
+
+    text: str
+    model: cogging.Model
+    motion: str
+    fields: dict
+    headers: dict
+    factors: dict
+    command_unit: str
+    stated: bool
+    flipped: bool
+    has_reference: bool
+    dropped: int
+    quantum: float
+    rate: float
+    log: cogging.Log = field(repr=False, default=None)
+
+
+def axis(draw, rate, length, seconds):
+    """An axis under a PID, its friction and cogging of the size of its inertia's force."""
+    mass = math.exp(draw.uniform(math.log(1e-4), math.log(1e3)))
+    speed = 2.0 * length / seconds
+    force = mass * speed / (0.25 * seconds)
+    pole = 2.0 * math.pi * 0.02 * rate
+    kp, ki, kd = cogging.pid_gains([-pole] * 3, mass)
+    viscous, coulomb = draw.uniform(0.05, 0.6) * force / speed, draw.uniform(0.05, 0.6) * force
+    width = 0.01 * speed
+    pitch, size = length / draw.uniform(4.0, 12.0), draw.choice([0.0, draw.uniform(0.02, 0.3)]) * force
+    quantum = float(f"{length / 10.0 ** draw.uniform(4.0, 6.0):.2g}")
+    return cogging.Model(
+        axis=cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width),
+        cogging=cogging.CoggingModel(cogging.SplineHarmonics(pitch=pitch, harmonics=[1]), [[size]], [[0.0]]),
+        encoder=cogging.EncoderParameters(resolution=quantum),
+        noise=cogging.NoiseParameters(force=0.003 * force, bandwidth=0.05 * rate),
+        controller=cogging.PidParameters(
+            sample_rate=rate, kp=kp, ki=ki, kd=kd, mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width
+        ),
+        controller_type="pid",
+    )
+
+
+def motion(draw, kind, length, seconds):
+    """Type and fields of a reference, and how long it lasts."""
+    speed = 2.0 * length / seconds
+    if kind == "point_to_point":
+        acceleration = speed / (draw.uniform(0.15, 0.3) * seconds)
+        fields = {"start": draw.uniform(-1.0, 1.0) * length, "distance": draw.choice([-1.0, 1.0]) * length}
+        fields |= {"velocity": speed, "acceleration": acceleration, "jerk": acceleration / (0.05 * seconds)}
+        fields |= {"dwell": 0.3 * seconds, "repeats": draw.randrange(2, 4)}
+        return fields, 0.0
+    if kind == "sine":
+        fields = {"center": draw.uniform(-1.0, 1.0) * length, "amplitude": 0.5 * length}
+        return fields | {"frequency": 0.5 / seconds}, 8.0 * seconds
+    time = np.arange(1201) * (8.0 * seconds / 1200)
+    goals = np.array([draw.uniform(0.0, length) for _ in range(14)])
+    knots = np.linspace(0.0, time[-1], len(goals))
+    from scipy.interpolate import PchipInterpolator
+
+    return {"time": time.tolist(), "reference": PchipInterpolator(knots, goals)(time).tolist()}, float(time[-1])
+
+
+def written(value, comma):
+    text = f"{value:.12g}"
+    return text.replace(".", ",") if comma else text
+
+
+def user_log(seed, kind=None, stated=None):
+    """A drawn log."""
+    draw = random.Random(seed)
+    rate = draw.choice([100.0, 500.0, 1000.0, 2000.0, 5000.0, 20000.0])
+    length = math.exp(draw.uniform(math.log(2e-3), math.log(1.0)))
+    seconds = max(30.0 / (2.0 * math.pi * 0.02 * rate), 0.12) * draw.uniform(1.0, 2.0)
+    model = axis(draw, rate, length, seconds)
+    kind = kind or draw.choice(["point_to_point", "sine", "sampled"])
+    fields, duration = motion(draw, kind, length, seconds)
+    reference = {"type": kind, **fields} | ({"duration": duration} if duration else {})
+    log = cogging.simulate(model, reference, seed=seed)
+    stated = draw.random() < 0.7 if stated is None else stated
+    style = draw.choice(STYLES if stated else BARE)
+    units = [draw.choice(list(TIMES)), draw.choice(list(LENGTHS)), draw.choice("VAN")]
+    has_reference, flipped = draw.random() < 0.6, draw.random() < 0.3
+    headers = [label.replace("%", unit) for label, unit in zip(style, [*units, units[1]], strict=True)]
+    factors = [TIMES[units[0]], LENGTHS[units[1]], -1.0 if flipped else 1.0, LENGTHS[units[1]]]
+    names = ["time", "position", "command", *["reference"] * has_reference]
+    kept = np.ones(len(log), dtype=bool)
+    if draw.random() < 0.4:
+        kept[1:-1] = np.random.default_rng(seed).random(len(log) - 2) > 0.004
+    time = log.time + draw.choice([0.0, 3.001])
+    if draw.random() < 0.4:
+        time = time + np.random.default_rng(seed).uniform(-0.02, 0.02, len(time)) / rate
+    columns = dict(zip(names, [time, log.position, log.command, log.reference], strict=False))
+    comma = draw.random() < 0.3
+    table = [
+        [written(value, comma) for value in (columns[name][kept] / factors[k]).tolist()] for k, name in enumerate(names)
+    ]
+    order = list(range(len(names)))
+    draw.shuffle(order)
+    separator = ";" if comma else draw.choice([",", ";", "\t"])
+    extra = draw.random() < 0.5
+    lines = [separator.join([*(headers[k] for k in order), *["Temperatur"] * extra])]
+    rows = zip(*(table[k] for k in order), *[[written(31.5, comma)] * int(kept.sum())] * extra, strict=True)
+    lines += [separator.join(row) for row in rows]
+    return UserLog(
+        text="\n".join(lines) + "\n",
+        model=model,
+        motion=kind,
+        fields=fields,
+        headers=dict(zip(names, headers, strict=False)),
+        factors=dict(zip(names, factors, strict=False)),
+        command_unit=units[2] if stated else "V",
+        stated=stated,
+        flipped=flipped,
+        has_reference=has_reference,
+        dropped=int((~kept).sum()),
+        quantum=model.encoder.resolution,
+        rate=rate,
+        log=log,
+    )
+
 
 TIME = np.arange(2000) * 1e-3
 WAVE = np.sin(3.0 * TIME)

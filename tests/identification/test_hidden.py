@@ -12,7 +12,7 @@ def fits():
     """True mass, mass of the first model and fit; every second first model has the map and the controller."""
     table = []
     for number, hidden in enumerate(hidden for hidden in HIDDEN if hidden != "nothing"):
-        machine, log = drawn(0, hidden)
+        machine, log = drawn(0, hidden, rate=500.0)
         first = as_believed(machine, log) if number % 2 else cogging.draft_model(log).model
         table.append((machine.axis.mass, first.axis.mass, cogging.identify(log, first)))
     return table
@@ -34,7 +34,7 @@ def test_a_mass_stays_good_and_its_interval_holds_the_truth_whatever_is_hidden(f
 
 
 def test_a_bad_prior_moves_to_where_the_evidence_is():
-    machine, log = drawn(0, "spring")
+    machine, log = drawn(0, "spring", rate=500.0)
     wrong = machine.replace(axis=machine.axis.replace(mass=4.0 * machine.axis.mass), effects=[])
     mass = cogging.identify(log, wrong)["axis.mass"]
     assert mass.value == pytest.approx(machine.axis.mass, rel=0.1)

@@ -8,10 +8,10 @@ from cogging import EFFECTS, AxisParameters, CoggingModel, Log, Model, NoisePara
 from cogging.cli.main import main
 from tests.fixtures.identify_coverage import moves
 
-RATE = 1000.0
+RATE = 500.0
 
 
-def machine(*effects, width=1e-3, noise=0.02, tables=None, **axis):
+def machine(*effects, width=1e-3, noise=0.02, tables=None, rate=RATE, **axis):
     """An axis of 2 V/(m/s^2) with friction, its PID, a quantised encoder and coloured noise."""
     values = {"mass": 2.0, "viscous": 6.0, "coulomb": 2.0, "coulomb_width": width} | axis
     kp, ki, kd = cogging.pid_gains([-80.0] * 3, 2.0)
@@ -21,7 +21,7 @@ def machine(*effects, width=1e-3, noise=0.02, tables=None, **axis):
         effects=effects,
         encoder=cogging.EncoderParameters(resolution=1e-7),
         noise=NoiseParameters(force=noise, bandwidth=50.0),
-        controller=cogging.PidParameters(sample_rate=RATE, kp=kp, ki=ki, kd=kd),
+        controller=cogging.PidParameters(sample_rate=rate, kp=kp, ki=ki, kd=kd),
         controller_type="pid",
     )
 
@@ -197,9 +197,10 @@ def test_effects_are_found(kind):
 
 
 def test_a_second_mass_is_seen_by_the_output_error_alone():
-    truth = machine(EFFECTS["flexible_mode"](frequency=60.0, damping_ratio=0.05, mass_ratio=0.3), noise=0.01)
+    mode = EFFECTS["flexible_mode"](frequency=60.0, damping_ratio=0.05, mass_ratio=0.3)
+    truth = machine(mode, noise=0.01, rate=1000.0)
     prior = prior_of(truth, effects=(EFFECTS["flexible_mode"](frequency=55.0, damping_ratio=0.05, mass_ratio=0.25),))
-    found = identify(run(truth, moves(np.random.default_rng(0), 0.2, 0.8, 6.0, RATE), duration=6.0), prior)
+    found = identify(run(truth, moves(np.random.default_rng(0), 0.2, 0.8, 6.0, 1000.0), duration=6.0), prior)
     frequency = found["effects.flexible_mode.frequency"]
     assert found.estimator == "output_error"
     assert frequency.inverse_dynamics is None
@@ -255,7 +256,7 @@ def test_a_controller_whose_gains_are_stated_wrongly_is_reported_with_those_that
 
 def test_an_added_command_is_known(fitted):
     truth, prior, *_ = fitted
-    added = 0.5 * ((np.arange(6001) // 700) % 2)
+    added = 0.5 * ((np.arange(3001) // 350) % 2)
     found = identify(run(truth, seed=9, added_command=added), prior, added_commands=[added])
     check_intervals(found, truth)
     assert found.controller == ()
@@ -270,8 +271,8 @@ WRONG = [
     ({"free": ["axis.weight"]}, "free: axis.weight: must be one of axis.mass"),
     ({"free": ["effects.command_saturation.limit"]}, "must start from a finite value"),
     ({"free": ["axis.coulomb_width"]}, "must start above 0"),
-    ({"cutoff": 400.0}, "cutoff: must be above 0 and at most a fifth of 1000"),
-    ({"added_commands": [np.zeros(3)]}, r"added_commands: log 1: must have shape \(6001,\)"),
+    ({"cutoff": 400.0}, "cutoff: must be above 0 and at most a fifth of 500"),
+    ({"added_commands": [np.zeros(3)]}, r"added_commands: log 1: must have shape \(3001,\)"),
 ]
 
 
@@ -304,9 +305,9 @@ def test_the_command_fits_what_its_options_name(fitted, tmp_path, monkeypatch, c
     monkeypatch.chdir(tmp_path)
     prior.write("prior.toml")
     log.write("log.csv")
-    options = ["--rows", "0:3000", "--free", "axis.mass, axis.viscous", "--cutoff", "40", "--out", "fit.toml"]
+    options = ["--rows", "0:1500", "--free", "axis.mass, axis.viscous", "--cutoff", "40", "--out", "fit.toml"]
     assert main(["identify", "log.csv", "--model", "prior.toml", *options]) == 0
     printed = capsys.readouterr().out
-    assert all(words in printed for words in ("below 40 Hz", "3000 rows", "axis.viscous"))
+    assert all(words in printed for words in ("below 40 Hz", "1500 rows", "axis.viscous"))
     assert "axis.coulomb " not in printed
     assert set(Model.read("fit.toml").intervals) == {"axis.mass", "axis.viscous"}

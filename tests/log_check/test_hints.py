@@ -10,6 +10,7 @@ from cogging import Log
 from cogging.log_check.log_audit import hints
 from tests.fixtures import moving_axis
 
+STEP = 1.0 / moving_axis.RATE
 UNCONTROLLED = moving_axis.machine().replace(controller=None, controller_type=None)
 
 
@@ -20,13 +21,13 @@ def log():
 
 def jitter(log, share):
     random = np.random.default_rng(5)
-    return replace(log, time=log.time + share * 1e-3 * random.uniform(-1.0, 1.0, len(log)))
+    return replace(log, time=log.time + share * STEP * random.uniform(-1.0, 1.0, len(log)))
 
 
 def rest(log, share):
     """The log with so many rows at rest after it."""
     more = int(len(log) * share / (1.0 - share))
-    time = np.concatenate([log.time, log.time[-1] + 1e-3 * np.arange(1, more + 1)])
+    time = np.concatenate([log.time, log.time[-1] + STEP * np.arange(1, more + 1)])
     position = np.concatenate([log.position, np.full(more, log.position[-1])])
     return Log(time, position, np.concatenate([log.command, np.zeros(more)]))
 

@@ -113,6 +113,7 @@ FORMULAS = {
 }
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("case", FORMULAS)
 def test_a_formula_in_a_log_is_refused_by_name_and_not_evaluated(case, tmp_path, capsys):
     mark = tmp_path / "RUN"  # asammdf writes every small x large
@@ -139,6 +140,7 @@ PHYSICAL = {
 }
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("version", ["4.10", "3.30"])
 def test_asam_mdf_gives_physical_numbers(version, tmp_path):
     pytest.importorskip("asammdf")
@@ -173,6 +175,7 @@ RAW_COUNTS = {
 }
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("case", RAW_COUNTS)
 def test_raw_counts_never_pass_as_volts(case, tmp_path):
     conversion, message = RAW_COUNTS[case]

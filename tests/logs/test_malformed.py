@@ -123,6 +123,7 @@ CASES = {
 }
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize("case", CASES)
 def test_a_malformed_log_is_answered_in_one_line(case, tmp_path, capsys, monkeypatch):
     name, content, message, *options = CASES[case]

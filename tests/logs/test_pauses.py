@@ -17,16 +17,16 @@ resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
 import cogging
 import numpy as np
 from tests.fixtures.moving_axis import machine, paused, record
-log, answer = record(machine(), 3)[:4001], {}
+log, answer = record(machine(), 3)[:2001], {}
 idle = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-for name, pauses in {"none": {}, "both": {1000: 1e5, 3000: 3.15e7}}.items():
+for name, pauses in {"none": {}, "both": {500: 1e5, 1500: 3.15e7}}.items():
     found = cogging.identify(paused(log, pauses), machine(), free=["axis.mass", "axis.coulomb"])
     answer[name] = {p.path: [p.value, *p.ci95] for p in found.parameters}
     assert cogging.audit(paused(log, pauses), machine()).gaps == len(pauses)
 hidden = [cogging.effects.ViscousAsymmetry(difference=1.5)]
-log, other = (record(machine(hidden), seed)[:4001] for seed in (3, 4))
+log, other = (record(machine(hidden), seed)[:2001] for seed in (3, 4))
 log = log[np.random.default_rng(3).random(len(log)) > 0.03]
-result = cogging.diagnose(paused(log, {2500: 3.15e7}), machine(), confirm=paused(other, {3000: 86400.0}))
+result = cogging.diagnose(paused(log, {1250: 3.15e7}), machine(), confirm=paused(other, {1500: 86400.0}))
 answer["effects"] = {e.name: e.parameters["difference"].ci95 for e in result.effects}
 answer["notes"] = list(result.notes)
 answer["megabytes"] = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - idle) / 1024
@@ -54,7 +54,7 @@ def test_pauses_cost_no_memory_move_no_fit_and_hide_no_effect():
     assert not answer["effects"]
     pauses = [note for note in answer["notes"] if "pause" in note]
     assert pauses[0] == (
-        "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 2499: cut to 0.5 s, and all times here "
+        "log 1: 1 pause in the rows, the longest of 3.15e+07 s after row 1249: cut to 0.5 s, and all times here "
         "exclude what was cut"
     )
     assert [note.partition(":")[0] for note in pauses] == ["log 1", "confirm log 1"]

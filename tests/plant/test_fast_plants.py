@@ -1,7 +1,7 @@
 """Plants that are fast beside their sample time: as many steps as they need, or an error.
 
-The reference is a second plant (scipy_plant.py), written from the formulas and integrated by scipy at tight tolerances.
-Both are driven by given commands, so that no feedback reduces an error.
+The reference is a second plant (fixtures/random_plants.py), written from the formulas and integrated by scipy at tight
+tolerances. Both are driven by given commands, so that no feedback reduces an error.
 """
 
 from collections import Counter
@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import cogging
-from tests.fixtures.random_plants import Driven, draw
-from tests.fixtures.scipy_plant import ScipyPlant
+from tests.fixtures.random_plants import Driven, ScipyPlant, draw
 
 TWO_PI = 2 * np.pi
 SHARE = 1e-6  # of the motion: what may be wrong

@@ -1,5 +1,6 @@
 """Controllers in Python or compiled where one of the core is expected, and the one line for what is wrong with them."""
 
+import copy
 import ctypes
 import functools
 import gc
@@ -13,20 +14,125 @@ import pytest
 
 import cogging
 from tests.fixtures.log_columns import columns_of
-from tests.fixtures.own_controllers import (
-    MODEL,
-    MOVE,
-    PLANT,
-    RATE,
-    Failing,
-    Giving,
-    Leaky,
-    OwnPid,
-    Proportional,
-    Uncopied,
-    leaky_law,
-    leaky_update,
+
+RATE = 5000.0
+AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1.11e-3, travel=[0.0, 0.51])
+ENCODER = cogging.EncoderParameters(resolution=0.5e-6, noise=2e-7)
+NOISE = cogging.NoiseParameters(force=0.01, bandwidth=50.0)
+MODEL = cogging.Model(axis=AXIS, encoder=ENCODER, noise=NOISE)
+PLANT = MODEL.plant()
+MOVE = cogging.PointToPoint(
+    cogging.PointToPointParameters(start=0.05, distance=0.2, velocity=0.5, acceleration=10.0, jerk=1000.0)
 )
+
+
+class Proportional:
+    """The least that a controller is."""
+
+    sample_rate = RATE
+
+    def __init__(self, gain=9600.0):
+        self.gain = gain
+
+    def command(self, reference, reading):
+        return self.gain * (reference.position - reading)
+
+
+class OwnPid:
+    """Pid line by line, for readings that are numbers."""
+
+    def __init__(self, parameters):
+        self.q = parameters
+        self.sample_rate = parameters.sample_rate
+        self.command_limit = parameters.command_limit
+        self.reset()
+
+    def reset(self):
+        self.total = self.step = self.computed = self.error_previous = self.reading_previous = 0.0
+        self.first = True
+
+    def command(self, reference, reading):
+        q, sample_time = self.q, 1.0 / self.q.sample_rate
+        measured = 0.0 if self.first else (reading - self.reading_previous) * q.sample_rate
+        velocity = measured if q.feedforward_velocity == "measured" else reference.velocity
+        forward = q.mass * reference.acceleration + q.viscous * velocity
+        forward += q.coulomb * cogging._core.smooth_sign(velocity, q.coulomb_width)
+        error = reading - reference.position
+        self.step = error * sample_time
+        rate = (0.0 if self.first else error - self.error_previous) / sample_time
+        self.total += self.step
+        self.computed = forward - q.kp * error - q.ki * self.total - q.kd * rate
+        self.error_previous, self.reading_previous, self.first = error, reading, False
+        return self.computed
+
+    def update(self, applied):
+        if (self.computed - applied) * self.step < 0.0:
+            self.total -= self.step
+
+
+def leaky_law(state, parameters, reference, reading):
+    """A law that numba compiles and Python runs: leaky integral of the error, with its own feedforward."""
+    error = reading - reference[0]
+    state[0] = parameters[2] * state[0] + error
+    return parameters[3] * reference[2] - parameters[0] * error - parameters[1] * state[0] - 0.01 * state[1]
+
+
+def leaky_update(state, parameters, applied):
+    """The last command that acted."""
+    state[1] = applied + 0.0 * parameters[0]
+
+
+class Leaky:
+    """The law above as an object."""
+
+    sample_rate, command_limit = RATE, 2.5
+
+    def __init__(self, parameters, state):
+        self.parameters, self.initial = parameters, state
+        self.estimates = list(state)
+
+    def reset(self):
+        self.estimates = list(self.initial)
+
+    def command(self, reference, reading):
+        return leaky_law(self.estimates, self.parameters, reference, reading)
+
+    def update(self, applied):
+        leaky_update(self.estimates, self.parameters, applied)
+
+
+class Failing(Proportional):
+    """Raises in one row."""
+
+    def __init__(self, row, error):
+        super().__init__()
+        self.row, self.error, self.calls = row, error, 0
+
+    def command(self, reference, reading):
+        self.calls += 1
+        if self.calls == self.row + 1:
+            raise self.error
+        return super().command(reference, reading)
+
+
+class Giving(Proportional):
+    """Returns a given value from one row on."""
+
+    def __init__(self, value, row=0):
+        super().__init__()
+        self.value, self.row, self.calls = value, row, 0
+
+    def command(self, reference, reading):
+        self.calls += 1
+        return self.value if self.calls > self.row else super().command(reference, reading)
+
+
+class Uncopied(Proportional):
+    """Refuses to be copied."""
+
+    def __deepcopy__(self, memo):
+        raise copy.Error("one of a kind")
+
 
 LAW = ([9000.0, 40.0, 0.999, 0.12], [0.0, 0.5])  # parameters and state of the leaky law
 
@@ -120,7 +226,7 @@ def test_a_model_with_another_controller_and_what_the_log_says(tmp_path):
     log.write(tmp_path / "log.csv")
     metadata = cogging.read_log(tmp_path / "log.csv").metadata
     assert metadata["controller"] == "given"
-    assert metadata["controller_class"] == "tests.fixtures.own_controllers.Leaky"
+    assert metadata["controller_class"] == "tests.simulation.test_own_controllers.Leaky"
     assert "controller" not in metadata["model"]
 
 

@@ -256,6 +256,14 @@ def figure_held_out(found: Sequence[Explanation]) -> Figure:
 # Where something is not as believed -----------------------------------------------------------------------------------
 
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
+#: What the figures of imperfections are drawn of: periods of a ripple (m), and sizes in the units of the panels.
+DRAWN_PERIODS = np.geomspace(3e-3, 0.06, 60)
+DRAWN_SIZES: dict[str, list[float]] = {
+    "ripple": [0.5, 1, 2, 5, 10, 20, 50],
+    "encoder": [1, 3, 10, 30, 100, 300, 1000],
+    "friction": [0.002, 0.01, 0.05, 0.2, 1, 5, 20],
+    "thrust": [0.1, 0.2, 0.5, 1.0, 2.0, 5.0],
+}
 FRICTION_WIDTHS = (1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
 STRIBECK_EXCESS, STRIBECK_VELOCITY = 0.5, 0.01  # of the dry friction, and m/s; assumed
 
@@ -347,8 +355,7 @@ def figure_ripple() -> Figure:
     """Draw the ratio observer / PID of the error due to one unmodelled ripple, against its period."""
     figure, panels = titled_panels("Unmodelled ripple: the observer's rms error over the PID's", (8.0, 5.5), 2)
     for axes, motor in zip(panels, MOTORS.values(), strict=True):
-        periods = np.geomspace(3e-3, 0.06, 60)
-        axes.semilogx(1e3 * periods, ripple_ratio(motor, periods), **look(0))
+        axes.semilogx(1e3 * DRAWN_PERIODS, ripple_ratio(motor, DRAWN_PERIODS), **look(0))
         axes.axhline(1.0, **look(2) | {"linestyle": ":"})
         for period in motor.periods:
             axes.axvline(1e3 * period, color=GREY, linewidth=0.8)
@@ -362,26 +369,25 @@ def figure_robustness() -> Figure:
     """Draw the accuracies of PID and observer against each unknown quantity alone, over assumed ranges."""
     sweeps: dict[str, tuple[list[float], Callable[[Motor, float], Plant]]] = {
         f"rms of a ripple of {1e3 * RIPPLE_PERIOD:g} mm (% of the cogging)": (
-            [0.5, 1, 2, 5, 10, 20, 50],
+            DRAWN_SIZES["ripple"],
             lambda motor, percent: rippled(motor, 0.01 * percent),
         ),
         "step of the encoder (nm)": (
-            [1, 3, 10, 30, 100, 300, 1000],
+            DRAWN_SIZES["encoder"],
             lambda motor, step: plant(motor, shipped(motor).amplitude, resolution=1e-9 * step),
         ),
         "width of the dry friction (mm/s)": (
-            [0.002, 0.01, 0.05, 0.2, 1, 5, 20],
+            DRAWN_SIZES["friction"],
             lambda motor, width: with_friction(motor, 1e-3 * width),
         ),
     }
-    thrusts = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0]
     title = "Accuracy where something is not as believed; dotted: printed in Table I"
     figure, panels = titled_panels(title, (8.0, 10.0), 1 + len(sweeps), len(MOTORS), sharey="col")
     for motor, column in zip(MOTORS.values(), panels.T, strict=True):
         gains = shipped(motor)
         exact, laws = plant(motor, gains.amplitude), controllers(motor, gains)
-        wrong = [(exact, controllers(motor, gains, 1.0 + 0.01 * thrust)) for thrust in thrusts]
-        found = {"thrust above what is believed (%)": (thrusts, largest_errors(motor, wrong))}
+        wrong = [(exact, controllers(motor, gains, 1.0 + 0.01 * thrust)) for thrust in DRAWN_SIZES["thrust"]]
+        found = {"thrust above what is believed (%)": (DRAWN_SIZES["thrust"], largest_errors(motor, wrong))}
         for name, (sizes, machine) in sweeps.items():
             found[name] = (sizes, largest_errors(motor, [(machine(motor, size), laws) for size in sizes]))
         for axes, (name, (sizes, errors)) in zip(column, found.items(), strict=True):
