@@ -97,7 +97,7 @@ def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
 def test_presliding_is_seen_in_the_rows_near_rest(length):
     """Most of its motion is slower than the noise of the speed; the readings show it, the speed does not."""
     presliding = cogging.effects.PreslidingFriction(stiffness=pid_axis.MODEL.axis.coulomb / length)
-    outcome = search([pid_axis.run(presliding, duration=8.0)], [pid_axis.other(presliding)], pid_axis.MODEL)
+    outcome = search([run(presliding, duration=8.0)], [other(presliding)], pid_axis.MODEL)
     [one] = outcome.accepted
     assert one.found.name == "presliding_friction"
     assert one.share > 0.9
@@ -106,7 +106,7 @@ def test_presliding_is_seen_in_the_rows_near_rest(length):
 
 
 @pytest.mark.parametrize("width", [0.0, 1.11e-3])
-def test_friction_that_sticks_is_no_presliding(width, monkeypatch):
-    stated = pid_axis.MODEL
-    monkeypatch.setattr(pid_axis, "MODEL", stated.replace(axis=stated.axis.replace(coulomb_width=width)))
-    assert not search([pid_axis.run(duration=8.0)], [pid_axis.other()], stated).accepted
+def test_friction_that_sticks_is_no_presliding(width):
+    model = pid_axis.MODEL.replace(axis=pid_axis.MODEL.axis.replace(coulomb_width=width))
+    logs = run(model=model, duration=8.0), other(model=model)
+    assert not search(logs[:1], logs[1:], pid_axis.MODEL).accepted
