@@ -720,11 +720,15 @@ def jumps(s: Search) -> None:
             left[max(0, at - apart) : at + apart] = 0.0
     peaks.sort(key=lambda peak: -peak[0])
     cost = np.sum(student_cost(ctx.screen.rest, ctx.screen.variance))
+    # the largest difference of two readings by their noise; that of a quantised reading is correlated with the motion
+    least = 2.0 * np.sqrt(np.log(rows)) * max(b.encoder_noise for b in s.balances)
     for count in range(1, min(len(peaks), MOST_JUMPS) + 1):
         instants = [(log, at) for _, log, at, _ in peaks[:count]]
         columns = partial(jumped, instants)
         c = ctx.filtered([b.rows(x) for b, x in zip(s.balances, columns(ctx), strict=True)], ctx.screen.taps)
         amplitudes = np.linalg.lstsq(c.T, ctx.screen.rest)[0]
+        if UNIT * np.min(np.abs(amplitudes)) < least:
+            break
         T = float(cost - np.sum(student_cost(ctx.screen.rest - amplitudes @ c, ctx.screen.variance)))
         label = ", ".join(said for *_, said in peaks[:count])
         one = Found(JUMPS, label, T, count, float(rows) ** count, amplitudes, columns)
