@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from scipy.stats import ncx2, norm
 
 from cogging.arrays import FloatArray
+from cogging.diagnosis.balance.candidates import NEAR_REST, SHORTEST
 from cogging.diagnosis.balance.decision import THRESHOLD, Outcome, block_edges, score_of
 from cogging.diagnosis.balance.evidence import Evidence, orthonormal
 from cogging.diagnosis.entries import Limit
@@ -86,6 +87,9 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
     result, columns, of = unmeasured(vocabulary, UNSEEN), [], []
     sought = [name for name in result if name in vocabulary]
 
+    def of_name(name: str) -> Evidence:
+        return evidence.near_rest if name in NEAR_REST else evidence
+
     @np.errstate(all="ignore")
     def evaluated(name: str) -> tuple[list[Any], str]:
         law, out = vocabulary[name], []
@@ -93,7 +97,7 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
         assert size is not None
         try:
             for amount, shape, rows in _evaluations(evidence, law, size):
-                filtered = [b.rows(row)[0] for b, row in zip(evidence.balances, rows, strict=True)]
+                filtered = [b.rows(row)[0] for b, row in zip(of_name(name).balances, rows, strict=True)]
                 out.append((filtered, (name, amount, shape)))
         except ValueError:
             return out, "it cannot be evaluated along these logs"
@@ -107,9 +111,10 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
     tables = [np.array(rows) for rows in zip(*columns, strict=True)]
     names = [name for name, _, _ in of]
     lambdas = noncentralities(evidence, tables)
-    for name in {one.found.name for one in found.accepted} & set(names):  # beside the other accepted effects
+    accepted = {one.found.name for one in found.accepted}  # each of which is seen beside the others
+    for name in {*accepted, *NEAR_REST} & set(names):
         mine = [i for i, one in enumerate(names) if one == name]
-        lambdas[mine] = noncentralities(evidence, [table[mine] for table in tables], name)
+        lambdas[mine] = noncentralities(of_name(name), [table[mine] for table in tables], name)
     blocks = len(block_edges(evidence))
     for name in sought:
         law = vocabulary[name]
@@ -197,9 +202,9 @@ def _evaluations(
         shape = {field: between(field, PARTS[1]) for field in scalars}
         role = law.ROLES[size.field]
         amounts = np.geomspace(max(role["low"], 1e-3 * role["high"]), role["high"], SIZES)
-        if role["quantity"] == "stiffness":  # friction rises over 12 encoder steps up to a part of the travel
+        if role["quantity"] == "stiffness":  # friction rises over an encoder step up to a part of the travel
             noise = min(b.encoder_noise for b in balances)
-            amounts = model.axis.coulomb / np.geomspace(12.0 * noise, 0.03 * length, SIZES) / length
+            amounts = model.axis.coulomb / np.geomspace(SHORTEST * noise, 0.03 * length, SIZES) / length
             scales["stiffness"] = length
         for amount in amounts * scales.get(role["quantity"], 1.0):
             yield float(amount), dict(shape), _rows(evidence, law, {**shape, size.field: float(amount)}, size)

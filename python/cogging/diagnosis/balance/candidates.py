@@ -36,7 +36,8 @@ LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.4, 2.5)  # allowed amplitude of a command limit, whose column is the complete effect
 LOWEST_LIMIT = 0.3  # of the largest command; far below it a limit is nearly the sign of the command
 BRISTLE = (0.6, 1.7)  # allowed amplitude of presliding, which replaces all of Coulomb friction
-LONGEST = 0.1  # of the travel: longest presliding and widest gap
+SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
+NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 GAINS = (  # candidates that reduce the command
@@ -71,12 +72,11 @@ CERTAIN_ZERO = 5.0  # minimum score of a shape that is refined
 
 
 class Shape(NamedTuple):
-    """A candidate at one shape: label, columns, law (None for a generic force), and whether rows near rest count."""
+    """A candidate at one shape: label, columns, and law (None for a generic force)."""
 
     label: str
     columns: Columns
     law: Law | None = None
-    near_rest: bool = False
 
 
 Refine = tuple[float, Callable[[float], Shape], float]
@@ -99,7 +99,6 @@ class Found:
         likeness: share of the T of a shape without a law that the law of its name explains.
         period: period of a wave along the travel, m.
         refine: a number of the shape, function(number) that returns a `Shape`, and the first relative step.
-        near_rest: whether rows near rest count.
     """
 
     name: str
@@ -114,7 +113,11 @@ class Found:
     likeness: float = 1.0
     period: float | None = None
     refine: Refine | None = None
-    near_rest: bool = False
+
+    @property
+    def near_rest(self) -> bool:
+        """Whether rows near rest count."""
+        return self.name in NEAR_REST
 
     def laws(self, amplitudes: FloatArray) -> tuple[Effect, ...]:
         """Return the effects with these amplitudes; empty without a law, or where the law excludes them."""
@@ -185,7 +188,7 @@ class Search:
         family: str = "",
     ) -> float:
         """Keep a shape if it is the best of its name and family; return its T, or 0 if its amplitudes are rejected."""
-        T, amplitudes, k = self.scored(shape)
+        T, amplitudes, k = self.scored(name, shape)
         if accept is not None and not accept(amplitudes):
             return 0.0
         if name in GAINS:
@@ -193,15 +196,14 @@ class Search:
             if any(np.std(amplitudes @ x) > LARGEST_GAIN * np.std(d) for x, d in taken):
                 return 0.0
         columns, law, key = shape.columns, shape.law, family or name
-        found = partial(Found, name, shape.label, T, k, trials, amplitudes, columns, law, near_rest=shape.near_rest)
-        one = found(period=period, refine=refine)
+        one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine)
         if key not in self.found or one.score > self.found[key].score:
             self.found[key] = one
         return T
 
-    def scored(self, shape: Shape) -> tuple[float, FloatArray, int]:
+    def scored(self, name: str, shape: Shape) -> tuple[float, FloatArray, int]:
         """Return T, amplitudes and degrees of freedom of a shape."""
-        ctx = self.ctx.near_rest if shape.near_rest else self.ctx
+        ctx = self.ctx.near_rest if name in NEAR_REST else self.ctx
         return ctx.score(rows_of(ctx, shape.columns))
 
     def varied(
@@ -349,7 +351,7 @@ def refined(s: Search, f: Found) -> Found | None:
 
     def at(logarithm: float) -> float:
         shape = make(float(value * np.exp(logarithm)))
-        tried[logarithm] = shape, s.scored(shape)
+        tried[logarithm] = shape, s.scored(f.name, shape)
         return tried[logarithm][1][0]
 
     x = sharpen(at, 0.0, step, 8)
@@ -451,12 +453,11 @@ def friction(s: Search) -> None:
             f"{length:.4g}",
             lambda c: [b.bristle(c.model.axis, length)[None] for b in c.balances],
             lambda a: law,
-            near_rest=True,
         )
 
     if any(f.name == "presliding_friction" for f in s.ctx.extra):
         return
-    lengths = np.geomspace(4.0 * min(b.encoder_noise for b in s.balances), LONGEST * s.length, 12)
+    lengths = np.geomspace(SHORTEST * min(b.encoder_noise for b in s.balances), LONGEST * s.length, 12)
     s.least["presliding_friction"] = lengths[0]
     for length in lengths:
         s.varied("presliding_friction", length, presliding, 12, within(BRISTLE))
@@ -806,7 +807,7 @@ def waves(s: Search) -> None:
         # an envelope of n splines changes its sign up to n - 1 times, a carrier more often
         for count in (n for n in MODULATIONS if kappa * length > n - 1):
             modulated = modulated_wave(s, kappa, count)
-            if constant < NESTED * s.scored(modulated)[0]:
+            if constant < NESTED * s.scored("cogging_modulation", modulated)[0]:
                 s.put("cogging_modulation", modulated, len(MODULATIONS) * trials)
 
 
