@@ -35,7 +35,7 @@ UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effec
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.4, 2.5)  # allowed amplitude of a command limit, whose column is the complete effect
 LOWEST_LIMIT = 0.3  # of the largest command; far below it a limit is nearly the sign of the command
-BRISTLE = (0.6, 1.7)  # allowed amplitude of presliding, which replaces all of Coulomb friction
+BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
@@ -455,7 +455,7 @@ def friction(s: Search) -> None:
             lambda a: law,
         )
 
-    if any(f.name == "presliding_friction" for f in s.ctx.extra):
+    if any(getattr(f, "name", "") == "presliding_friction" for f in s.ctx.extra):
         return
     lengths = np.geomspace(SHORTEST * min(b.encoder_noise for b in s.balances), LONGEST * s.length, 12)
     s.least["presliding_friction"] = lengths[0]

@@ -369,10 +369,15 @@ class DifferencedBalance:
         return out
 
     def bristle(self, axis: AxisParameters, length: float) -> FloatArray:
-        """Return the force of a Dahl contact with a presliding length (m) less that of Coulomb friction, V, (n,)."""
+        """Return the force of a Dahl contact with a presliding length (m) less that of Coulomb friction, V, (n,).
+
+        The noise of the readings is filtered first: at rest it would wear off the deflection of the contact.
+        """
+        asked = 0.0 if self.reference is None else self.reference[0]
+        x = asked + self._low_pass(self.position - asked, self.corner)
         alone = AxisParameters(mass=1.0, viscous=0.0, coulomb=axis.coulomb, coulomb_width=axis.coulomb_width)
         sliding = self.forces([quiet_plant(Model(axis=alone))])[0]
-        return np.asarray(-axis.coulomb * dahl(self.position, length) - sliding)
+        return np.asarray(-axis.coulomb * dahl(x, length) - sliding)
 
     def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
         """Return the force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).

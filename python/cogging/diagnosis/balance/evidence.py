@@ -181,6 +181,14 @@ def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArra
     return Maximum(cost, w, rest, variance, weight, gram)
 
 
+class Sticking:
+    """Contact that holds an axis at rest, a bristle as short as the noise of a reading: rival of a longer one."""
+
+    def columns(self, evidence: Evidence) -> list[FloatArray]:
+        """Return the force of the contact along each log, (1, n)."""
+        return [b.bristle(evidence.model.axis, b.encoder_noise)[None] for b in evidence.balances]
+
+
 @dataclass
 class Evidence:
     """Force balances of logs under a model and the terms accepted so far.
@@ -280,8 +288,8 @@ class Evidence:
 
     @cached_property
     def near_rest(self) -> Evidence:
-        """Evidence of the same model with rows near rest, where only a bristle's friction is known."""
-        other = replace(self, balances=[b.with_creep() for b in self.balances])
+        """Evidence of the same model with rows near rest, where friction may hold the axis."""
+        other = replace(self, balances=[b.with_creep() for b in self.balances], extra=[*self.extra, Sticking()])
         other.make()
         return other
 
