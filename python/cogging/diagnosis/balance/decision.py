@@ -294,18 +294,33 @@ def score_of(ratio: float, k: int, trials: float, blocks: int) -> float:
 
 
 def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> list[Contender]:
-    """Fit the candidates to all logs on threads; drop implausible changes of the axis."""
+    """Fit the candidates to all logs on threads; drop implausible changes of the axis.
+
+    The rivals of the likeliest are also fitted behind its whitening filter: they must not differ by their filters.
+    """
     made = [c for c in on_threads(lambda f: contender(evidence, f, given), found) if c is not None]
-    least = PREFERRED * max((c.score for c in made), default=0.0)
+    first = max(made, key=lambda c: c.score, default=None)
+    if first is None:
+        return made
+
+    def again(c: Contender) -> Contender:
+        is_rival = c is not first and c.score > PREFERRED * first.score and c.found.near_rest == first.found.near_rest
+        other = contender(evidence, c.found, given, first.fit.taps) if is_rival else None
+        return c if other is None or other.fit.cost >= c.fit.cost else other
+
+    made = on_threads(again, made)
     for c in made:
-        if c.found.name == "encoder_scale_error" and c.score > least:
+        if c.found.name == "encoder_scale_error" and c.score > PREFERRED * first.score:
             retune(evidence, c)
     return made
 
 
 @np.errstate(all="ignore")
-def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
-    """Fit a candidate to all logs, the first `given` of which are given logs; None for an implausible change."""
+def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] | None = None) -> Contender | None:
+    """Fit a candidate to all logs, the first `given` of which are given logs; None for an implausible change.
+
+    A filter of each log that was tried with another candidate is a further starting point.
+    """
     if f.columns is None:
         if f.effect not in evidence.paths:
             return None
@@ -317,7 +332,7 @@ def contender(evidence: Evidence, f: Found, given: int) -> Contender | None:
         best.none = evidence.null
         return weighed(evidence, Contender(f, best, evidence.alike))
     own, rows = f.rows(evidence)
-    best = own.maximised(rows)
+    best = own.maximised(rows, tried)
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation

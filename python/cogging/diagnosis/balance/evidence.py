@@ -450,12 +450,16 @@ class Evidence:
         best.size = size
         return best
 
-    def maximised(self, tables: Sequence[FloatArray] | None = None) -> Maximum:
+    def maximised(self, tables: Sequence[FloatArray] | None = None, tried: list[FloatArray] | None = None) -> Maximum:
         """Fit the nuisance parameters, added columns (k, m) of each log and the whitening filter by maximum likelihood.
 
         The filter belongs to the hypothesis: the null's filter absorbs part of a slow force, and the candidate's filter
         raises false alarms under the null. Several filters are starting points, the unfiltered residual among them,
         because a filter that has absorbed a force cannot release it.
+
+        Args:
+            tables: added columns.
+            tried: a further filter of each log, that of a rival.
         """
         if tables is None:
             parts, rounds = self.nuisances, 2
@@ -464,6 +468,8 @@ class Evidence:
             parts, rounds = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)], 1
             base = self.bases[int(np.argmin(self.costs_with(tables)))]
             best = self.fitted(base.taps, tables, base=base)
+            if tried is not None:
+                best = min(best, self.fitted(tried, tables), key=lambda fit: fit.cost)
         for _ in range(rounds):
             fit = self.fitted(self.taps_of(best.theta, parts), tables)
             if fit.cost >= best.cost:
