@@ -299,18 +299,19 @@ def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> lis
     The rivals of the likeliest are also fitted behind its whitening filter: they must not differ by their filters.
     """
     made = [c for c in on_threads(lambda f: contender(evidence, f, given), found) if c is not None]
-    first = max(made, key=lambda c: c.score, default=None)
-    if first is None:
-        return made
+    first = None
+    while made and first is not (first := max(made, key=lambda c: c.score)):
 
-    def again(c: Contender) -> Contender:
-        is_rival = c is not first and c.score > PREFERRED * first.score and c.found.near_rest == first.found.near_rest
-        other = contender(evidence, c.found, given, first.fit.taps) if is_rival else None
-        return c if other is None or other.fit.cost >= c.fit.cost else other
+        def again(c: Contender, first: Contender = first) -> Contender:
+            is_rival = (
+                c is not first and c.score > PREFERRED * first.score and c.found.near_rest == first.found.near_rest
+            )
+            other = contender(evidence, c.found, given, first.fit.taps) if is_rival else None
+            return c if other is None or other.fit.cost >= c.fit.cost else other
 
-    made = on_threads(again, made)
+        made = on_threads(again, made)
     for c in made:
-        if c.found.name == "encoder_scale_error" and c.score > PREFERRED * first.score:
+        if c.found.name == "encoder_scale_error" and c.score > PREFERRED * max(one.score for one in made):
             retune(evidence, c)
     return made
 
