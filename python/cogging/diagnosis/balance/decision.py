@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -299,21 +300,22 @@ def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> lis
     The rivals of the likeliest are also fitted behind its whitening filter: they must not differ by their filters.
     """
     made = [c for c in on_threads(lambda f: contender(evidence, f, given), found) if c is not None]
-    first = None
-    while made and first is not (first := max(made, key=lambda c: c.score)):
-
-        def again(c: Contender, first: Contender = first) -> Contender:
-            is_rival = (
-                c is not first and c.score > PREFERRED * first.score and c.found.near_rest == first.found.near_rest
-            )
-            other = contender(evidence, c.found, given, first.fit.taps) if is_rival else None
-            return c if other is None or other.fit.cost >= c.fit.cost else other
-
-        made = on_threads(again, made)
+    first: Contender | None = None
+    while made and first is not (likeliest := max(made, key=lambda c: c.score)):
+        first = likeliest
+        made = on_threads(partial(beside, evidence, first, given), made)
     for c in made:
         if c.found.name == "encoder_scale_error" and c.score > PREFERRED * max(one.score for one in made):
             retune(evidence, c)
     return made
+
+
+def beside(evidence: Evidence, first: Contender, given: int, c: Contender) -> Contender:
+    """Return a rival of the likeliest candidate as fitted behind that one's filter, if it is likelier so."""
+    if c is first or c.score < PREFERRED * first.score or c.found.near_rest != first.found.near_rest:
+        return c
+    other = contender(evidence, c.found, given, first.fit.taps)
+    return c if other is None or other.fit.cost >= c.fit.cost else other
 
 
 @np.errstate(all="ignore")
