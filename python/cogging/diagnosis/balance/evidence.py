@@ -39,6 +39,7 @@ WINDOW = 0.3  # s: of the local noise level
 OCTAVES = 14  # of the speed, below the highest, in each of which the noise has a level
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
+HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
@@ -182,11 +183,11 @@ def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArra
 
 
 class Sticking:
-    """Contact that holds an axis at rest, a bristle as short as the noise of a reading: rival of a longer one."""
+    """Contact that holds an axis at rest, a bristle no longer than the noise of a reading: rival of a longer one."""
 
     def columns(self, evidence: Evidence) -> list[FloatArray]:
         """Return the force of the contact along each log, (1, n)."""
-        return [b.bristle(evidence.model.axis, b.encoder_noise)[None] for b in evidence.balances]
+        return [b.bristle(evidence.model.axis, HELD * b.encoder_noise)[None] for b in evidence.balances]
 
 
 @dataclass
