@@ -626,7 +626,7 @@ def time(s: Search) -> None:
     s.put("disturbance_step", step, 300)
     tones, trials = best_tones(s)
     for q in tones:
-        resolved = [k for k in (1, 2, 3) if k * q < TONE_SHARE * s.balances[0].rate]
+        resolved = [1, *(k for k in (2, 3) if k * q < TONE_SHARE * s.balances[0].rate)]
         for family, orders in (("", [1]), ("s", resolved)):
 
             def law(a: FloatArray, q: float = q) -> tuple[Effect, ...]:
