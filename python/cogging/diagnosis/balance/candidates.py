@@ -624,6 +624,12 @@ def time(s: Search) -> None:
         lambda a: E["disturbance_step"].replace(force=float(a[0]), start=begin, stop=end),
     )
     s.put("disturbance_step", step, 300)
+
+    def pulse(b: DifferencedBalance) -> FloatArray:
+        share = (b.time - begin) / max(end - begin, b.step)
+        return np.asarray(((share >= 0.0) & (share < 1.0)) * share ** np.arange(3)[:, None])
+
+    s.put("disturbance_step", Shape("other shape", along(pulse)), 300)
     tones, trials = best_tones(s)
     for q in tones:
         resolved = [1, *(k for k in (2, 3) if k * q < TONE_SHARE * s.balances[0].rate)]
