@@ -30,8 +30,8 @@ def pytest_configure():
 SLOW = (TESTS / "slow.txt").read_text().split()
 
 
-#: Folders and files by what they share: a build, the reproductions of the papers, a diagnosis, examples of all results.
-TOGETHER = {"cpp": "cpp", "papers": "papers", "diagnosis": "diagnosis", "plot": "examples"}
+#: Folders and files by what they share: a build, the reproductions of the papers, examples of all results.
+TOGETHER = {"cpp": "cpp", "papers": "papers", "plot": "examples"}
 TOGETHER |= {f"test_{name}.py": "examples" for name in ("docstrings", "face", "mistakes", "tables")}
 
 
