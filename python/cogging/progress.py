@@ -27,7 +27,7 @@ def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[C
     if not progress or not (notebook or getattr(sys.stderr, "isatty", bool)()):
         yield lambda step: None
         return
-    said, done = list[str](), threading.Event()
+    said, done, begun = list[str](), threading.Event(), time.time()
 
     def show() -> None:
         if done.wait(PATIENCE):
@@ -36,7 +36,7 @@ def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[C
 
         form = None if total else "{desc} [{elapsed}]"
         with tqdm(total=total, desc=name, unit="step", bar_format=form, leave=False, dynamic_ncols=True) as bar:
-            bar.start_t, is_done = time.time() - PATIENCE, False
+            bar.start_t, is_done = begun, False
             while True:
                 bar.n = len(said)
                 bar.set_description_str(": ".join([name, *said[-1:]]))

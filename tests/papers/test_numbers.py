@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from cogging.cli.main import main
@@ -10,17 +11,18 @@ from cogging.papers.reproduction import PAPERS
 from tests.fixtures.reproduced import reproduced, with_progress
 from tests.papers.numbers import FILE, numbers
 
-#: Where a solver's digits differ by machine.
-ROUGH = {"theorem_3": 0.5}
-
 
 @pytest.mark.parametrize("paper", PAPERS)
 def test_every_number_is_the_committed_one(paper):
     committed, found = json.loads(FILE.read_text())[paper], numbers(reproduced(paper).to_dict())
     assert found.keys() == committed.keys()
+    if paper == "malaize2009":  # as printed, Theorem 3 has no minimum: gain, condition and poles where a solver stops
+        printed, theirs = (np.reshape(one["theorem_3"][:12], (3, 4)) for one in (found, committed))
+        assert printed[:, 0] == pytest.approx(theirs[:, 0], rel=0.5)
+        assert np.all(printed[:, 1:] > [1e12, 1e12, 1e7])
+        found["theorem_3"], committed["theorem_3"] = found["theorem_3"][12:], committed["theorem_3"][12:]
     for name, values in committed.items():
-        usual = 0.02 if paper == "malaize2009" else 1e-4
-        assert found[name] == pytest.approx(values, rel=ROUGH.get(name, usual), nan_ok=True), name
+        assert found[name] == pytest.approx(values, rel=0.02 if paper == "malaize2009" else 1e-4, nan_ok=True), name
 
 
 def test_each_step_is_reported():
