@@ -120,6 +120,7 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
         elif any(candidate.name == e.name and candidate.label == e.label for e in evidence.extra):
             column = next(extra)
             amplitudes = steps[at : at + len(column.amplitudes)]
+            # what was judged near rest has few of its rows here
             certain = column.near_rest or _excludes_zero(range(at, at + len(amplitudes)), amplitudes, evidence)
             at += len(amplitudes)
             effect = next(iter(column.laws(amplitudes)), None)
