@@ -455,7 +455,7 @@ def friction(s: Search) -> None:
             lambda a: law,
         )
 
-    if any(getattr(f, "name", "") == "presliding_friction" for f in s.ctx.extra):
+    if any(f.name == "presliding_friction" for f in s.ctx.extra):
         return
     lengths = np.geomspace(SHORTEST * min(b.encoder_noise for b in s.balances), LONGEST * s.length, 12)
     s.least["presliding_friction"] = lengths[0]
@@ -582,7 +582,7 @@ def motor_and_load(s: Search) -> None:
 
     for damping in DAMPINGS:
         shape = partial(mode, damping=damping)
-        tables = [[b.rows(x)[0] for b, x in zip(s.balances, shape(f).columns(ctx), strict=True)] for f in coarse]
+        tables = [rows_of(ctx, shape(f).columns) for f in coarse]
         size = np.linalg.norm(ctx.project([np.vstack(rows) for rows in zip(*tables, strict=True)])[0], axis=1)
         fine = np.geomspace(lowest, highest, int(np.log(highest / lowest) / max(damping, 0.02)))
         met = np.array([product_with(s.weights, shape(f).columns(ctx)) for f in fine])
@@ -732,7 +732,7 @@ def jumps(s: Search) -> None:
     for count in range(1, min(len(peaks), MOST_JUMPS) + 1):
         instants = [(log, at) for _, log, at, _ in peaks[:count]]
         columns = partial(jumped, instants)
-        c = ctx.filtered([b.rows(x) for b, x in zip(s.balances, columns(ctx), strict=True)], ctx.screen.taps)
+        c = ctx.filtered(rows_of(ctx, columns), ctx.screen.taps)
         amplitudes = np.linalg.lstsq(c.T, ctx.screen.rest)[0]
         if UNIT * np.min(np.abs(amplitudes)) < least:
             break
@@ -825,7 +825,7 @@ def several_waves(s: Search) -> None:
     kappas = [1.0 / first]
     for count in range(2, MOST_WAVES + 1):
         made = several(s, kappas)
-        c, _ = s.ctx.project([b.rows(x) for b, x in zip(s.balances, made(s.ctx), strict=True)])
+        c, _ = s.ctx.project(rows_of(s.ctx, made))
         left = adjoint(s.ctx, s.ctx.basis[0], e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
         peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances], left)
         peaks = [peak for peak in peaks if peak[0] * s.length > FAMILY_TURNS]
