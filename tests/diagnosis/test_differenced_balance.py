@@ -10,7 +10,7 @@ import cogging
 from cogging.diagnosis.balance.candidates import Search, wave_scan
 from cogging.diagnosis.balance.cells import dahl, load_response, lost_motion
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter
+from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, student_cost
 from cogging.diagnosis.balance.nuisances import instruments_of
 from cogging.effects.effect import VOCABULARY as E
 
@@ -246,6 +246,15 @@ def test_lost_motion_against_a_load_between_stiff_stops():
     assert np.max(np.abs(found)) == pytest.approx(np.max(np.abs(relative[100:])), rel=0.3)
 
 
+def test_lost_motion_is_continuous_in_the_gap():
+    """Else the likelihood of a gap has a peak wherever an impact falls into another row."""
+    a = -0.02 * (4 * np.pi) ** 2 * np.sin(4 * np.pi * np.arange(0.0, 1.5, 1e-3))
+    gaps = 2e-4 * (1.0 + 1e-4 * np.arange(400))
+    found = np.array([lost_motion(a, 1e-3, gap) for gap in gaps])
+    largest = np.max(np.abs(np.diff(found, axis=0)))
+    assert 0.0 < largest < 2e-3 * np.max(np.abs(found))
+
+
 def stop_depth(lead, gap):
     """How far a motor that leads the load's middle presses into a stop, m."""
     return np.sign(lead) * max(abs(lead) - gap / 2, 0.0)
@@ -345,14 +354,19 @@ def test_intervals_end_where_the_likelihood_ratio_does():
     evidence = Evidence([DifferencedBalance(log, 2e-2)], stated, stated.replace(effects=(bump,))).prepare(2)
     fit, mixture = evidence.null, evidence.mixture
     assert len(mixture) > 1
-    root = np.linalg.cholesky(fit.gram).T
+    # information of a row by differences of its -2 ln likelihood, for any distribution of the noise
+    costs = [student_cost(fit.rest + step, fit.variance) for step in (-1e-3, 0.0, 1e-3)]
+    score, bend = (costs[2] - costs[0]) / 4e-3, (costs[0] - 2.0 * costs[1] + costs[2]) / 2e-6
+    prior = 1.0 / fit.prior[0] ** 2
+    rows = (fit.gram - fit.variance * np.diag(prior)) / fit.weight.mean() * bend.mean() ** 2 / np.mean(score**2)
+    root = np.linalg.cholesky(rows + np.diag(prior)).T
     low = np.where(np.isin(np.arange(len(fit.w)), mixture), 0.0, -np.inf)
 
     def cost(k, moved):
         rest = np.arange(len(fit.w)) != k
         target = root @ fit.w - root[:, k] * (fit.w[k] + moved * fit.size[k] if k >= 0 else 0.0)
         columns, bounds = (root[:, rest], low[rest]) if k >= 0 else (root, low)
-        return 2.0 * lsq_linear(columns, target, (bounds, np.inf), tol=1e-14).cost / fit.variance
+        return 2.0 * lsq_linear(columns, target, (bounds, np.inf), tol=1e-14).cost
 
     least = cost(-1, 0.0)
     for path in ("effects.stribeck_friction.static_excess", "axis.mass"):
@@ -361,3 +375,16 @@ def test_intervals_end_where_the_likelihood_ratio_does():
         assert ends[0] < 0.0 < ends[1]
         for end in ends:
             assert cost(k, end) - least == pytest.approx(1.959964**2, rel=1e-2)
+
+
+@pytest.mark.parametrize("noise", ["standard_normal", "laplace", "standard_t"])
+def test_deviations_of_amplitudes_are_those_of_many_draws(noise):
+    """Whatever the distribution of the noise: the weights of the rows belong to a Student distribution."""
+    rng = np.random.default_rng(7)
+    x, none, inf = rng.standard_normal((2, 300)), np.zeros(2), np.full(2, np.inf)
+    freedom = (4.0,) if noise == "standard_t" else ()
+    errors = []
+    for _ in range(600):
+        fit = likeliest(x, getattr(rng, noise)(*freedom, size=300), inf, none)
+        errors.append(fit.w / np.sqrt(np.diag(np.linalg.inv(fit.gram)) * fit.spread))
+    assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(1.0, abs=0.07)

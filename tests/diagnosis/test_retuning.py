@@ -86,7 +86,7 @@ def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
     for name, value in true.items():
         low, high = found.effects[0].parameters[name].ci95
         assert low < value < high
-        assert high - low < (0.03 if name == "frequency" else 0.6) * value
+        assert high - low < (0.03 if name == "frequency" else 0.7) * value
     assert found.gap.confirm_after < 0.95 * found.gap.confirm_before
     assert found.model.effects[0].NAME == "flexible_mode"
 

@@ -133,7 +133,7 @@ def noncentralities(evidence: Evidence, tables: Sequence[FloatArray], name: str 
     null = evidence.screen
     own = (f"effects.{name}.", f"effects.{name}[")
     kept = [k for k in range(len(null.x)) if not (k < len(evidence.paths) and evidence.paths[k].startswith(own))]
-    root, sigma = np.sqrt(null.weight / null.variance), null.prior[0][kept]
+    root, sigma = np.sqrt(null.weight / null.spread), null.prior[0][kept]
     finite = np.isfinite(sigma)
     prior = np.diag(1.0 / np.where(finite, sigma, 1.0))[:, finite]
     q = orthonormal(np.hstack([null.x[kept] * root, prior]))
@@ -246,9 +246,8 @@ def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) ->
 def _change_limits(evidence: Evidence, blocks: int) -> dict[str, Limit]:
     """Return the smallest detectable changes of mass, viscous and Coulomb friction beyond their stated uncertainty."""
     result, null, given = {}, evidence.null, evidence.given
-    sigma, _ = null.prior
-    free = null.gram - np.diag(1.0 / np.maximum(sigma**2 / null.variance, 1e-12))
-    deviations = np.sqrt(np.maximum(null.variance * np.diag(np.linalg.pinv(free, hermitian=True)), 0.0)) / null.size
+    free = evidence.information - np.diag(1.0 / (null.prior[0] ** 2 * evidence.alike))
+    deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(free, hermitian=True)), 0.0)) / null.size
     for name in CHANGES:
         limit, stated, value = Limit("change", "1"), given.uncertainty.get(name), float(getattr(given.axis, name))
         if stated is None:

@@ -177,11 +177,10 @@ def _result(
     while harmed:
         gone = [terms[k] for k in {**held_out, **refused}]
         less = [without(whole, terms, [*gone, *(terms[k] for k in family)], found) for family in families]
-        models = [nominal, without(whole, terms, gone, found), *less]
+        models = [nominal, without(whole, terms, gone, found) if terms else nominal, *less]
         replayed, doubt = _replayed(yardstick, models) if replay else (None, "")
-        balanced = _gaps(yardstick.by_balance(), models)
         shown = replayed is not None and not any(one and two and growth(one, two) for one, two, *_ in replayed)
-        given, confirm = replayed if replayed is not None and shown else balanced
+        given, confirm = replayed if replayed is not None and shown else _gaps(yardstick.by_balance(), models)
         harm, why = _harm(given, confirm, units)
         if harmed := any(harm):
             worst = int(np.argmax(harm))

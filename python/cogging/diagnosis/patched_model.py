@@ -66,8 +66,7 @@ def with_intervals(model: Model, evidence: Evidence, whole: Model, names: Mappin
         low, high = evidence.interval(k) if path in known else (-np.inf, np.inf)
         if np.isfinite(high - low):
             value = known[path].value
-            is_fitted = own.startswith("effects.") and own in fitted
-            centre = fitted[own].value + float(evidence.null.theta[k]) if is_fitted else value
+            centre = fitted[own].value + float(evidence.null.theta[k]) if own in fitted else value
             low, high = min(centre + low, value), max(centre + high, value)
             intervals[path] = (max(0.0, low) if known[path].positive else low, high)
     return model.replace(intervals=intervals)

@@ -78,6 +78,9 @@ def lost_motion(a: FloatArray, step: float, gap: float) -> FloatArray:
         met = np.flatnonzero((way < -gap) | (way > 0.0))
         flight = int(met[0]) if len(met) else len(way)
         apart[i : i + flight] = speed[:flight]
+        if len(met):  # part of the row in which they meet: the force must be continuous in the gap
+            before, wall = way[flight - 1] if flight else 0.0, -gap if way[flight] < 0.0 else 0.0
+            apart[i + flight] = speed[flight] * (wall - before) / (way[flight] - before)
         side = -side if len(met) and way[flight] < 0.0 else side
         free_until = i + flight
     return apart

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.linalg import solve_triangular
-from scipy.ndimage import minimum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
 
 from cogging.arrays import FloatArray, Mask
@@ -42,6 +42,7 @@ BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal a
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
+NEIGHBOURS = 1  # of a friction width with a positive weight that stay until the rows are whitened
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
@@ -141,6 +142,16 @@ class Maximum:
         """Return -2 ln of the density of each row, (n,)."""
         return student_cost(self.rest, self.variance) + self.unit
 
+    @property
+    def spread(self) -> float:
+        """Variance of the amplitude of a column of unit weight, which exceeds `variance`: rows of noise lose weight.
+
+        It is the asymptotic variance of an M-estimator (Huber 1964), which needs no normal distribution.
+        """
+        far = self.rest**2 / (TAIL * self.variance)
+        score, slope = self.rest / (1.0 + far), (1.0 - far) / (1.0 + far) ** 2
+        return float(np.mean(self.weight) * np.mean(score**2) / np.mean(slope) ** 2)
+
 
 def median(x: FloatArray) -> float:
     """Return the median of a few numbers, (n,), without the checks that take most of the time of np.median."""
@@ -159,13 +170,21 @@ def student_cost(rest: FloatArray, variance: float) -> FloatArray:
     return np.asarray((TAIL + 1.0) * np.log1p(rest**2 / (TAIL * variance)) + np.log(variance))
 
 
-def likeliest(x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArray, rounds: int = 3) -> Maximum:
+def likeliest(
+    x: FloatArray,
+    r: FloatArray,
+    sigma: FloatArray,
+    target: FloatArray,
+    rounds: int = 3,
+    near: Maximum | None = None,
+) -> Maximum:
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
-    Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,).
+    Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,). A fit of
+    other columns to the same rows provides the first weights, which saves a round.
     """
-    weight, variance = np.ones(len(r)), deviation(r) ** 2
-    for _ in range(rounds):
+    weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
+    for _ in range(rounds if near is None else rounds - 1):
         prior = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
         scaled = x * np.sqrt(weight)
         gram = scaled @ scaled.T + np.diag(prior + 1e-12 * len(r))
@@ -252,12 +271,12 @@ class Evidence:
             rounds: number of steps.
             listen: whether to choose the low-pass corner of each balance from the first residual.
         """
-        for k in range(rounds):
+        if listen:
+            self.make_columns()
+            for b, r in zip(self.balances, self.raw, strict=True):
+                b.set_corner(r, self.model.axis.mass, self.largely)
+        for _ in range(rounds):
             self.make()
-            if k == 0 and listen:
-                for b, r in zip(self.balances, self.raw, strict=True):
-                    b.set_corner(r, self.model.axis.mass, self.largely)
-                self.make()
             before = self.decrement(self.model)
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
@@ -319,6 +338,18 @@ class Evidence:
         Raises:
             TooLittleMotion: fewer than FEWEST rows are valid.
         """
+        theta, stale = self.make_columns()
+        taps = self.taps_of(theta)
+        if stale:
+            self.levels = self.local_levels(taps)
+            taps = self.taps_of(self.fitted(self.plain, rounds=1).theta)
+        first = self.fitted(taps, rounds=1)
+        self.keep_positive(first)
+        self.start, self.fit = taps, self.fitted(taps, base=first)
+        self.theta = self.fit.theta
+
+    def make_columns(self) -> tuple[FloatArray, bool]:
+        """Make residuals and columns; return amplitudes without a filter, and whether the noise levels are unknown."""
         self.instruments = [instruments_of(b, self.model) for b in self.balances]
         known = nuisances_of(self.model, self.given, self.balances, self.instruments, self.free)
         self.paths, self.limits = known.paths, known.limits
@@ -337,12 +368,14 @@ class Evidence:
             raise TooLittleMotion(f"the encoder resolves the motion in {count} rows at {self.rate:.3g} Hz only")
         self.residuals = [b.rows(r)[0] for b, r in zip(self.balances, self.raw, strict=True)]
         self.nuisances = [b.rows(t) for b, t in zip(self.balances, tables, strict=True)]
-        for name in ("null", "screen", "basis", "unfiltered", "near_rest"):
+        for name in ("null", "information", "screen", "basis", "unfiltered", "near_rest"):
             self.__dict__.pop(name, None)
         stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
         if stale:
             self.levels = [np.ones(int(m.sum())) for m in self.counted]
-        theta = self.fitted(self.plain, rounds=1).theta
+        first = self.fitted(self.plain, rounds=1)
+        self.keep_positive(first, NEIGHBOURS)
+        theta = self.fitted(self.plain, rounds=1, base=first).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
@@ -350,14 +383,7 @@ class Evidence:
         self.alike = 1.0
         if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
-        taps = self.taps_of(theta)
-        if stale:
-            self.levels = self.local_levels(taps)
-            taps = self.taps_of(self.fitted(self.plain, rounds=1).theta)
-        first = self.fitted(taps, rounds=1)
-        self.keep_positive(first)
-        self.start, self.fit = taps, self.fitted(taps, base=first)
-        self.theta = self.fit.theta
+        return theta, stale
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
         """Return the valid rows of columns (p, m) of each log behind its filter, logs concatenated, (p, n)."""
@@ -419,6 +445,7 @@ class Evidence:
         tables: Sequence[FloatArray] | None = None,
         rounds: int = 3,
         base: Maximum | None = None,
+        near: Maximum | None = None,
     ) -> Maximum:
         """Fit the nuisance parameters and added columns (k, m) of each log behind whitening filters.
 
@@ -427,6 +454,7 @@ class Evidence:
             tables: added columns.
             rounds: of re-weighting.
             base: fit without the added columns behind the same filters, whose rows are reused.
+            near: fit that provides the first weights of the rows.
         """
         if base is None:
             base_rows = zip(self.residuals, self.nuisances, strict=True)
@@ -443,7 +471,7 @@ class Evidence:
         count = len(size) - len(self.prior_sigma)
         sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)]) * size / np.sqrt(self.alike)
         target = np.concatenate([self.prior_offset, np.zeros(count)]) * size
-        best = likeliest(x, r, sigma, target, rounds)
+        best = likeliest(x, r, sigma, target, rounds, near)
         scale = [-2.0 * np.log(abs(h[0])) for h in taps]
         best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
         best.cost += best.unit.sum()
@@ -468,11 +496,11 @@ class Evidence:
         else:
             parts, rounds = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)], 1
             base = self.bases[int(np.argmin(self.costs_with(tables)))]
-            best = self.fitted(base.taps, tables, base=base)
+            best = self.fitted(base.taps, tables, base=base, near=base)
             if tried is not None:
-                best = min(best, self.fitted(tried, tables), key=lambda fit: fit.cost)
+                best = min(best, self.fitted(tried, tables, near=best), key=lambda fit: fit.cost)
         for _ in range(rounds):
-            fit = self.fitted(self.taps_of(best.theta, parts), tables)
+            fit = self.fitted(self.taps_of(best.theta, parts), tables, near=best)
             if fit.cost >= best.cost:
                 break
             best = fit
@@ -484,7 +512,7 @@ class Evidence:
         """Compare a fit with its first n columns alone, and free its rows to save memory."""
         x, (sigma, target) = best.x, best.prior
         # the null hypothesis may be likelier behind the candidate's filter than behind its own
-        none = likeliest(x[:n], best.r, sigma[:n], target[:n])
+        none = likeliest(x[:n], best.r, sigma[:n], target[:n], near=best)
         none.unit = best.unit
         none.cost += best.unit.sum()
         best.same, best.none = none, none if none.cost < self.null.cost else self.null
@@ -492,7 +520,7 @@ class Evidence:
         more = x[n:] - np.linalg.solve(best.gram[:n, :n], near).T @ x[:n]
         ortho = orthonormal(more * np.sqrt(best.weight)) * np.sqrt(best.weight)
         best.inflation = float(np.max(self.inflation(ortho * best.rest / np.sqrt(best.variance)), initial=1.0))
-        best.explained = np.sqrt(best.weight) * (best.w[n:] @ more) / np.sqrt(best.variance)
+        best.explained = np.sqrt(best.weight / best.spread) * (best.w[n:] @ more)
         best.x = best.r = best.gram = np.zeros(0)
 
     def retuned(self, share: float = 1.0) -> Model:
@@ -587,15 +615,18 @@ class Evidence:
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
-    def keep_positive(self, fit: Maximum) -> None:
-        """Remove the friction widths whose non-negative least-squares weight is zero, also from the rows of a fit."""
+    def keep_positive(self, fit: Maximum, neighbours: int = 0) -> None:
+        """Remove friction widths with a non-negative least-squares weight of zero, also from the rows of a fit.
+
+        The given number of neighbours of the others stays on either side.
+        """
         sigma, target = fit.prior
         own = self.mixture
         if not len(own):
             return
         prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
         share, _ = nnls(*reduced(fit.gram, fit.x @ (fit.weight * fit.r) + prior * target, own))
-        gone = own[share == 0.0]
+        gone = own[maximum_filter1d((share > 0.0).astype(np.uint8), 2 * neighbours + 1) == 0]
         kept = np.setdiff1d(np.arange(len(fit.w)), gone)
         self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
@@ -623,15 +654,15 @@ class Evidence:
         fit, count = self.null, len(held)
         own = np.setdiff1d(self.mixture, held)
         rows = np.array([*held, *own], dtype=np.intp)
-        root, y = reduced(fit.gram, fit.gram @ fit.w, rows)
+        root, y = reduced(self.information, self.information @ fit.w, rows)
         y = y - root[:, :count] @ (fit.w[rows[:count]] + np.asarray(moved) * fit.size[rows[:count]])
         left = nnls(root[:, count:], y, maxiter=100 * len(own))[1] if len(own) else float(np.linalg.norm(y))
-        return float(left**2 / (fit.variance * self.alike))
+        return float(left**2)
 
     def interval(self, k: int) -> tuple[float, float]:
         """Return the ends of the 95 % interval of an amplitude, less its estimate: where the likelihood ratio ends."""
         null = self.null
-        deviation = np.sqrt(np.linalg.inv(null.gram)[k, k] * null.variance * self.alike) / null.size[k]
+        deviation = np.sqrt(np.linalg.inv(self.information)[k, k]) / null.size[k]
         most = self.loss((), 0.0) + SIGMAS_95**2
         end = np.sqrt(most) * float(deviation)  # the constraints make the interval narrower
 
@@ -678,6 +709,14 @@ class Evidence:
     def null(self) -> Maximum:
         """Null hypothesis: fit of the nuisance parameters alone."""
         return self.maximised()
+
+    @cached_property
+    def information(self) -> FloatArray:
+        """Fisher information of the scaled amplitudes of `null`, priors included, (q, q)."""
+        null = self.null
+        prior = 1.0 / np.maximum(null.prior[0] ** 2 / null.variance, 1e-12)
+        rows = (null.gram - np.diag(prior)) / null.spread
+        return np.asarray((rows + np.diag(prior) / null.variance) / self.alike)
 
     @cached_property
     def unfiltered(self) -> Maximum:

@@ -26,6 +26,7 @@ KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguisha
 UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
 ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
 LEAST_SHARE = 0.1  # of an effect's size: least uncertainty of one of its amplitudes
+SECANT = 0.1  # of the deviation of a parameter: finite-difference step of its column
 COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and phase of the known cogging
 # Instruments: regression of the command on the model's force along the reference at several lags
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
@@ -255,8 +256,8 @@ def add_parameter(
     if sigma == 0.0:
         return
     try:
-        pair = [with_values(model, {path: value + q}) for q in (1e-2 * sigma, -1e-2 * sigma)]
-        rows = [one.change(b, *pair) / (2e-2 * sigma) for b, one in zip(balances, instruments, strict=True)]
+        pair = [with_values(model, {path: value + q}) for q in (SECANT * sigma, -SECANT * sigma)]
+        rows = [one.change(b, *pair) / (2.0 * SECANT * sigma) for b, one in zip(balances, instruments, strict=True)]
     except ValueError:  # the effect rejects the value
         return
     columns.add(path, sigma, rows)
