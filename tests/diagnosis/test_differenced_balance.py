@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 import cogging
 from cogging.diagnosis.balance.candidates import Search, wave_scan
 from cogging.diagnosis.balance.cells import dahl, load_response, lost_motion
+from cogging.diagnosis.balance.decision import block_edges
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, student_cost
 from cogging.diagnosis.balance.nuisances import instruments_of
@@ -388,3 +389,33 @@ def test_deviations_of_amplitudes_are_those_of_many_draws(noise):
         fit = likeliest(x, getattr(rng, noise)(*freedom, size=300), inf, none)
         errors.append(fit.w / np.sqrt(np.diag(np.linalg.inv(fit.gram)) * fit.spread))
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(1.0, abs=0.07)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_friction_that_saturates_slowly_keeps_its_level_within_the_interval_of_coulomb(seed):
+    """It lies above what an arctangent fits to the speeds of the log."""
+    t, x, v, a = motion(seconds=4.0)
+
+    def law(speed):
+        return 0.3 * (0.5 * np.tanh(speed / 3e-3) + 0.5 * speed / (np.abs(speed) + 1.2e-2))
+
+    command = MASS * a + 0.166 * v + law(v) + 0.02 * np.random.default_rng(seed).standard_normal(len(t))
+    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    axis = cogging.AxisParameters(mass=MASS, viscous=0.166, coulomb=0.15, coulomb_width=5e-3)
+    model = cogging.Model(axis=axis, uncertainty={"mass": 0.02, "viscous": 0.3, "coulomb": 0.1})
+    found = cogging.diagnose(log, model)
+    assert [effect.name for effect in found.effects] == ["coulomb_change"]
+    change = found.effects[0].parameters["change"]
+    low, high = change.ci95
+    assert low < change.value < law(np.std(v)) / 0.15 - 1.0 < high < 1.02
+
+
+def test_a_log_without_valid_rows_has_no_blocks():
+    """As of a confirm log whose strokes are shorter than its filter."""
+    moving, still = (DifferencedBalance(moved(0.2), 5e-3) for _ in range(2))
+    still.keep = np.zeros_like(still.keep)
+    for balances in ([moving, still], [still, moving]):
+        evidence = Evidence(balances, machine(), machine()).prepare()
+        edges = block_edges(evidence)
+        assert list(edges) == list(block_edges(Evidence([moving], machine(), machine()).prepare()))
+        assert len(np.add.reduceat(evidence.null.rest, edges)) == len(edges) > 1

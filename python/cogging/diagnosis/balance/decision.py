@@ -458,6 +458,8 @@ def block_edges(evidence: Evidence, near_rest: bool = False) -> NDArray[np.intp]
     edges: list[int] = []
     at = 0
     for m, rows in zip(evidence.counted, own.counted, strict=True):
+        if not rows.any():
+            continue
         first = np.flatnonzero(m)[: max(1, int(m.sum()) - size // 2) : size]
         edges += [at, *(at + np.cumsum(rows)[first[1:]] - 1)]
         at += int(rows.sum())

@@ -161,8 +161,8 @@ def median(x: FloatArray) -> float:
 
 
 def deviation(x: FloatArray) -> float:
-    """Return a robust standard deviation from the median absolute value."""
-    return max(1.4826 * float(np.median(np.abs(x))), 1e-300)
+    """Return a robust standard deviation from the median absolute value; 1 without values."""
+    return max(1.4826 * float(np.median(np.abs(x))), 1e-300) if len(x) else 1.0
 
 
 def student_cost(rest: FloatArray, variance: float) -> FloatArray:
