@@ -195,6 +195,8 @@ def _result(
     out = {**held_out, **refused}
     enters = any(term.path and place not in out for place, term in enumerate(terms))
     before, before_there = given[0], confirm[0]
+    if logs.confirm and before_there is None:
+        notes.append("the encoder resolves too little motion in the confirm logs: they confirm nothing")
     read = _as_read(yardstick, stated, before)
     if read is not None and read.rms < before.rms:  # discard re-tuning that makes the gap larger
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
@@ -233,7 +235,7 @@ def _result(
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
     left_out = {kept.index(k): why for k, why in out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)
-    without_name = unlisted([terms[k] for k in kept], rest, gap, units, confirmed=bool(logs.confirm))
+    without_name = unlisted([terms[k] for k in kept], rest, gap, units, confirmed=before_there is not None)
     if without_name is None and refused and not effects:
         first = terms[min(refused)]
         without_name = _refused_entry(first, refused[min(refused)])

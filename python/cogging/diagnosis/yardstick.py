@@ -11,7 +11,7 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.decision import Outcome
-from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.balance.evidence import Evidence, TooLittleMotion
 from cogging.diagnosis.balance.nuisances import instruments_of
 from cogging.diagnosis.running_controller import obeys
 from cogging.estimation.replay import Replay
@@ -90,12 +90,15 @@ class Yardstick:
         return self._of(self.given, self.found.evidence.balances, model, 0.0)
 
     def on_confirm(self, model: Model) -> Discrepancy | None:
-        """Return the unexplained force of the confirm logs under a model re-tuned to them; None without any."""
+        """Return the unexplained force of the confirm logs under a model re-tuned to them; None if they do not move."""
         if not self.confirm:
             return None
         balances = self.found.both.balances[len(self.given) :]
         if id(model) not in self.tuned:
-            self.tuned[id(model)] = model, self.there(model)
+            try:
+                self.tuned[id(model)] = model, self.there(model)
+            except TooLittleMotion:
+                return None
         return self._of(self.confirm, balances, self.tuned[id(model)][1], self.found.shift)
 
     def there(self, model: Model) -> Model:

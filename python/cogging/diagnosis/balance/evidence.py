@@ -426,7 +426,7 @@ class Evidence:
         taps = []
         for r, x, m in zip(self.residuals, self.nuisances if parts is None else parts, self.masks, strict=True):
             left = r - theta @ x
-            if self.largely:
+            if self.largely or not m.any():
                 taps.append(np.ones(1) / deviation(left[m]))
                 continue
             most = OUTLIER * deviation(left[m])
