@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.linalg import solve_triangular
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
 
 from cogging.arrays import FloatArray, Mask
@@ -42,7 +42,6 @@ BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal a
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
-NEIGHBOURS = 1  # of a friction width with a positive weight that stay until the rows are whitened
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
@@ -373,9 +372,7 @@ class Evidence:
         stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
         if stale:
             self.levels = [np.ones(int(m.sum())) for m in self.counted]
-        first = self.fitted(self.plain, rounds=1)
-        self.keep_positive(first, NEIGHBOURS)
-        theta = self.fitted(self.plain, rounds=1, base=first).theta
+        theta = self.fitted(self.plain, rounds=1).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
@@ -615,18 +612,15 @@ class Evidence:
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
-    def keep_positive(self, fit: Maximum, neighbours: int = 0) -> None:
-        """Remove friction widths with a non-negative least-squares weight of zero, also from the rows of a fit.
-
-        The given number of neighbours of the others stays on either side.
-        """
+    def keep_positive(self, fit: Maximum) -> None:
+        """Remove the friction widths whose non-negative least-squares weight is zero, also from the rows of a fit."""
         sigma, target = fit.prior
         own = self.mixture
         if not len(own):
             return
         prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
         share, _ = nnls(*reduced(fit.gram, fit.x @ (fit.weight * fit.r) + prior * target, own))
-        gone = own[maximum_filter1d((share > 0.0).astype(np.uint8), 2 * neighbours + 1) == 0]
+        gone = own[share == 0.0]
         kept = np.setdiff1d(np.arange(len(fit.w)), gone)
         self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
-from scipy.signal import welch
+from scipy.signal import butter, sosfiltfilt
 
 from cogging._core import Predictor
 from cogging.arrays import FloatArray
@@ -33,7 +32,7 @@ COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and ph
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
 RINGING = tuple(range(112, 320, 16))  # of LAG, for the force on loads: they ring for some 0.1 s
 LAG = 4e-4  # s
-CLEAR = 4.0  # power of the inertial force over that of the residual: at lower frequencies it is not used
+MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
 SLOW = 10.0  # Hz: below it the measured acceleration has little noise
 
 
@@ -75,17 +74,13 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     plant = quiet_plant(only)
     if b.reference is None:
         forces = b.forces([plant])[0]
-        # of M a what is far above the noise, which the residual has too; the command has noise at every frequency
-        inertia = model.axis.mass * b.acceleration
-        count = int(min(len(inertia), 1.0 / b.step))
-        f, power = welch(inertia, 1.0 / b.step, nperseg=count)
-        clear = power > CLEAR * welch(b.residual(model), 1.0 / b.step, nperseg=count)[1]
-        padded = np.pad(inertia, count - 1, mode="reflect", reflect_type="odd")
-        size = next_fast_len(len(padded), real=True)
-        kept = np.interp(rfftfreq(size, b.step), f, clear | (f < SLOW))
-        net = irfft(rfft(padded, size) * kept, size)[count - 1 : count - 1 + len(inertia)]
-        smooth = b._low_pass(inertia, SLOW)  # the filter of `net` rings, which looks like a load
-        return Instruments(net - forces, smooth, net / model.axis.mass, np.zeros_like(net))
+        slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
+        caused = (slow + forces) / model.axis.mass
+        # below SLOW use the measured acceleration: the command also balances forces that the model lacks
+        read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
+        caused = caused + sosfiltfilt(read, b.acceleration - caused)
+        net = model.axis.mass * caused
+        return Instruments(net - forces, net, net / model.axis.mass, np.zeros_like(net))
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
