@@ -380,7 +380,10 @@ def test_intervals_end_where_the_likelihood_ratio_does():
 
 @pytest.mark.parametrize("noise", ["standard_normal", "laplace", "standard_t"])
 def test_deviations_of_amplitudes_are_those_of_many_draws(noise):
-    """Whatever the distribution of the noise: the weights of the rows belong to a Student distribution."""
+    """Whatever the distribution of the noise: the weights of the rows belong to a Student distribution.
+
+    Their rms ratio has a deviation of 0.02; with the variance alone it is 1.12 to 1.19.
+    """
     rng = np.random.default_rng(7)
     x, none, inf = rng.standard_normal((2, 300)), np.zeros(2), np.full(2, np.inf)
     freedom = (4.0,) if noise == "standard_t" else ()
@@ -421,17 +424,11 @@ def test_a_log_without_valid_rows_has_no_blocks():
         assert len(np.add.reduceat(evidence.null.rest, edges)) == len(edges) > 1
 
 
-def noisy(force=0.0, reading_noise=0.0, seed=0):
-    """A log of 4 s whose command has noise that does not act, as that of a measured current; it has no reference."""
-    rng = np.random.default_rng(seed)
+def test_a_confirm_log_of_too_little_motion_confirms_nothing():
     t, x, v, a = motion(seconds=4.0)
-    command = MASS * a + 0.166 * v - force + 0.02 * rng.standard_normal(len(t))
-    held = np.append(0.5 * (command[1:] + command[:-1]), command[-1])
-    return cogging.Log(time=t, position=x + reading_noise * rng.standard_normal(len(t)), command=held)
-
-
-def test_a_confirm_log_that_the_encoder_hardly_resolves_confirms_nothing():
-    found = cogging.diagnose(noisy(0.05), machine(), confirm=noisy(0.05, seed=1)[:800])
+    command = MASS * a + 0.166 * v - 0.05 + 0.02 * np.random.default_rng(0).standard_normal(len(t))
+    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    found = cogging.diagnose(log[800:], machine(), confirm=log[:800])
     assert found.effects[0].name == "constant_force"
     assert found.gap.confirm_before is None
     assert any("confirm nothing" in note for note in found.notes)

@@ -246,8 +246,8 @@ def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) ->
 def _change_limits(evidence: Evidence, blocks: int) -> dict[str, Limit]:
     """Return the smallest detectable changes of mass, viscous and Coulomb friction beyond their stated uncertainty."""
     result, null, given = {}, evidence.null, evidence.given
-    free = evidence.information - np.diag(1.0 / (null.prior[0] ** 2 * evidence.alike))
-    deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(free, hermitian=True)), 0.0)) / null.size
+    variances = np.diag(np.linalg.pinv(evidence.information_of_rows, hermitian=True))
+    deviations = np.sqrt(np.maximum(variances, 0.0)) / null.size
     for name in CHANGES:
         limit, stated, value = Limit("change", "1"), given.uncertainty.get(name), float(getattr(given.axis, name))
         if stated is None:

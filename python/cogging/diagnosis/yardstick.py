@@ -90,7 +90,7 @@ class Yardstick:
         return self._of(self.given, self.found.evidence.balances, model, 0.0)
 
     def on_confirm(self, model: Model) -> Discrepancy | None:
-        """Return the unexplained force of the confirm logs under a model re-tuned to them; None if they do not move."""
+        """Return the unexplained force of the confirm logs under a model re-tuned to them; None if none moves."""
         if not self.confirm:
             return None
         balances = self.found.both.balances[len(self.given) :]

@@ -180,7 +180,7 @@ def likeliest(
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
     Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,). A fit of
-    other columns to the same rows provides the first weights, which saves a round.
+    other columns, or behind other filters, provides the first weights, which saves a round.
     """
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
@@ -704,13 +704,17 @@ class Evidence:
         """Null hypothesis: fit of the nuisance parameters alone."""
         return self.maximised()
 
-    @cached_property
-    def information(self) -> FloatArray:
-        """Fisher information of the scaled amplitudes of `null`, priors included, (q, q)."""
+    @property
+    def information_of_rows(self) -> FloatArray:
+        """Fisher information of the rows on the scaled amplitudes of `null`, without their priors, (q, q)."""
         null = self.null
         prior = 1.0 / np.maximum(null.prior[0] ** 2 / null.variance, 1e-12)
-        rows = (null.gram - np.diag(prior)) / null.spread
-        return np.asarray((rows + np.diag(prior) / null.variance) / self.alike)
+        return np.asarray((null.gram - np.diag(prior)) / (null.spread * self.alike))
+
+    @cached_property
+    def information(self) -> FloatArray:
+        """Fisher information of rows and priors on the scaled amplitudes of `null`, (q, q)."""
+        return np.asarray(self.information_of_rows + np.diag(1.0 / (self.null.prior[0] ** 2 * self.alike)))
 
     @cached_property
     def unfiltered(self) -> Maximum:
