@@ -343,7 +343,7 @@ class Evidence:
             self.levels = self.local_levels(taps)
             taps = self.taps_of(self.fitted(self.plain, rounds=1).theta)
         first = self.fitted(taps, rounds=1)
-        self.keep_positive(first)
+        self.keep_needed(first)
         self.start, self.fit = taps, self.fitted(taps, base=first)
         self.theta = self.fit.theta
 
@@ -612,16 +612,38 @@ class Evidence:
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
-    def keep_positive(self, fit: Maximum) -> None:
-        """Remove the friction widths whose non-negative least-squares weight is zero, also from the rows of a fit."""
-        sigma, target = fit.prior
+    def keep_needed(self, fit: Maximum) -> None:
+        """Remove the friction widths that the rows do not need, also from the rows of a fit.
+
+        While the residual is systematic, those are the widths whose non-negative least-squares weight is zero. Beside
+        noise a width has to raise 2 ln likelihood by ln n, the Bayesian information criterion (Schwarz 1978): many
+        collinear laws of levels that are not negative fit noise, always towards a more concave law.
+        """
         own = self.mixture
         if not len(own):
             return
-        prior = 1.0 / np.maximum(sigma**2 / fit.variance, 1e-12)
-        share, _ = nnls(*reduced(fit.gram, fit.x @ (fit.weight * fit.r) + prior * target, own))
-        gone = own[share == 0.0]
-        kept = np.setdiff1d(np.arange(len(fit.w)), gone)
+        sigma, target = fit.prior
+        slope = fit.x @ (fit.weight * fit.r) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
+        if self.largely:
+            needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
+        else:
+            parts, y = self.friction_parts(fit.gram, slope, fit)
+            first, bic = parts.shape[1] - len(own), fit.variance * np.log(len(fit.r))
+            chosen = list(range(first))
+
+            def loss_with(columns: list[int]) -> float:
+                return float(nnls(parts[:, columns], y)[1]) ** 2 if columns else float(y @ y)
+
+            least = loss_with(chosen)
+            while len(chosen) < parts.shape[1]:
+                more = np.setdiff1d(np.arange(parts.shape[1]), chosen)
+                left = [loss_with([*chosen, k]) for k in more]
+                if min(left) > least - bic:
+                    break
+                least = min(left)
+                chosen.append(int(more[np.argmin(left)]))
+            needed = own[np.array(chosen[first:], dtype=np.intp) - first]
+        kept = np.setdiff1d(np.arange(len(fit.w)), np.setdiff1d(own, needed))
         self.paths = [self.paths[j] for j in kept if j < len(self.paths)]
         self.prior_sigma, self.prior_offset = self.prior_sigma[kept], self.prior_offset[kept]
         self.nuisances = [t[kept] for t in self.nuisances]
@@ -645,13 +667,34 @@ class Evidence:
 
         The other amplitudes are re-fitted, those of the mixture of friction laws to values that are not negative.
         """
-        fit, count = self.null, len(held)
-        own = np.setdiff1d(self.mixture, held)
-        rows = np.array([*held, *own], dtype=np.intp)
-        root, y = reduced(self.information, self.information @ fit.w, rows)
-        y = y - root[:, :count] @ (fit.w[rows[:count]] + np.asarray(moved) * fit.size[rows[:count]])
-        left = nnls(root[:, count:], y, maxiter=100 * len(own))[1] if len(own) else float(np.linalg.norm(y))
+        fit = self.null
+        parts, y = self.friction_parts(self.information, self.information @ fit.w, fit, held, moved)
+        left = nnls(parts, y, maxiter=100 * parts.shape[1])[1] if parts.shape[1] else float(np.linalg.norm(y))
         return float(left**2)
+
+    def friction_parts(
+        self,
+        gram: FloatArray,
+        slope: FloatArray,
+        fit: Maximum,
+        held: Sequence[int] = (),
+        moved: FloatArray | float = 0.0,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return A (p, q) and y (p,): |A u - y|^2 is w G w - 2 slope w, up to a constant, of friction laws of level u.
+
+        Amplitudes `held` move by `moved` from those of the fit, all others but the mixture of friction laws take their
+        likeliest values. Where the level of Coulomb friction does so, the model's own law stands before the mixture.
+        """
+        own, count = np.setdiff1d(self.mixture, held), len(held)
+        level = [k for k, path in enumerate(self.paths) if path == "axis.coulomb" and k not in held and len(own)]
+        rows = np.array([*held, *level, *own], dtype=np.intp)
+        root, y = reduced(gram, slope, rows)
+        y = y - root[:, :count] @ (fit.w[rows[:count]] + np.asarray(moved) * fit.size[rows[:count]])
+        parts = root[:, count:] * fit.size[rows[count:]]
+        if level:  # the levels of all laws add up to that of Coulomb friction
+            parts[:, 1:] += parts[:, :1]
+            y = y + parts[:, 0] * self.model.axis.coulomb
+        return parts, y
 
     def interval(self, k: int) -> tuple[float, float]:
         """Return the ends of the 95 % interval of an amplitude, less its estimate: where the likelihood ratio ends."""
