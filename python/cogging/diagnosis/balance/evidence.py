@@ -600,6 +600,8 @@ class Evidence:
         """Return the arctangent width (m/s) that best matches the fitted friction mixture over the measured speeds."""
         own = self.model.axis.coulomb_width
         parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.theta, strict=False) if q.startswith("width.")}
+        wider = [float(t) for q, t in zip(self.paths, self.theta, strict=False) if q == "friction.width"]
+        own *= float(np.exp(np.clip(sum(wider), -1.0, 1.0)))
         if not parts:
             return own
         own = max(own, 0.1 * min(parts))
