@@ -600,8 +600,6 @@ class Evidence:
         """Return the arctangent width (m/s) that best matches the fitted friction mixture over the measured speeds."""
         own = self.model.axis.coulomb_width
         parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.theta, strict=False) if q.startswith("width.")}
-        wider = [float(t) for q, t in zip(self.paths, self.theta, strict=False) if q == "friction.width"]
-        own *= float(np.exp(np.clip(sum(wider), -1.0, 1.0)))
         if not parts:
             return own
         own = max(own, 0.1 * min(parts))
@@ -617,10 +615,9 @@ class Evidence:
     def keep_needed(self, fit: Maximum) -> None:
         """Remove the friction widths that the rows do not need, also from the rows of a fit.
 
-        While the residual is systematic, those are the widths whose non-negative least-squares weight is zero, and the
-        width of the model's own law, which a missing effect would change. Beside noise a width has to raise 2 ln
-        likelihood by ln n, the Bayesian information criterion (Schwarz 1978): many collinear laws of levels that are
-        not negative fit noise, always towards a more concave law.
+        While the residual is systematic, those are the widths whose non-negative least-squares weight is zero. Beside
+        noise a width has to raise 2 ln likelihood by ln n, the Bayesian information criterion (Schwarz 1978): many
+        collinear laws of levels that are not negative fit noise, always towards a more concave law.
         """
         own = self.mixture
         if not len(own):
@@ -629,7 +626,6 @@ class Evidence:
         slope = fit.x @ (fit.weight * fit.r) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
         if self.largely:
             needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
-            own = np.append(own, [k for k, path in enumerate(self.paths) if path == "friction.width"]).astype(np.intp)
         else:
             parts, y = self.friction_parts(fit.gram, slope, fit)
             first, bic = parts.shape[1] - len(own), fit.variance * np.log(len(fit.r))

@@ -22,7 +22,6 @@ from cogging.model.parameters import Parameter, effect_paths, parameters_of, wit
 
 TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
 WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
-WIDER = 1.1  # ratio of the widths whose difference gives the column of the width
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
 UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
 ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
@@ -140,11 +139,9 @@ def nuisances_of(
     late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
     if rubs:
         columns.add("friction.late", TIMING * own, late)
-    if rubs and widths and model.axis.coulomb_width > 0.0:
-        columns.add("friction.width", 1.0, [own * (law[0] - law[1]) / np.log(WIDER) for law in laws])
     if any(np.any(one.blur) for one in instruments):
         columns.add("friction.blur", 1.0, [one.blur for one in instruments])
-    for k, w in enumerate(widths if rubs else [], 2):
+    for k, w in enumerate(widths if rubs else [], 1):
         columns.add(f"width.{w:g}", own, [law[0] - law[k] for law in laws])
     add_cogging(columns, model, known)
     prefixes = [prefix for prefix, _ in effect_paths(model.effects)]
@@ -185,9 +182,9 @@ class Nuisances:
 def friction_laws(
     model: Model, given: Model, balances: Sequence[DifferencedBalance]
 ) -> tuple[list[FloatArray], list[float]]:
-    """Return friction laws of level 1, (2 + widths, n) of each log, and the widths (m/s).
+    """Return friction laws of level 1, (1 + widths, n) of each log, and the widths (m/s).
 
-    First stand the model's own law and the same WIDER times as wide, the others are ramps that saturate at the widths.
+    The first row is the model's own law, the others are ramps that saturate at the widths.
     """
     width, widths = model.axis.coulomb_width, []
     if given.uncertainty.get("coulomb_width") != 0.0:
@@ -200,8 +197,7 @@ def friction_laws(
         known = b.cache.get("friction")  # threads re-tune models of other widths
         if known is None or known[0] != (width, widths):
             v = b.fine.velocity
-            own = (width, WIDER * width)
-            table = [np.arctan(v / w) * 2 / np.pi if w > 0 else np.sign(v) for w in own]
+            table = [np.arctan(v / width) * 2 / np.pi if width > 0 else np.sign(v)]
             table += [np.clip(v / w, -1.0, 1.0) for w in widths]
             known = b.cache["friction"] = (width, widths), b.averaged(np.array(table))
         laws.append(known[1])
