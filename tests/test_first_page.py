@@ -50,6 +50,9 @@ def test_the_patched_model_is_the_machine_that_made_the_logs(run):
     assert spring.center == pytest.approx(0.2, abs=2e-3)
     assert better.axis.mass == pytest.approx(3.2, rel=0.01)
     assert better.units.command == "N"
+    for name, true in (("mass", 3.2), ("viscous", 9.0), ("coulomb", 4.5), ("coulomb_width", 2e-3)):
+        low, high = better.intervals[f"axis.{name}"]
+        assert low < true < high < 1.2 * low, name
 
 
 def test_the_figure_of_the_readme_is_that_of_the_page(run, tmp_path):

@@ -214,7 +214,8 @@ def search(
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
     assert outcome is not None
     plain = Evidence(balances, model, current, list(extra), tuple(free), plainly=True)
-    outcome.evidence = plain.prepare(3) if outcome.nominal.largely else outcome.evidence
+    last = replace(outcome.evidence, extra=list(extra), with_width=True)
+    outcome.evidence = plain.prepare(3) if outcome.nominal.largely else last.prepare(1)
     without_each_other(outcome.accepted)
     return outcome
 

@@ -22,7 +22,7 @@ from scipy.optimize import brentq, minimize_scalar, nnls
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import ROWS_PER_CORNER, DifferencedBalance
-from cogging.diagnosis.balance.nuisances import ROUNDING, Instruments, instruments_of, nuisances_of
+from cogging.diagnosis.balance.nuisances import ROUNDING, WIDTH, Instruments, instruments_of, nuisances_of
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, renamed_path, with_values
@@ -219,6 +219,8 @@ class Evidence:
         extra: accepted candidates without a law: each has `columns(evidence)`.
         free: paths of the axis without a prior.
         plainly: whether to skip whitening whatever the size of the residual.
+        with_width: whether the width of the model's friction law is a nuisance parameter. In the search it is not: the
+            change of an arctangent with its width has the shape of Stribeck friction.
         uniform: whether all rows have the same noise level, as where a given model lacks most of the command.
         base: evidence of the model whose noise the residual has (see `Instruments.change`); None for the model's own.
         instruments: of each log.
@@ -245,6 +247,7 @@ class Evidence:
     free: tuple[str, ...] = ()
     plainly: bool = False
     uniform: bool = False
+    with_width: bool = False
     base: Evidence | None = field(default=None, repr=False)
     instruments: list[Instruments] = field(init=False, repr=False)
     largely: bool = field(init=False, repr=False, default=False)
@@ -350,7 +353,8 @@ class Evidence:
     def make_columns(self) -> tuple[FloatArray, bool]:
         """Make residuals and columns; return amplitudes without a filter, and whether the noise levels are unknown."""
         self.instruments = [instruments_of(b, self.model) for b in self.balances]
-        known = nuisances_of(self.model, self.given, self.balances, self.instruments, self.free)
+        free = (*self.free, WIDTH) if self.with_width else self.free
+        known = nuisances_of(self.model, self.given, self.balances, self.instruments, free)
         self.paths, self.limits = known.paths, known.limits
         more = [s.columns(self) for s in self.extra]
         tables = [
@@ -598,17 +602,19 @@ class Evidence:
 
     def likeliest_width(self) -> float:
         """Return the arctangent width (m/s) that best matches the fitted friction mixture over the measured speeds."""
-        own = self.model.axis.coulomb_width
-        parts = {float(q[6:]): float(t) for q, t in zip(self.paths, self.theta, strict=False) if q.startswith("width.")}
+        steps = dict(zip(self.paths, map(float, self.theta), strict=False))
+        parts = {float(path[6:]): step for path, step in steps.items() if path.startswith("width.")}
+        own = max(self.model.axis.coulomb_width + steps.get(WIDTH, 0.0), 0.5 * self.model.axis.coulomb_width)
         if not parts:
             return own
-        own = max(own, 0.1 * min(parts))
+        least = 0.1 * min(parts)  # a ramp saturates where a narrower arctangent does
+        own = max(own, least)
         v = np.quantile(np.concatenate([np.abs(b.velocity[b.keep > 0]) for b in self.balances]), np.linspace(0, 1, 400))
         level = self.model.axis.coulomb - sum(parts.values())
         law = level * np.arctan(v / own) + 0.5 * np.pi * sum(t * np.minimum(v / w, 1.0) for w, t in parts.items())
         if not np.any(law):
             return own
-        tried = np.geomspace(min(own, min(parts)), max(own, max(parts)), 60)
+        tried = np.geomspace(least, max(own, max(parts)), 80)
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
