@@ -621,16 +621,16 @@ class Evidence:
     def keep_needed(self, fit: Maximum) -> None:
         """Remove the friction widths that the rows do not need, also from the rows of a fit.
 
-        While the residual is systematic, those are the widths whose non-negative least-squares weight is zero. Beside
-        noise a width has to raise 2 ln likelihood by 2, Akaike's information criterion (1974): many collinear laws of
-        levels that are not negative fit noise, always towards a more concave law.
+        Where a given model lacks most of the command, those are the widths whose non-negative least-squares weight is
+        zero. Beside noise a width has to raise 2 ln likelihood by 2, Akaike's information criterion (1974): many
+        collinear laws of levels that are not negative fit noise, always towards a more concave law.
         """
         own = self.mixture
         if not len(own):
             return
         sigma, target = fit.prior
         slope = fit.x @ (fit.weight * fit.r) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
-        if self.largely:
+        if self.largely or self.uniform:
             needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
         else:
             parts, y = self.friction_parts(fit.gram, slope, fit)
