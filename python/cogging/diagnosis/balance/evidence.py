@@ -622,8 +622,8 @@ class Evidence:
         """Remove the friction widths that the rows do not need, also from the rows of a fit.
 
         Where a given model lacks most of the command, those are the widths whose non-negative least-squares weight is
-        zero. Beside noise a width has to raise 2 ln likelihood by 2, Akaike's information criterion (1974): many
-        collinear laws of levels that are not negative fit noise, always towards a more concave law.
+        zero. Beside noise a width has to raise 2 ln likelihood by ln n, the Bayesian information criterion (Schwarz
+        1978): many collinear laws of levels that are not negative fit noise, always towards a more concave law.
         """
         own = self.mixture
         if not len(own):
@@ -634,7 +634,7 @@ class Evidence:
             needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
         else:
             parts, y = self.friction_parts(fit.gram, slope, fit)
-            first = parts.shape[1] - len(own)
+            first, bic = parts.shape[1] - len(own), fit.variance * np.log(len(fit.r))
             chosen = list(range(first))
 
             def loss_with(columns: list[int]) -> float:
@@ -644,7 +644,7 @@ class Evidence:
             while len(chosen) < parts.shape[1]:
                 more = np.setdiff1d(np.arange(parts.shape[1]), chosen)
                 left = [loss_with([*chosen, k]) for k in more]
-                if min(left) > least - 2.0 * fit.variance:
+                if min(left) > least - bic:
                     break
                 least = min(left)
                 chosen.append(int(more[np.argmin(left)]))
