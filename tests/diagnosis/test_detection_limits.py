@@ -70,7 +70,7 @@ def test_a_limit_goes_with_the_noise():
             cogging.diagnose(record(machine(force=one), seed)[:2001], machine()).limits for one in (0.08, 0.04)
         )
         ratios.append([quiet[name].value / loud[name].value for name in names])
-    assert np.median(ratios, axis=0) == pytest.approx(0.55, abs=0.1)
+    assert np.median(ratios, axis=0) == pytest.approx(0.5, abs=0.1)  # seen: 0.51 to 0.57; of one log 0.49 to 0.87
 
 
 def test_one_way_motion_shows_no_difference_of_directions(null):

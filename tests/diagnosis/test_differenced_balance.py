@@ -400,7 +400,7 @@ def test_deviations_of_amplitudes_are_those_of_many_draws(noise):
 
 
 def test_friction_that_saturates_slowly_keeps_its_level_near_the_interval_of_coulomb():
-    """It lies above what an arctangent, fits to the speeds of the log. No law of the model is the true one."""
+    """It lies above what an arctangent fits to the speeds of the log. No law of the model is the true one."""
     t, x, v, a = motion(seconds=4.0)
 
     def law(speed):

@@ -528,7 +528,7 @@ class Evidence:
         """Return the model moved by a share of the fitted step of the nuisance parameters."""
         steps = {path: share * float(step) for path, step in zip(self.paths, self.theta, strict=False)}
         width = self.likeliest_width()
-        return self.moved(self.model, steps | {"axis.coulomb_width": width - self.model.axis.coulomb_width})
+        return self.moved(self.model, steps | {WIDTH: width - self.model.axis.coulomb_width})
 
     def settled(self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = ()) -> Model:
         """Return a model whose own parameters minimise the residual of the force balance, to first order.
@@ -568,7 +568,7 @@ class Evidence:
 
         def tuned(share: float, factor: float = 1.0) -> tuple[float, float, Model]:
             """Return the residual power, the share of a step, and the model after it with a factor of the width."""
-            wider = with_values(bare, {"axis.coulomb_width": factor * width})
+            wider = with_values(bare, {WIDTH: factor * width})
             whole = gap.solved(own & free, moved, self.rows_under(wider, gap.taps))
             steps = dict(zip(paths, map(float, moved + share * (whole - moved)), strict=False))
             at = self.moved(model.replace(axis=wider.axis), steps)
@@ -636,14 +636,10 @@ class Evidence:
             parts, y = self.friction_parts(fit.gram, slope, fit)
             first, bic = parts.shape[1] - len(own), fit.variance * np.log(len(fit.r))
             chosen = list(range(first))
-
-            def loss_with(columns: list[int]) -> float:
-                return float(nnls(parts[:, columns], y)[1]) ** 2 if columns else float(y @ y)
-
-            least = loss_with(chosen)
+            least = positive_loss(parts[:, chosen], y)
             while len(chosen) < parts.shape[1]:
                 more = np.setdiff1d(np.arange(parts.shape[1]), chosen)
-                left = [loss_with([*chosen, k]) for k in more]
+                left = [positive_loss(parts[:, [*chosen, k]], y) for k in more]
                 if min(left) > least - bic:
                     break
                 least = min(left)
@@ -671,12 +667,10 @@ class Evidence:
     def loss(self, held: Sequence[int], moved: FloatArray | float) -> float:
         """Return by how much -2 ln likelihood exceeds that of `null` if amplitudes `held` move by `moved`.
 
-        The other amplitudes are re-fitted, those of the mixture of friction laws to values that are not negative.
+        The other amplitudes are re-fitted, those of friction laws to levels that are not negative.
         """
         fit = self.null
-        parts, y = self.friction_parts(self.information, self.information @ fit.w, fit, held, moved)
-        left = nnls(parts, y, maxiter=100 * parts.shape[1])[1] if parts.shape[1] else float(np.linalg.norm(y))
-        return float(left**2)
+        return positive_loss(*self.friction_parts(self.information, self.information @ fit.w, fit, held, moved))
 
     def friction_parts(
         self,
@@ -857,6 +851,11 @@ def reduced(gram: FloatArray, slope: FloatArray, kept: NDArray[np.intp]) -> tupl
     lower = np.linalg.cholesky(own + 1e-10 * np.trace(own) * np.eye(len(own))) if len(own) else own
     right = slope[kept] - gram[np.ix_(kept, rest)] @ others[:, -1]
     return lower.T, solve_triangular(lower, right, lower=True) if len(own) else right
+
+
+def positive_loss(parts: FloatArray, y: FloatArray) -> float:
+    """Return the least |A u - y|^2 over u that are not negative, with A (p, q) and y (p,)."""
+    return float(nnls(parts, y, maxiter=100 * parts.shape[1])[1]) ** 2 if parts.shape[1] else float(y @ y)
 
 
 def orthonormal(rows: FloatArray) -> FloatArray:

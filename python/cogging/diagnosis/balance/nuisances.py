@@ -22,8 +22,7 @@ from cogging.model.parameters import Parameter, effect_paths, parameters_of, wit
 
 TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
 WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
-WIDTH = "axis.coulomb_width"  # its path
-WIDER = 1.1  # ratio of the widths whose difference gives its column
+WIDTH = "axis.coulomb_width"  # path of the width of the model's own law
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
 UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
 ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
@@ -145,7 +144,7 @@ def nuisances_of(
         columns.add("friction.blur", 1.0, [one.blur for one in instruments])
     width, spread = model.axis.coulomb_width, given.uncertainty.get("coulomb_width", UNSTATED)
     if rubs and WIDTH in free and width > 0.0 and spread:
-        columns.add(WIDTH, spread * width, [own * (law[0] - law[1]) / ((WIDER - 1.0) * width) for law in laws])
+        columns.add(WIDTH, spread * width, [own * (law[0] - law[1]) / (SECANT * width) for law in laws])
     for k, w in enumerate(widths if rubs else [], 2):
         columns.add(f"width.{w:g}", own, [law[0] - law[k] for law in laws])
     add_cogging(columns, model, known)
@@ -189,7 +188,7 @@ def friction_laws(
 ) -> tuple[list[FloatArray], list[float]]:
     """Return friction laws of level 1, (2 + widths, n) of each log, and the widths (m/s).
 
-    First stand the model's own law and the same WIDER times as wide, the others are ramps that saturate at the widths.
+    First stand the model's own law and the same wider by SECANT, the others are ramps that saturate at the widths.
     """
     width, widths = model.axis.coulomb_width, []
     if given.uncertainty.get("coulomb_width") != 0.0:
@@ -202,7 +201,7 @@ def friction_laws(
         known = b.cache.get("friction")  # threads re-tune models of other widths
         if known is None or known[0] != (width, widths):
             v = b.fine.velocity
-            both = (width, WIDER * width)
+            both = (width, (1.0 + SECANT) * width)
             table = [np.arctan(v / w) * 2 / np.pi if w > 0 else np.sign(v) for w in both]
             table += [np.clip(v / w, -1.0, 1.0) for w in widths]
             known = b.cache["friction"] = (width, widths), b.averaged(np.array(table))
