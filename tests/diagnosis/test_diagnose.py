@@ -80,7 +80,7 @@ def test_at_rest_there_is_nothing_to_see():
     assert result.effects == ()
     assert "friction hides every force" in result.text()
     page = result.html()
-    assert "moves too little" in page
+    assert "too little of the motion" in page
     with pytest.raises(ValueError, match="plot: needs a gap that was measured, got the verdict insufficient"):
         result.plot()
 
@@ -97,6 +97,14 @@ def test_a_slow_log_without_a_reference_is_answered(rate):
     held = np.append(0.5 * (asked[1:] + asked[:-1]), asked[-1])  # over the step that follows
     command = held + 0.02 * np.random.default_rng(1).standard_normal(len(t))
     assert cogging.diagnose(cogging.Log(t, x, command), SLOW).verdict == "no_gap"
+
+
+def test_rows_far_apart_tell_nothing():
+    t = 0.4 * np.arange(500.0)
+    log = cogging.Log(t, np.sin(0.3 * t), -0.009 * np.sin(0.3 * t) + 0.01 * np.cos(t))
+    result = cogging.diagnose(log, SLOW)
+    assert (result.verdict, result.effects) == ("insufficient_excitation", ())
+    assert "give --scale time=0.001" in result.notes[-1]
 
 
 def test_an_encoder_that_resolves_the_motion_in_pieces_tells_nothing():

@@ -42,7 +42,9 @@ def test_a_force_of_any_shape_is_predicted_and_noise_is_not(coordinate):
     assert predicted(given).elsewhere is None
     gap, units = Gap("V", 0.1, 1.0, 1.0, None, None, "", share=0.45), MODEL.units
     assert unlisted([], told, gap, units, confirmed=True)["coordinate"] == coordinate
-    assert unlisted([], quiet, gap, units, confirmed=True) is None
+    assert unlisted([], quiet, replace(gap, floor=quiet.noise), units, confirmed=True) is None
+    assert unlisted([], quiet, gap, units, confirmed=True) is not None  # half of the command is no noise
+    assert unlisted([], quiet, replace(gap, share=0.2), units, confirmed=True) is None
     assert unlisted([], told, replace(gap, share=0.05), units, confirmed=True) is None  # small beside the command
     most = replace(gap, before=3.0, share=0.3)
     assert unlisted([], told, most, units, confirmed=True) is None  # most of it has a name

@@ -8,7 +8,7 @@ from cogging.diagnosis.balance.candidates import search_once
 from cogging.diagnosis.balance.decision import contender, search
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
-from tests.fixtures import pid_axis
+from tests.fixtures import moving_axis, pid_axis
 from tests.fixtures.pid_axis import FAST, other, run
 
 PITCH = 0.012  # m
@@ -108,3 +108,27 @@ def test_friction_that_sticks_is_no_presliding(width):
     model = pid_axis.MODEL.replace(axis=pid_axis.MODEL.axis.replace(coulomb_width=width))
     logs = run(model=model, duration=8.0), other(model=model)
     assert not search(logs[:1], logs[1:], pid_axis.MODEL).accepted
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
+    """Each candidate has residual forces of its own, which must not decide between one and two parameters."""
+    true = moving_axis.machine([cogging.EFFECTS["constant_force"](force=6.0)])
+    stated = moving_axis.machine()
+    stated = stated.replace(axis=stated.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
+    given, confirm = (moving_axis.record(true, 10 * seed + k) for k in (1, 2))
+    outcome = search([given], [confirm], stated)
+    assert outcome.nominal.largely
+    first = outcome.accepted[0].found
+    assert first.name == "constant_force"
+    assert first.amplitudes == pytest.approx([6.0], rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_payload_on_a_mass_that_was_stated_exactly_is_a_change_of_mass(seed):
+    true = moving_axis.machine()
+    stated = true.replace(uncertainty={**true.uncertainty, "mass": 0.0})
+    true = true.replace(axis=true.axis.replace(mass=3.2))
+    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
+    assert [one.found.name for one in outcome.accepted] == ["mass_change"]
+    assert outcome.evidence.model.axis.mass == pytest.approx(3.2, rel=5e-3)

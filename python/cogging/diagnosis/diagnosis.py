@@ -29,6 +29,7 @@ from cogging.diagnosis.yardstick import Discrepancy, Yardstick, growth, replayab
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.identification.misreading import misreading
+from cogging.log_check.log_audit import SLOW
 from cogging.model.model import Model
 from cogging.model.parameters import renamed_path
 from cogging.model.units import Units
@@ -109,6 +110,8 @@ def diagnose(
     if moving < MOTION_MIN:
         rest = f"the axis moves for only {moving:.2g} s: at rest, friction hides every force"
         return _unmeasured("insufficient_excitation", model, (*ready.notes, rest), vocabulary)
+    if any(np.median(np.diff(log.time)) > SLOW for log in ready.given):  # a note says how far apart
+        return _unmeasured("insufficient_excitation", model, ready.notes, vocabulary)
     for name, log in zip(ready.names, ready.given, strict=True):
         if not np.any(log.command):
             unit = model.units.command

@@ -225,8 +225,11 @@ def unlisted(
                 entry |= {"coordinate": curve.coordinate, "share": curve.share}
                 entry |= {"places": curve.places.tolist(), "force": curve.force.tolist()}
             return entry | {"statistic": float(term.accepted.score), "confirmed": confirmed or None}
-    left = rest.share * gap.after**2
-    systematic = (gap.share or 0.0) * np.sqrt(rest.share)
+    share, of_command = rest.share, gap.share or 0.0
+    if of_command > LARGELY:  # no noise, though what fits one part of the motion does not predict another
+        share = max(share, 1.0 - (gap.floor / gap.after) ** 2)
+    left = share * gap.after**2
+    systematic = of_command * np.sqrt(share)
     if systematic < SYSTEMATIC or (systematic < LARGELY and left < gap.before**2 - gap.after**2):
         return None
     curve = rest.curves[0]

@@ -137,7 +137,7 @@ class Found:
     @property
     def score(self) -> float:
         """T less the expected gain of k amplitudes and N trials under the null hypothesis."""
-        return float(self.T - self.k * np.log1p(self.T / max(self.k, 1)) - 2 * np.log(max(self.N, 1)))
+        return float(self.T - self.k * np.log1p(max(self.T, 0.0) / max(self.k, 1)) - 2 * np.log(max(self.N, 1)))
 
 
 def rows_of(evidence: Evidence, columns: Columns) -> list[FloatArray]:
@@ -572,6 +572,8 @@ def motor_and_load(s: Search) -> None:
     """Try a load behind a spring (resonance) and behind a gap (backlash)."""
     ctx, b0 = s.ctx, s.balances[0]
     lowest, highest = max(3.0 / s.duration, 2.0), min(0.25 * b0.rate, b0.corner)  # Hz
+    if lowest >= highest:
+        return  # a few periods are needed
     coarse = np.geomspace(lowest, highest, 18)
 
     def mode(f: float, damping: float) -> Shape:
@@ -973,7 +975,7 @@ def changes_of_axis(s: Search) -> None:
         c = np.zeros(len(e))
         c[len(e) - len(finite) + finite.index(ctx.paths.index(path))] = 1.0
         c -= (q @ c) @ q
-        T = float((c @ e) ** 2 / max(float(c @ c), 1e-12))
+        T = float((c @ e) ** 2 / max(float(c @ c), 1e-12)) / ctx.alike
         s.found[f"{name}_change"] = Found(f"{name}_change", "", T, 1, 1, np.array([0.0]), None, path)
 
 

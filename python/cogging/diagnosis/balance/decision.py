@@ -192,7 +192,7 @@ def search(
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
-        contenders = one_of_each_name(contenders)
+        contenders = likelier_first(outcome.both, one_of_each_name(contenders))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         if not contenders:
             break
@@ -243,6 +243,36 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
                 continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)
+
+
+def likelier_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
+    """Return the contenders with the likeliest first, if it explains nearly all that the one of the highest score does.
+
+    A score favours candidates on which what is still missing has little influence: each is divided by the inflation of
+    its own residual. Of candidates that are equally likely within COLUMN_ERROR, the one with the smallest penalty
+    counts. All are then compared in the noise that it leaves.
+    """
+
+    def gain(c: Contender) -> float:
+        return c.ratio * c.inflation
+
+    if not contenders:
+        return []
+    first, most = contenders[0], max(map(gain, contenders))
+    alike = [c for c in contenders if gain(c) >= (1.0 - COLUMN_ERROR) * most]
+    likeliest = min(alike, key=lambda c: c.ratio - c.score)
+    if likeliest is first or likeliest.found.near_rest != first.found.near_rest:
+        return list(contenders)
+    own = evidence.near_rest if first.found.near_rest else evidence
+    free = [c.found.effect for c in (first, likeliest) if c.found.columns is None]
+    tables = [c.found.rows(evidence)[1] for c in (first, likeliest) if c.found.columns is not None]
+    both = released(own, free, [np.vstack(rows) for rows in zip(*tables, strict=True)] if tables else None)
+    if likeliest.fit.cost - both.cost > max(MINOR * gain(first), THRESHOLD):
+        return list(contenders)
+    for c in contenders:
+        c.inflation = likeliest.inflation
+        weighed(evidence, c)
+    return [likeliest, *sorted((c for c in contenders if c is not likeliest), key=lambda c: -c.score)]
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
@@ -328,7 +358,7 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
     if f.columns is None:
         if f.effect not in evidence.paths:
             return None
-        best, name = released(evidence, f.effect), f.effect.removeprefix("axis.")
+        best, name = released(evidence, [f.effect]), f.effect.removeprefix("axis.")
         stated = getattr(evidence.given.axis, name)
         value = getattr(evidence.model.axis, name) + best.theta[evidence.paths.index(f.effect)]
         if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
@@ -442,12 +472,12 @@ def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> flo
     return float(np.angle(here / there)) * f.period / (2 * np.pi)
 
 
-def released(evidence: Evidence, path: str) -> Maximum:
-    """Return the maximum-likelihood fit without the prior of one parameter."""
+def released(evidence: Evidence, paths: Sequence[str], tables: Sequence[FloatArray] | None = None) -> Maximum:
+    """Return the maximum-likelihood fit without the priors of some parameters, possibly with added columns."""
     other = copy(evidence)
     other.prior_sigma = evidence.prior_sigma.copy()
-    other.prior_sigma[evidence.paths.index(path)] = np.inf
-    return other.maximised()
+    other.prior_sigma[[evidence.paths.index(path) for path in paths]] = np.inf
+    return other.maximised(tables)
 
 
 def block_edges(evidence: Evidence, near_rest: bool = False) -> NDArray[np.intp]:

@@ -607,14 +607,13 @@ class Evidence:
         own = max(self.model.axis.coulomb_width + steps.get(WIDTH, 0.0), 0.5 * self.model.axis.coulomb_width)
         if not parts:
             return own
-        least = 0.1 * min(parts)  # a ramp saturates where a narrower arctangent does
-        own = max(own, least)
+        own = max(own, 0.1 * min(parts))  # a ramp saturates where a narrower arctangent does
         v = np.quantile(np.concatenate([np.abs(b.velocity[b.keep > 0]) for b in self.balances]), np.linspace(0, 1, 400))
         level = self.model.axis.coulomb - sum(parts.values())
         law = level * np.arctan(v / own) + 0.5 * np.pi * sum(t * np.minimum(v / w, 1.0) for w, t in parts.items())
         if not np.any(law):
             return own
-        tried = np.geomspace(least, max(own, max(parts)), 80)
+        tried = np.geomspace(min(own, min(parts) / 3.0), max(own, max(parts)), 80)
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 

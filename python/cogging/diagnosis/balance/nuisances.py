@@ -24,6 +24,7 @@ TIMING = 0.25  # rows of a log: standard deviation of the timing error of fricti
 WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
 WIDTH = "axis.coulomb_width"  # path of the width of the model's own law
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
+EXACT = 1e-4  # relative uncertainty of what is stated without any: a change beyond it is an effect
 UNSTATED = 1.0  # relative uncertainty of mass and friction where the model states none
 ROUNDING = 1e-8  # relative: smaller sizes are rounding errors
 LEAST_SHARE = 0.1  # of an effect's size: least uncertainty of one of its amplitudes
@@ -128,12 +129,10 @@ def nuisances_of(
         "coulomb": [-law[0] for law in laws],
     }
     for name, rows in axis.items():
-        u = given.uncertainty.get(name)
-        if u != 0.0:
-            stated, path = getattr(given.axis, name), f"axis.{name}"
-            loose = path in free or stated == 0.0
-            sigma = np.inf if loose else (UNSTATED if u is None else u) * max(abs(stated), 1e-12)
-            columns.add(path, sigma, rows, stated - getattr(model.axis, name))
+        stated, path = getattr(given.axis, name), f"axis.{name}"
+        u = max(given.uncertainty.get(name, UNSTATED), EXACT)
+        sigma = np.inf if path in free or stated == 0.0 else u * max(abs(stated), 1e-12)
+        columns.add(path, sigma, rows, stated - getattr(model.axis, name))
     # friction may lag the speed by a fraction of a row, as an elastic contact does
     own = model.axis.coulomb
     rubs = own > ROUNDING * columns.largest  # the shape of negligible friction is not identifiable

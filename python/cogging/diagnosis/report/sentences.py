@@ -23,7 +23,7 @@ PLAIN_HEADLINES = {
     "no_gap": "Nothing is missing: the model explains these logs",
     "data_mismatch": "A column of these logs has the wrong sign, scale, order or timing",
     "controller_mismatch": "The stated controller did not make this log",
-    "insufficient_excitation": "The axis moves too little in these logs",
+    "insufficient_excitation": "These logs show too little of the motion",
 }
 MEANINGS = {
     "no_gap": (
@@ -45,7 +45,8 @@ MEANINGS = {
         "diagnosing the machine."
     ),
     "insufficient_excitation": (
-        "At rest, friction balances any force and hides every effect. Provide a log in which the axis moves."
+        "At rest, friction balances any force and hides every effect; between rows far apart, the motion is unknown. "
+        "Provide a log in which the axis moves, with rows a few milliseconds apart."
     ),
 }
 #: Coordinate along which an effect acts, by the quantity of its parameters.
