@@ -256,19 +256,21 @@ def likelier_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[
     def gain(c: Contender) -> float:
         return c.ratio * c.inflation
 
-    if not contenders:
-        return []
-    first, most = contenders[0], max(map(gain, contenders))
-    alike = [c for c in contenders if gain(c) >= (1.0 - COLUMN_ERROR) * most]
-    likeliest = min(alike, key=lambda c: c.ratio - c.score)
+    contenders = list(contenders)
+    good = [c for c in contenders if c.score > THRESHOLD]
+    if not good:
+        return contenders
+    first, most = contenders[0], max(map(gain, good))
+    alike = [c for c in good if gain(c) >= (1.0 - COLUMN_ERROR) * most]
+    likeliest = max(alike, key=lambda c: (score_of(0.0, max(c.found.k, 1), c.found.N, len(c.blocks)), gain(c)))
     if likeliest is first or likeliest.found.near_rest != first.found.near_rest:
-        return list(contenders)
+        return contenders
     own = evidence.near_rest if first.found.near_rest else evidence
     free = [c.found.effect for c in (first, likeliest) if c.found.columns is None]
     tables = [c.found.rows(evidence)[1] for c in (first, likeliest) if c.found.columns is not None]
     both = released(own, free, [np.vstack(rows) for rows in zip(*tables, strict=True)] if tables else None)
     if likeliest.fit.cost - both.cost > max(MINOR * gain(first), THRESHOLD):
-        return list(contenders)
+        return contenders
     for c in contenders:
         c.inflation = likeliest.inflation
         weighed(evidence, c)
