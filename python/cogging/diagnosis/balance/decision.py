@@ -192,7 +192,7 @@ def search(
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
-        contenders = likelier_first(outcome.both, one_of_each_name(contenders))
+        contenders = simplest_first(outcome.both, one_of_each_name(contenders))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         if not contenders:
             break
@@ -245,36 +245,35 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
     return sorted(best.values(), key=lambda c: -c.score)
 
 
-def likelier_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
-    """Return the contenders with the likeliest first, if it explains nearly all that the one of the highest score does.
+def simplest_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
+    """Return the contenders with the simplest first that is as likely as the one of the highest score.
 
-    A score favours candidates on which what is still missing has little influence: each is divided by the inflation of
-    its own residual. Of candidates that are equally likely within COLUMN_ERROR, the one with the smallest penalty
-    counts. All are then compared in the noise that it leaves.
+    A score favours candidates on which what is still missing has little influence: each gain is divided by the
+    inflation of its own residual. A simpler candidate of the same gain, within COLUMN_ERROR, that explains what the
+    first does goes before it. All are then compared in the noise that it leaves.
     """
 
     def gain(c: Contender) -> float:
         return c.ratio * c.inflation
 
     contenders = list(contenders)
-    good = [c for c in contenders if c.score > THRESHOLD]
+    good = [c for c in contenders if c.score > THRESHOLD and gain(c) >= (1.0 - COLUMN_ERROR) * gain(contenders[0])]
     if not good:
         return contenders
-    first, most = contenders[0], max(map(gain, good))
-    alike = [c for c in good if gain(c) >= (1.0 - COLUMN_ERROR) * most]
-    likeliest = max(alike, key=lambda c: (score_of(0.0, max(c.found.k, 1), c.found.N, len(c.blocks)), gain(c)))
-    if likeliest is first or likeliest.found.near_rest != first.found.near_rest:
+    first = contenders[0]
+    simplest = max(good, key=lambda c: (score_of(0.0, max(c.found.k, 1), c.found.N, len(c.blocks)), gain(c)))
+    if simplest is first or simplest.found.near_rest != first.found.near_rest:
         return contenders
     own = evidence.near_rest if first.found.near_rest else evidence
-    free = [c.found.effect for c in (first, likeliest) if c.found.columns is None]
-    tables = [c.found.rows(evidence)[1] for c in (first, likeliest) if c.found.columns is not None]
+    free = [c.found.effect for c in (first, simplest) if c.found.columns is None]
+    tables = [c.found.rows(evidence)[1] for c in (first, simplest) if c.found.columns is not None]
     both = released(own, free, [np.vstack(rows) for rows in zip(*tables, strict=True)] if tables else None)
-    if likeliest.fit.cost - both.cost > max(MINOR * gain(first), THRESHOLD):
+    if simplest.fit.cost - both.cost > max(MINOR * gain(first), THRESHOLD):
         return contenders
     for c in contenders:
-        c.inflation = likeliest.inflation
+        c.inflation = simplest.inflation
         weighed(evidence, c)
-    return [likeliest, *sorted((c for c in contenders if c is not likeliest), key=lambda c: -c.score)]
+    return [simplest, *sorted((c for c in contenders if c is not simplest), key=lambda c: -c.score)]
 
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:

@@ -613,7 +613,9 @@ class Evidence:
         law = level * np.arctan(v / own) + 0.5 * np.pi * sum(t * np.minimum(v / w, 1.0) for w, t in parts.items())
         if not np.any(law):
             return own
-        tried = np.geomspace(min(own, min(parts) / 3.0), max(own, max(parts)), 80)
+        # one law that the rows need has a width of its own; of many that replace each other, the narrowest may be wide
+        least = 0.1 if self.largely or self.uniform else 1.0 / 3.0
+        tried = np.geomspace(min(own, least * min(parts)), max(own, max(parts)), 80)
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
 
