@@ -131,4 +131,14 @@ def test_a_payload_on_a_mass_that_was_stated_exactly_is_a_change_of_mass(seed):
     true = true.replace(axis=true.axis.replace(mass=3.2))
     outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
     assert [one.found.name for one in outcome.accepted] == ["mass_change"]
-    assert outcome.evidence.model.axis.mass == pytest.approx(3.2, rel=5e-3)
+    assert outcome.evidence.model.axis.mass == pytest.approx(3.2, rel=2e-3)
+
+
+def test_what_is_stated_exactly_stays_and_a_friction_that_is_absent_stays_absent():
+    stated = pid_axis.MODEL.replace(uncertainty=dict.fromkeys(("mass", "viscous", "coulomb", "coulomb_width"), 0.0))
+    b = balance(model=pid_axis.MODEL)
+    assert Evidence([b], stated, stated).prepare(2, listen=True).model.axis == stated.axis
+    bare = stated.replace(axis=stated.axis.replace(coulomb=0.0))
+    evidence = Evidence([b], bare, bare).prepare(1)
+    assert evidence.model.axis == bare.axis
+    assert "axis.coulomb" not in evidence.paths

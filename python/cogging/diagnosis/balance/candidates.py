@@ -572,8 +572,6 @@ def motor_and_load(s: Search) -> None:
     """Try a load behind a spring (resonance) and behind a gap (backlash)."""
     ctx, b0 = s.ctx, s.balances[0]
     lowest, highest = max(3.0 / s.duration, 2.0), min(0.25 * b0.rate, b0.corner)  # Hz
-    if lowest >= highest:
-        return  # a few periods are needed
     coarse = np.geomspace(lowest, highest, 18)
 
     def mode(f: float, damping: float) -> Shape:

@@ -587,10 +587,11 @@ class Evidence:
         return [renamed_path(path, names) for path in self.paths]
 
     def moved(self, model: Model, steps: Mapping[str, float]) -> Model:
-        """Return a model with parameters moved by steps and clipped to their bounds."""
+        """Return a model with parameters moved by steps and clipped to their bounds; those stated exactly stay."""
         known, values = parameters_of(model, together=True), {}
+        exact = {f"axis.{name}" for name, u in self.given.uncertainty.items() if u == 0.0} - set(self.free)
         for path, step in steps.items():
-            if path in known:
+            if path in known and path not in exact:
                 value = known[path].value
                 least = LEAST_MASS * value if path == "axis.mass" else 0.0 if path.startswith("axis.") else -np.inf
                 low, high = self.limits.get(path, (-np.inf, np.inf))
@@ -613,7 +614,7 @@ class Evidence:
         law = level * np.arctan(v / own) + 0.5 * np.pi * sum(t * np.minimum(v / w, 1.0) for w, t in parts.items())
         if not np.any(law):
             return own
-        # one law that the rows need has a width of its own; of many that replace each other, the narrowest may be wide
+        # where all laws stay, their narrowest may be much wider than the arctangent that stands for them
         least = 0.1 if self.largely or self.uniform else 1.0 / 3.0
         tried = np.geomspace(min(own, least * min(parts)), max(own, max(parts)), 80)
         fits = np.arctan(v / tried[:, None])

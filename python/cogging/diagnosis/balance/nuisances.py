@@ -129,10 +129,10 @@ def nuisances_of(
         "coulomb": [-law[0] for law in laws],
     }
     for name, rows in axis.items():
-        stated, path = getattr(given.axis, name), f"axis.{name}"
-        u = max(given.uncertainty.get(name, UNSTATED), EXACT)
-        sigma = np.inf if path in free or stated == 0.0 else u * max(abs(stated), 1e-12)
-        columns.add(path, sigma, rows, stated - getattr(model.axis, name))
+        stated, path, u = getattr(given.axis, name), f"axis.{name}", given.uncertainty.get(name, UNSTATED)
+        if stated or u:  # a force that is stated exactly as absent stays so
+            sigma = np.inf if path in free or stated == 0.0 else max(u, EXACT) * abs(stated)
+            columns.add(path, sigma, rows, stated - getattr(model.axis, name))
     # friction may lag the speed by a fraction of a row, as an elastic contact does
     own = model.axis.coulomb
     rubs = own > ROUNDING * columns.largest  # the shape of negligible friction is not identifiable
