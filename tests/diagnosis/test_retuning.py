@@ -124,6 +124,20 @@ def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
     assert first.amplitudes == pytest.approx([6.0], rel=0.02)
 
 
+@pytest.mark.parametrize(("change", "seed"), [(-0.8, 0), (-0.8, 1), (1.5, 0), (1.5, 2)])
+def test_a_force_constant_that_changes_by_most_of_itself_is_a_drift(change, seed):
+    """The command that the motion needs is then not linear in the change."""
+    law = cogging.EFFECTS["force_constant_drift"](change=change, time_constant=3.0)
+    true, stated = moving_axis.machine([law]), moving_axis.machine()
+    stated = stated.replace(axis=stated.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
+    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
+    first = outcome.accepted[0]
+    assert first.found.name == "force_constant_drift"
+    assert first.share > 0.9
+    found = next(e for e in outcome.evidence.model.effects if e.NAME == "force_constant_drift")
+    assert [found.change, found.time_constant] == pytest.approx([change, 3.0], rel=0.08)  # seen: 5.4 %
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_payload_on_a_mass_that_was_stated_exactly_is_a_change_of_mass(seed):
     true = moving_axis.machine()

@@ -40,13 +40,15 @@ SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shorte
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
-GAINS = (  # candidates that reduce the command
-    *("force_constant_ripple", "force_constant_drift", "command_saturation", "command_dead_zone"),
-    *("~gain along travel", "~gain of speed", "~command", "~reluctance"),
+LIMITS = ("command_saturation", "command_dead_zone")
+LARGEST_LIMIT = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
+GAINS = (  # laws in proportion to the command, or nearly so
+    *("force_constant_ripple", "force_constant_drift", "~gain along travel", "~gain of speed", "~command"),
+    "~reluctance",
 )
-LARGEST_GAIN = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
+LINEAR = 0.1  # of the command's standard deviation: columns of a larger change of it are evaluated at its size
 LARGEST_SCALE = 0.1  # largest scale error of an encoder
-SECANTS = 3  # sizes at which its column is evaluated, each the one that the column before gives
+SECANTS = 3  # sizes at which columns of large effects are evaluated, each the one that the columns before give
 OWN_SHAPES = 6  # grid values of each shape parameter of an own effect
 BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
 PLACES = 1001  # grid of the centre of a local force
@@ -150,6 +152,33 @@ def along(make: Callable[[DifferencedBalance], Any]) -> Columns:
     return lambda c: [np.atleast_2d(make(b)) for b in c.balances]
 
 
+def limited(make: Callable[[FloatArray], FloatArray]) -> Columns:
+    """Return columns made from the command that limits and dead zones act on."""
+    return lambda c: [np.atleast_2d(make(one.limited)) for one in c.instruments]
+
+
+def at_commands(c: Evidence, columns: Columns, commands: Sequence[FloatArray]) -> list[FloatArray]:
+    """Return columns made from other commands, V, (n,) of each log."""
+    other = copy(c)
+    other.instruments = [one._replace(drive=u, limited=u) for one, u in zip(c.instruments, commands, strict=True)]
+    return columns(other)
+
+
+def under_law(columns: Columns, amplitudes: FloatArray) -> Columns:
+    """Return columns of a law of the command, at the command that the motion needs under this law.
+
+    Columns of the measured command would explain every force that the command balances.
+    """
+
+    def at_needed(c: Evidence) -> list[FloatArray]:
+        x = [np.zeros((len(amplitudes), len(b.time))) for b in c.balances]
+        for _ in range(1 + SECANTS * bool(np.any(amplitudes))):
+            x = at_commands(c, columns, [one.needed - amplitudes @ t for one, t in zip(c.instruments, x, strict=True)])
+        return x
+
+    return at_needed
+
+
 def driven(make: Callable[[DifferencedBalance, FloatArray], Any]) -> Columns:
     """Return columns made from each balance and its drive."""
     return lambda c: [np.atleast_2d(make(b, d)) for b, d in zip(c.balances, c.drives, strict=True)]
@@ -188,18 +217,40 @@ class Search:
         family: str = "",
     ) -> float:
         """Keep a shape if it is the best of its name and family; return its T, or 0 if its amplitudes are rejected."""
-        T, amplitudes, k = self.scored(name, shape)
+        shape, T, amplitudes, k = self.fitted(name, shape)
+        if name in LIMITS and self.share_of_command(shape.columns, amplitudes) > LARGEST_LIMIT:
+            return 0.0
         if accept is not None and not accept(amplitudes):
             return 0.0
-        if name in GAINS:
-            taken = zip(shape.columns(self.ctx), self.ctx.drives, strict=True)
-            if any(np.std(amplitudes @ x) > LARGEST_GAIN * np.std(d) for x, d in taken):
-                return 0.0
         columns, law, key = shape.columns, shape.law, family or name
         one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine)
         if key not in self.found or one.score > self.found[key].score:
             self.found[key] = one
         return T
+
+    def share_of_command(self, columns: Columns, amplitudes: FloatArray) -> float:
+        """Return the largest share of a command that columns with these amplitudes take, in standard deviations."""
+        taken = zip(columns(self.ctx), self.ctx.drives, strict=True)
+        return max(float(np.std(amplitudes @ x) / max(np.std(d), 1e-300)) for x, d in taken)
+
+    def fitted(self, name: str, shape: Shape) -> tuple[Shape, float, FloatArray, int]:
+        """Return a shape with its T, amplitudes and degrees of freedom.
+
+        A law that changes much of the command has its columns at the command that the motion needs under the law.
+        There they are instruments of the columns at the measured command, which give the first amplitudes.
+        """
+        T, amplitudes, k = self.scored(name, shape)
+        linear, ctx = shape.columns, self.ctx
+        if name in GAINS and self.share_of_command(linear, amplitudes) > LINEAR:
+            none = under_law(linear, np.zeros(len(amplitudes)))
+            z = np.hstack(none(ctx))
+            x = np.hstack(at_commands(ctx, linear, [b.command for b in ctx.balances]))
+            taken = self.scored(name, Shape("", none))[1] @ z
+            amplitudes = np.linalg.lstsq(z @ x.T, z @ taken, rcond=1e-6)[0]
+            for _ in range(SECANTS):
+                shape = shape._replace(columns=under_law(linear, amplitudes))
+                T, amplitudes, k = self.scored(name, shape)
+        return shape, T, amplitudes, k
 
     def scored(self, name: str, shape: Shape) -> tuple[float, FloatArray, int]:
         """Return T, amplitudes and degrees of freedom of a shape."""
@@ -350,14 +401,13 @@ def refined(s: Search, f: Found) -> Found | None:
     tried = {}
 
     def at(logarithm: float) -> float:
-        shape = make(float(value * np.exp(logarithm)))
-        tried[logarithm] = shape, s.scored(f.name, shape)
-        return tried[logarithm][1][0]
+        tried[logarithm] = s.fitted(f.name, make(float(value * np.exp(logarithm))))
+        return tried[logarithm][1]
 
     x = sharpen(at, 0.0, step, 8)
     if value * np.exp(x) < 0.5 * s.least.get(f.name, -np.inf):
         return None
-    shape, (T, amplitudes, k) = tried[x]
+    shape, T, amplitudes, k = tried[x]
     if T <= f.T or value * np.exp(x) > s.most.get(f.name, np.inf):
         return f
     return replace(f, label=shape.label, T=T, k=k, amplitudes=amplitudes, columns=shape.columns, effect=shape.law)
@@ -494,19 +544,19 @@ def command(s: Search) -> None:
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
-        columns = driven(lambda b, d: np.clip(exact(b, d), -limit, limit) - exact(b, d))
+        columns = limited(lambda u: np.clip(u, -limit, limit) - u)
         return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
 
     def dead_zone(width: float) -> Shape:
-        columns = driven(lambda b, d: -np.clip(exact(b, d), -width, width))
+        columns = limited(lambda u: -np.clip(u, -width, width))
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
 
     for power in (2, 4, 8):
 
-        def soft(b: DifferencedBalance, d: FloatArray, power: int = power) -> FloatArray:
-            return np.asarray(-exact(b, d) * np.abs(exact(b, d) / s.force) ** power)
+        def soft(u: FloatArray, power: int = power) -> FloatArray:
+            return np.asarray(-u * np.abs(u / s.force) ** power)
 
-        s.put("command_saturation", Shape(f"power {power}", driven(soft)), 3, lambda a: bool(a[0] > 0))
+        s.put("command_saturation", Shape(f"power {power}", limited(soft)), 3, lambda a: bool(a[0] > 0))
     s.least["command_saturation"] = LOWEST_LIMIT * s.force
     for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, LOWEST_LIMIT):
         s.varied("command_saturation", share * s.force, saturation, 7, within(WHOLE))
@@ -515,11 +565,6 @@ def command(s: Search) -> None:
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         fields = {"time_constant": float(tau)}
         s.law("force_constant_drift", fields, {"change": UNIT}, 5, f"{tau:.3g}", vary="time_constant")
-
-
-def exact(b: DifferencedBalance, d: FloatArray) -> FloatArray:
-    """Return the logged command beside a reference, as a controller computes it; else the drive: it may be measured."""
-    return d if b.reference is None else b.command
 
 
 def delayed(time: float) -> Columns:

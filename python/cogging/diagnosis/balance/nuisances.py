@@ -46,6 +46,10 @@ class Instruments(NamedTuple):
 
     Attributes:
         drive: command regressed on the model's force along the reference at several lags, V, (n,).
+        limited: command that limits and dead zones act on: the logged one beside a reference, as a controller computes
+            it, else the drive, since it may be measured, V, (n,).
+        needed: command that the measured motion needs under the model, V, (n,). It has no part that balances a force
+            which the model lacks.
         force: net force, with what the ringing of loads adds to the command, V, (n,).
         acceleration: the one that the drive causes, m/s^2, (n,): with ringing in it, mass and the share of a load could
             replace each other.
@@ -54,6 +58,8 @@ class Instruments(NamedTuple):
     """
 
     drive: FloatArray
+    limited: FloatArray
+    needed: FloatArray
     force: FloatArray
     acceleration: FloatArray
     blur: FloatArray
@@ -70,8 +76,8 @@ class Instruments(NamedTuple):
         return b.residual(new, self.drive, a) - b.residual(old, self.drive, a) - loads
 
 
-def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
-    """Return the instruments of a log under a model."""
+def instruments_of(b: DifferencedBalance, model: Model, largely: bool = False) -> Instruments:
+    """Return the instruments of a log under a model, which lacks most of the command or not."""
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     if b.reference is None:
@@ -82,7 +88,8 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
         read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
         caused = caused + sosfiltfilt(read, b.acceleration - caused)
         net = model.axis.mass * caused
-        return Instruments(net - forces, net, net / model.axis.mass, np.zeros_like(net))
+        drive = net - forces
+        return Instruments(drive, drive, drive, net, net / model.axis.mass, np.zeros_like(net))
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -99,7 +106,11 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     explained, ringing = (np.linalg.solve(gram[:k, :k], slope[:k]) @ table[:k] for k in (count, len(table)))
     bare = quiet_plant(model.replace(effects=()))
     blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
-    return Instruments(explained, ringing + along, (explained + along) / model.axis.mass, blur)
+    moves = np.linalg.solve(gram[:count, :count], table[:count] @ b.acceleration) @ table[:count]
+    needed = model.axis.mass * moves - b.forces([plant])[0]
+    # a command that balances a large unknown force accelerates nothing
+    caused = moves if largely else (explained + along) / model.axis.mass
+    return Instruments(explained, b.command, needed, ringing + along, caused, blur)
 
 
 def nuisances_of(
