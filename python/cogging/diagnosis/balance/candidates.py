@@ -231,7 +231,7 @@ class Search:
     def share_of_command(self, columns: Columns, amplitudes: FloatArray) -> float:
         """Return the largest share of a command that columns with these amplitudes take, in standard deviations."""
         taken = zip(columns(self.ctx), self.ctx.drives, strict=True)
-        return max(float(np.std(amplitudes @ x) / max(np.std(d), 1e-300)) for x, d in taken)
+        return max(float(np.std(amplitudes @ x)) / max(float(np.std(d)), 1e-300) for x, d in taken)
 
     def fitted(self, name: str, shape: Shape) -> tuple[Shape, float, FloatArray, int]:
         """Return a shape with its T, amplitudes and degrees of freedom.
@@ -246,7 +246,7 @@ class Search:
             z = np.hstack(none(ctx))
             x = np.hstack(at_commands(ctx, linear, [b.command for b in ctx.balances]))
             taken = self.scored(name, Shape("", none))[1] @ z
-            amplitudes = np.linalg.lstsq(z @ x.T, z @ taken, rcond=1e-6)[0]
+            amplitudes = np.asarray(np.linalg.lstsq(z @ x.T, z @ taken, rcond=1e-6)[0])
             for _ in range(SECANTS):
                 shape = shape._replace(columns=under_law(linear, amplitudes))
                 T, amplitudes, k = self.scored(name, shape)
