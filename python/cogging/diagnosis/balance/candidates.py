@@ -43,8 +43,8 @@ DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistingu
 LIMITS = ("command_saturation", "command_dead_zone")
 LARGEST_LIMIT = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
 GAINS = (  # laws in proportion to the command, or nearly so
-    *("force_constant_ripple", "force_constant_drift", "~gain along travel", "~gain of speed", "~command"),
-    "~reluctance",
+    *("force_constant_ripple", "force_constant_drift", "~gain along travel"),
+    *("~gain of speed", "~command", "~reluctance"),
 )
 LINEAR = 0.1  # of the command's standard deviation: columns of a larger change of it are evaluated at its size
 LARGEST_SCALE = 0.1  # largest scale error of an encoder
