@@ -350,13 +350,9 @@ class Evidence:
         self.start, self.fit = taps, self.fitted(taps, base=first)
         self.theta = self.fit.theta
 
-    def make_columns(self, *, measured: bool = False) -> tuple[FloatArray, bool]:
-        """Make residuals and columns; return amplitudes without a filter, and whether the noise levels are unknown.
-
-        Args:
-            measured: whether the instruments are those where most of the command is missing.
-        """
-        self.instruments = [instruments_of(b, self.model, measured or self.plainly) for b in self.balances]
+    def make_columns(self) -> tuple[FloatArray, bool]:
+        """Make residuals and columns; return amplitudes without a filter, and whether the noise levels are unknown."""
+        self.instruments = [instruments_of(b, self.model) for b in self.balances]
         free = (*self.free, WIDTH) if self.with_width else self.free
         known = nuisances_of(self.model, self.given, self.balances, self.instruments, free)
         self.paths, self.limits = known.paths, known.limits
@@ -385,8 +381,6 @@ class Evidence:
         left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
         self.largely = self.plainly or bool(np.std(left) > LARGELY * np.std(command))
-        if self.largely and not measured and not self.plainly:
-            return self.make_columns(measured=True)
         self.alike = 1.0
         if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))

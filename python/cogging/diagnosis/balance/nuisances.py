@@ -76,8 +76,8 @@ class Instruments(NamedTuple):
         return b.residual(new, self.drive, a) - b.residual(old, self.drive, a) - loads
 
 
-def instruments_of(b: DifferencedBalance, model: Model, largely: bool = False) -> Instruments:
-    """Return the instruments of a log under a model, which lacks most of the command or not."""
+def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
+    """Return the instruments of a log under a model."""
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     if b.reference is None:
@@ -108,9 +108,7 @@ def instruments_of(b: DifferencedBalance, model: Model, largely: bool = False) -
     blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
     moves = np.linalg.solve(gram[:count, :count], table[:count] @ b.acceleration) @ table[:count]
     needed = model.axis.mass * moves - b.forces([plant])[0]
-    # a command that balances a large unknown force accelerates nothing
-    caused = moves if largely else (explained + along) / model.axis.mass
-    return Instruments(explained, b.command, needed, ringing + along, caused, blur)
+    return Instruments(explained, b.command, needed, ringing + along, (explained + along) / model.axis.mass, blur)
 
 
 def nuisances_of(
