@@ -41,7 +41,7 @@ NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where oth
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 LIMITS = ("command_saturation", "command_dead_zone")
-LARGEST_LIMIT = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
+LARGEST_SHARE = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
 GAINS = (  # laws in proportion to the command, or nearly so
     *("force_constant_ripple", "force_constant_drift", "~gain along travel"),
     *("~gain of speed", "~command", "~reluctance"),
@@ -202,6 +202,7 @@ class Search:
         self.duration = max(b.time[-1] for b in bs)  # s
         self.force = max(np.abs(b.command).max() for b in bs)  # V
         self.weights = adjoint(ctx, ctx.basis[0], ctx.basis[2])
+        self.has_reference = all(b.reference is not None for b in bs)
         self.found: dict[str, Found] = {}
         self.least: dict[str, float] = {}  # smallest value of a shape; below half of it the effect vanishes
         self.most: dict[str, float] = {}  # largest value of a shape; beyond it the law is that of another effect
@@ -218,7 +219,8 @@ class Search:
     ) -> float:
         """Keep a shape if it is the best of its name and family; return its T, or 0 if its amplitudes are rejected."""
         shape, T, amplitudes, k = self.fitted(name, shape)
-        if name in LIMITS and self.share_of_command(shape.columns, amplitudes) > LARGEST_LIMIT:
+        bounded = name in LIMITS or (name in GAINS and not self.has_reference)
+        if bounded and self.share_of_command(shape.columns, amplitudes) > LARGEST_SHARE:
             return 0.0
         if accept is not None and not accept(amplitudes):
             return 0.0
@@ -236,12 +238,12 @@ class Search:
     def fitted(self, name: str, shape: Shape) -> tuple[Shape, float, FloatArray, int]:
         """Return a shape with its T, amplitudes and degrees of freedom.
 
-        A law that changes much of the command has its columns at the command that the motion needs under the law.
-        There they are instruments of the columns at the measured command, which give the first amplitudes.
+        Beside a reference, which alone shows what the motion needs, a law that changes much of the command has its
+        columns at the command that the motion needs under the law. There they are instruments of the columns at the measured command, which give the first amplitudes.
         """
         T, amplitudes, k = self.scored(name, shape)
         linear, ctx = shape.columns, self.ctx
-        if name in GAINS and self.share_of_command(linear, amplitudes) > LINEAR:
+        if name in GAINS and self.has_reference and self.share_of_command(linear, amplitudes) > LINEAR:
             none = under_law(linear, np.zeros(len(amplitudes)))
             z = np.hstack(none(ctx))
             x = np.hstack(at_commands(ctx, linear, [b.command for b in ctx.balances]))
