@@ -239,7 +239,8 @@ class Search:
         """Return a shape with its T, amplitudes and degrees of freedom.
 
         Beside a reference, which alone shows what the motion needs, a law that changes much of the command has its
-        columns at the command that the motion needs under the law. There they are instruments of the columns at the measured command, which give the first amplitudes.
+        columns at the command that the motion needs under the law. There they are instruments of the columns at the
+        measured command, which give the first amplitudes.
         """
         T, amplitudes, k = self.scored(name, shape)
         linear, ctx = shape.columns, self.ctx
