@@ -152,15 +152,10 @@ def along(make: Callable[[DifferencedBalance], Any]) -> Columns:
     return lambda c: [np.atleast_2d(make(b)) for b in c.balances]
 
 
-def limited(make: Callable[[FloatArray], FloatArray]) -> Columns:
-    """Return columns made from the command that limits and dead zones act on."""
-    return lambda c: [np.atleast_2d(make(one.limited)) for one in c.instruments]
-
-
 def at_commands(c: Evidence, columns: Columns, commands: Sequence[FloatArray]) -> list[FloatArray]:
     """Return columns made from other commands, V, (n,) of each log."""
     other = copy(c)
-    other.instruments = [one._replace(drive=u, limited=u) for one, u in zip(c.instruments, commands, strict=True)]
+    other.instruments = [one._replace(drive=u) for one, u in zip(c.instruments, commands, strict=True)]
     return columns(other)
 
 
@@ -547,19 +542,19 @@ def command(s: Search) -> None:
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
-        columns = limited(lambda u: np.clip(u, -limit, limit) - u)
+        columns = driven(lambda b, d: np.clip(exact(b, d), -limit, limit) - exact(b, d))
         return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
 
     def dead_zone(width: float) -> Shape:
-        columns = limited(lambda u: -np.clip(u, -width, width))
+        columns = driven(lambda b, d: -np.clip(exact(b, d), -width, width))
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
 
     for power in (2, 4, 8):
 
-        def soft(u: FloatArray, power: int = power) -> FloatArray:
-            return np.asarray(-u * np.abs(u / s.force) ** power)
+        def soft(b: DifferencedBalance, d: FloatArray, power: int = power) -> FloatArray:
+            return np.asarray(-exact(b, d) * np.abs(exact(b, d) / s.force) ** power)
 
-        s.put("command_saturation", Shape(f"power {power}", limited(soft)), 3, lambda a: bool(a[0] > 0))
+        s.put("command_saturation", Shape(f"power {power}", driven(soft)), 3, lambda a: bool(a[0] > 0))
     s.least["command_saturation"] = LOWEST_LIMIT * s.force
     for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, LOWEST_LIMIT):
         s.varied("command_saturation", share * s.force, saturation, 7, within(WHOLE))
@@ -568,6 +563,11 @@ def command(s: Search) -> None:
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         fields = {"time_constant": float(tau)}
         s.law("force_constant_drift", fields, {"change": UNIT}, 5, f"{tau:.3g}", vary="time_constant")
+
+
+def exact(b: DifferencedBalance, d: FloatArray) -> FloatArray:
+    """Return the logged command beside a reference, as a controller computes it; else the drive: it may be measured."""
+    return d if b.reference is None else b.command
 
 
 def delayed(time: float) -> Columns:

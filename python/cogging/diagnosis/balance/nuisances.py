@@ -46,8 +46,6 @@ class Instruments(NamedTuple):
 
     Attributes:
         drive: command regressed on the model's force along the reference at several lags, V, (n,).
-        limited: command that limits and dead zones act on: the logged one beside a reference, as a controller computes
-            it, else the drive, since it may be measured, V, (n,).
         needed: command that the measured motion needs under the model, V, (n,). It has no part that balances a force
             which the model lacks.
         force: net force, with what the ringing of loads adds to the command, V, (n,).
@@ -58,7 +56,6 @@ class Instruments(NamedTuple):
     """
 
     drive: FloatArray
-    limited: FloatArray
     needed: FloatArray
     force: FloatArray
     acceleration: FloatArray
@@ -89,7 +86,7 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
         caused = caused + sosfiltfilt(read, b.acceleration - caused)
         net = model.axis.mass * caused
         drive = net - forces
-        return Instruments(drive, drive, drive, net, net / model.axis.mass, np.zeros_like(net))
+        return Instruments(drive, drive, net, net / model.axis.mass, np.zeros_like(net))
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -108,7 +105,7 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
     moves = np.linalg.solve(gram[:count, :count], table[:count] @ b.acceleration) @ table[:count]
     needed = model.axis.mass * moves - b.forces([plant])[0]
-    return Instruments(explained, b.command, needed, ringing + along, (explained + along) / model.axis.mass, blur)
+    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, blur)
 
 
 def nuisances_of(
