@@ -138,6 +138,24 @@ def test_a_force_constant_that_changes_by_most_of_itself_is_a_drift(change, seed
     assert [found.change, found.time_constant] == pytest.approx([change, 3.0], rel=0.1)  # seen: 9.2 %
 
 
+@pytest.mark.parametrize(("strength", "seed"), [(1.0, 0), (1.0, 4), (3.0, 0), (3.0, 4)])
+def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(strength, seed):
+    """A spring of any shape, a generic force, explains nearly as much of them."""
+    law = cogging.EFFECTS["end_effect"]
+    low = law(force=4.0 * strength, decay_length=0.03, travel=[-0.15, 9.0])
+    high = law(force=9.0 * strength, decay_length=0.05, travel=[-9.0, 0.15])
+    true, stated = moving_axis.machine([low, high]), moving_axis.machine()
+    stated = stated.replace(axis=stated.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
+    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
+    assert [one.found.name for one in outcome.accepted] == ["end_effect"]
+    for found, end, force, length in zip(
+        outcome.evidence.model.effects, (-0.15, 0.15), (4.0 * strength, 9.0 * strength), (0.03, 0.05), strict=True
+    ):
+        distance = min(abs(end - one) for one in found.travel)
+        at_end = found.force * np.exp(distance / found.decay_length)
+        assert [at_end, found.decay_length] == pytest.approx([force, length], rel=0.03)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_payload_on_a_mass_that_was_stated_exactly_is_a_change_of_mass(seed):
     true = moving_axis.machine()

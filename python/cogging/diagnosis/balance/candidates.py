@@ -52,6 +52,7 @@ SECANTS = 3  # sizes at which columns of large effects are evaluated, each the o
 OWN_SHAPES = 6  # grid values of each shape parameter of an own effect
 BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
 PLACES = 1001  # grid of the centre of a local force
+FAR_END = 50.0  # decay lengths: distance at which an end has no effect
 # Scans
 PEAKS = 4  # peaks of a position spectrum that are tried for each kind of wave; 3 for tones
 LEAST_PEAK = 12.0  # minimum score of a peak: noise exceeds it in a few hundred of 100,000 lines
@@ -431,7 +432,7 @@ def forces_of_place(s: Search) -> None:
     for L in np.geomspace(0.01, 0.25, 8) * length:
         fields = {"decay_length": float(L), "travel": travel}
         s.law("end_effect", fields, {"force": small}, 8, f"{L:.3g}", vary="decay_length")
-        s.put("end_effect", Shape(f"two sides {L:.3g}", two_ends(s, L)), 8)
+        s.varied("end_effect", float(L), partial(two_ends, s), 8)
     widths = [float(width) for width in np.geomspace(*BUMPS, 6) * length]
 
     def bump(center: float, width: float) -> float:
@@ -466,9 +467,19 @@ def best_places(s: Search, width: float) -> list[float]:
     return [float(middles[k]) for k in (first, int(np.argmax(score * apart)))]
 
 
-def two_ends(s: Search, length: float) -> Columns:
-    """Return columns of forces that decay over a length (m) from either end of the motion."""
-    return along(lambda b: np.exp(np.minimum(np.vstack([s.low - b.position, b.position - s.high]), 0.0) / length))
+def two_ends(s: Search, length: float) -> Shape:
+    """Return end effects of either end of the motion, of different forces that decay over a length (m)."""
+
+    def columns(b: DifferencedBalance) -> FloatArray:
+        return np.exp(np.minimum(np.vstack([s.low - b.position, b.position - s.high]) / length, FAR_END))
+
+    def law(a: FloatArray) -> tuple[Effect, ...]:
+        far = FAR_END * length
+        ends = zip((-a[0], a[1]), ([s.low, s.high + far], [s.low - far, s.high]), strict=True)
+        effect = E["end_effect"].replace(decay_length=float(length))
+        return tuple(effect.replace(force=float(force), travel=travel) for force, travel in ends)
+
+    return Shape(f"two sides {length:.3g}", along(columns), law)
 
 
 def friction(s: Search) -> None:

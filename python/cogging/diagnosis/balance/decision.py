@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
@@ -26,7 +27,7 @@ from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
-MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
+MINOR = 0.05  # of the largest score and force: smaller ones come from a law that is only nearly right
 NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
@@ -55,6 +56,7 @@ class Contender:
         found: candidate.
         fit: of the candidate and, as `none`, without it.
         inflation: variance inflation of its score, by which the gain is divided.
+        force: root mean square of its force, V.
         ratio: gain in 2 ln likelihood over the model without it.
         score: `ratio` less the expected gain of its amplitudes and trials under the null hypothesis.
         blocks: gain of each block of motion.
@@ -65,6 +67,7 @@ class Contender:
     found: Found
     fit: Maximum = field(repr=False)
     inflation: float
+    force: float
     ratio: float = 0.0
     score: float = 0.0
     blocks: FloatArray = field(default_factory=lambda: np.zeros(0), repr=False)
@@ -75,6 +78,11 @@ class Contender:
     def is_lawful(self) -> bool:
         """Whether the candidate is a law, or a change of the axis."""
         return self.found.columns is None or self.found.effect is not None
+
+    @property
+    def gain(self) -> float:
+        """Gain in 2 ln likelihood over the model without the candidate, as if all rows were independent."""
+        return self.ratio * self.inflation
 
     @property
     def is_contradicted(self) -> bool:
@@ -89,12 +97,14 @@ class Accepted:
     Attributes:
         found: candidate; `effect(amplitudes)` is its law, None without one.
         score: gain in 2 ln likelihood less the expected gain under the null hypothesis.
+        force: root mean square of its force, V.
         share: probability of the candidate over resampled motion.
         alternatives: names and probabilities of the alternatives.
     """
 
     found: Found
     score: float
+    force: float
     share: float
     alternatives: list[tuple[str, float]]
 
@@ -197,18 +207,19 @@ def search(
         if not contenders:
             break
         minor = MINOR if contenders[0].is_lawful else NAMELESS
-        if contenders[0].score < max([THRESHOLD, *(minor * one.score for one in outcome.accepted)]):
+        least = max([THRESHOLD, *(minor * one.score for one in outcome.accepted)])
+        if contenders[0].score < least or any(contenders[0].force < minor * one.force for one in outcome.accepted):
             break
 
         if contenders[0].found.name == LATE:
-            seconds = -float(contenders[0].found.amplitudes[0])
+            seconds = likeliest_lateness(outcome.both, -float(contenders[0].found.amplitudes[0]))
             balances, others = ([b.earlier(seconds) for b in logs] for logs in (balances, others))
             outcome.late += seconds
             continue
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, contenders[0].score, float(part[0]), alternatives))
+        outcome.accepted.append(Accepted(f, contenders[0].score, contenders[0].force, float(part[0]), alternatives))
         current = added_to(current, f, extra, free)
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
@@ -248,27 +259,22 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
 def simplest_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
     """Return the contenders with the simplest first that is as likely as the one of the highest score.
 
-    A score favours candidates on which what is still missing has little influence: each gain is divided by the
-    inflation of its own residual. A simpler candidate of the same gain, within COLUMN_ERROR, that explains what the
-    first does goes before it. All are then compared in the noise that it leaves.
+    A simpler candidate of the same gain, within COLUMN_ERROR, that explains what the first does goes before it. All are
+    then compared in the noise that it leaves.
     """
-
-    def gain(c: Contender) -> float:
-        return c.ratio * c.inflation
-
     contenders = list(contenders)
-    good = [c for c in contenders if c.score > THRESHOLD and gain(c) >= (1.0 - COLUMN_ERROR) * gain(contenders[0])]
+    good = [c for c in contenders if c.score > THRESHOLD and c.gain >= (1.0 - COLUMN_ERROR) * contenders[0].gain]
     if not good:
         return contenders
     first = contenders[0]
-    simplest = max(good, key=lambda c: (score_of(0.0, max(c.found.k, 1), c.found.N, len(c.blocks)), gain(c)))
+    simplest = max(good, key=lambda c: (score_of(0.0, max(c.found.k, 1), c.found.N, len(c.blocks)), c.gain))
     if simplest is first or simplest.found.near_rest != first.found.near_rest:
         return contenders
     own = evidence.near_rest if first.found.near_rest else evidence
     free = [c.found.effect for c in (first, simplest) if c.found.columns is None]
     tables = [c.found.rows(evidence)[1] for c in (first, simplest) if c.found.columns is not None]
     both = released(own, free, [np.vstack(rows) for rows in zip(*tables, strict=True)] if tables else None)
-    if simplest.fit.cost - both.cost > max(MINOR * gain(first), THRESHOLD):
+    if simplest.fit.cost - both.cost > max(MINOR * first.gain, THRESHOLD):
         return contenders
     for c in contenders:
         c.inflation = simplest.inflation
@@ -339,6 +345,12 @@ def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> lis
     for c in made:
         if c.found.name == "encoder_scale_error" and c.score > PREFERRED * max(one.score for one in made):
             retune(evidence, c)
+    # what is significant in its own noise is compared by its likelihood, in the noise that the likeliest leaves
+    significant = [c for c in made if c.score > THRESHOLD]
+    inflation = max(significant, key=lambda c: c.gain).inflation if significant else 1.0
+    for c in significant:
+        c.inflation = inflation
+        weighed(evidence, c)
     return made
 
 
@@ -365,7 +377,9 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
         if not stated / LARGEST_CHANGE < value < stated * LARGEST_CHANGE:
             return None
         best.none = evidence.null
-        return weighed(evidence, Contender(f, best, evidence.alike))
+        at = evidence.paths.index(f.effect)
+        force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], best.theta[[at]])
+        return weighed(evidence, Contender(f, best, evidence.alike, force))
     own, rows = f.rows(evidence)
     best = own.maximised(rows, tried)
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
@@ -373,7 +387,14 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
     expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in own.counted[:given])
     gains, show = ((float(x[:first].sum()), float(x[first:].sum())) for x in (of_log, expected))
-    return weighed(evidence, Contender(f, best, best.inflation, gains=gains, expected=show))
+    force = root_mean_square(own, rows, best.theta[-len(rows[0]) :])
+    return weighed(evidence, Contender(f, best, best.inflation, force, gains=gains, expected=show))
+
+
+def root_mean_square(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> float:
+    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows."""
+    force = [amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)]
+    return float(np.sqrt(np.mean(np.concatenate(force) ** 2)))
 
 
 def weighed(evidence: Evidence, c: Contender) -> Contender:
@@ -471,6 +492,16 @@ def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> flo
     if not alike or f.period is None or gain < joint + THRESHOLD + 2.0 * np.log(f.N):
         return 0.0
     return float(np.angle(here / there)) * f.period / (2 * np.pi)
+
+
+def likeliest_lateness(evidence: Evidence, estimate: float) -> float:
+    """Return the delay (s) between the action of a command and its time stamp, up to twice an estimate."""
+
+    def cost(seconds: float) -> float:
+        return replace(evidence, balances=[b.earlier(seconds) for b in evidence.balances]).prepare().null.cost
+
+    bounds, accuracy = (0.0, 2.0 * estimate), {"xatol": 0.01 * estimate}
+    return float(minimize_scalar(cost, bounds=bounds, method="bounded", options=accuracy).x)
 
 
 def released(evidence: Evidence, paths: Sequence[str], tables: Sequence[FloatArray] | None = None) -> Maximum:
