@@ -202,7 +202,7 @@ def search(
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
-        contenders = simplest_first(outcome.both, one_of_each_name(contenders))
+        contenders = simplest_first(outcome.both, in_one_noise(outcome.both, one_of_each_name(contenders)))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         if not contenders:
             break
@@ -254,6 +254,19 @@ def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
                 continue
         best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)
+
+
+def in_one_noise(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
+    """Return the contenders with the likeliest first: those that are significant compared in the noise that it leaves.
+
+    A candidate on which what is still missing has little influence is not likelier for it.
+    """
+    significant = [c for c in contenders if c.score > THRESHOLD]
+    inflation = max(significant, key=lambda c: c.gain).inflation if significant else 1.0
+    for c in significant:
+        c.inflation = inflation
+        weighed(evidence, c)
+    return sorted(contenders, key=lambda c: -c.score)
 
 
 def simplest_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
@@ -345,12 +358,6 @@ def contenders_of(evidence: Evidence, found: Sequence[Found], given: int) -> lis
     for c in made:
         if c.found.name == "encoder_scale_error" and c.score > PREFERRED * max(one.score for one in made):
             retune(evidence, c)
-    # what is significant in its own noise is compared by its likelihood, in the noise that the likeliest leaves
-    significant = [c for c in made if c.score > THRESHOLD]
-    inflation = max(significant, key=lambda c: c.gain).inflation if significant else 1.0
-    for c in significant:
-        c.inflation = inflation
-        weighed(evidence, c)
     return made
 
 
