@@ -27,8 +27,9 @@ from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
-MINOR = 0.05  # of the largest score and force: smaller ones come from a law that is only nearly right
+MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
 NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
+LEAST_FORCE = 0.03  # of the largest force: an effect of less force than that is an error of a law, too
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
@@ -59,6 +60,7 @@ class Contender:
         force: root mean square of its force, V.
         ratio: gain in 2 ln likelihood over the model without it.
         score: `ratio` less the expected gain of its amplitudes and trials under the null hypothesis.
+        alone: score in the noise that the candidate itself leaves.
         blocks: gain of each block of motion.
         gains: gain of the given and of the confirm logs.
         expected: expected gains if the candidate is true.
@@ -70,6 +72,7 @@ class Contender:
     force: float
     ratio: float = 0.0
     score: float = 0.0
+    alone: float = 0.0
     blocks: FloatArray = field(default_factory=lambda: np.zeros(0), repr=False)
     gains: tuple[float, float] = (0.0, 0.0)
     expected: tuple[float, float] = (0.0, 0.0)
@@ -208,7 +211,8 @@ def search(
             break
         minor = MINOR if contenders[0].is_lawful else NAMELESS
         least = max([THRESHOLD, *(minor * one.score for one in outcome.accepted)])
-        if contenders[0].score < least or any(contenders[0].force < minor * one.force for one in outcome.accepted):
+        weak = any(contenders[0].force < LEAST_FORCE * one.force for one in outcome.accepted)
+        if contenders[0].alone < least or weak:
             break
 
         if contenders[0].found.name == LATE:
@@ -219,7 +223,7 @@ def search(
         part = shares(contenders)
         alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
         f = owned(contenders[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, contenders[0].score, contenders[0].force, float(part[0]), alternatives))
+        outcome.accepted.append(Accepted(f, contenders[0].alone, contenders[0].force, float(part[0]), alternatives))
         current = added_to(current, f, extra, free)
         if f.name not in REPEATED:
             excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
@@ -261,6 +265,8 @@ def in_one_noise(evidence: Evidence, contenders: Sequence[Contender]) -> list[Co
 
     A candidate on which what is still missing has little influence is not likelier for it.
     """
+    for c in contenders:
+        c.alone = c.score
     significant = [c for c in contenders if c.score > THRESHOLD]
     inflation = max(significant, key=lambda c: c.gain).inflation if significant else 1.0
     for c in significant:
