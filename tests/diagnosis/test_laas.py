@@ -40,7 +40,7 @@ def test_the_detent_of_the_motor_is_named(motor):
     moving = complex(term["sine"].value, term["cosine"].value)
     turned = np.degrees(np.angle(moving / static))
     print(f"\n72 per turn: {abs(moving):.3f} A against {abs(static):.3f} A at rest, turned by {turned:.1f} degrees")
-    # Seen: 0.26. In bins of the speed it is 0.8 at 3 rad/s to 1.25 at 10 rad/s: the current loop is more than a delay,
+    # Seen: 0.25. In bins of the speed it is 0.8 at 3 rad/s to 1.25 at 10 rad/s: the current loop is more than a delay,
     # and whitened rows weigh fast motion most.
     assert abs(moving / static - 1.0) < 0.3
     # The current is logged 0.2 to 0.6 ms after it acted (laas_motor.current_lateness).
@@ -51,7 +51,7 @@ def test_the_detent_of_the_motor_is_named(motor):
 def test_cogging_makes_most_of_its_current(motor):
     result, _ = motor
     assert result.effects[0].name == "cogging_harmonic"
-    assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.161 A, then 0.058 A
+    assert result.gap.given >= result.gap.before > 2.5 * result.gap.after  # seen: 0.161 A, then 0.055 A
     # No delay is stated with confidence: laas_motor.current_lateness has the opposite sign.
     assert not any(e.name == "command_delay" and e.confidence >= 0.9 for e in result.effects)
 
