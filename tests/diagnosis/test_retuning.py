@@ -140,7 +140,7 @@ def test_a_force_constant_that_changes_by_most_of_itself_is_a_drift(change, seed
 
 @pytest.mark.parametrize(("strength", "seed"), [(1.0, 4), (1.0, 6), (1.0, 9), (3.0, 4), (3.0, 6)])
 def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(strength, seed):
-    """The motion comes within 6 cm of both; farther away they are a spring of any shape."""
+    """Given motions reach 5 to 10 cm from them; along some others they are a spring of any shape (seed 0)."""
     law = cogging.EFFECTS["end_effect"]
     low = law(force=4.0 * strength, decay_length=0.03, travel=[-0.15, 9.0])
     high = law(force=9.0 * strength, decay_length=0.05, travel=[-9.0, 0.15])
