@@ -156,6 +156,17 @@ def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(stren
         assert [at_end, found.decay_length] == pytest.approx([force, length], rel=0.06)  # seen: 5 %
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_a_payload_is_a_change_of_mass_though_the_model_was_re_tuned_to_it(seed):
+    """Its force is that of the difference from the stated mass, beside larger effects."""
+    laws = {"constant_force": {"force": 6.0}, "viscous_asymmetry": {"difference": 5.0}}
+    true = moving_axis.machine([cogging.EFFECTS[name](**fields) for name, fields in laws.items()])
+    true = true.replace(axis=true.axis.replace(mass=3.2))
+    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), moving_axis.machine())
+    assert {one.found.name for one in outcome.accepted} == {*laws, "mass_change"}
+    assert outcome.evidence.model.axis.mass == pytest.approx(3.2, rel=2e-3)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_payload_on_a_mass_that_was_stated_exactly_is_a_change_of_mass(seed):
     true = moving_axis.machine()

@@ -391,7 +391,7 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
             return None
         best.none = evidence.null
         at = evidence.paths.index(f.effect)
-        force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], best.theta[[at]])
+        force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], np.array([value - stated]))
         return weighed(evidence, Contender(f, best, evidence.alike, force))
     own, rows = f.rows(evidence)
     best = own.maximised(rows, tried)
