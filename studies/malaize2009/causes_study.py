@@ -89,7 +89,7 @@ def proposes_first(found: TrackingSpectrum, motor: Motor) -> bool:
 
 def draws_that_propose(motor: Motor, draws: int = DRAWS) -> int:
     """In how many draws of lines and phases the PID's error, there and back, proposes the printed periods first."""
-    conditions, gains = shipped_table_1(motor)
+    gains, conditions = shipped_table_1(motor)
     count = 0
     for draw in range(draws):
         plant = machine(motor, gains.amplitude, conditions, draw)

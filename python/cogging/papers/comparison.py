@@ -49,8 +49,7 @@ OUTSIDE = [
 ]
 #: Machines at equal margin: an axis, and further effects.
 MACHINES: dict[str, tuple[GantryAxis, Sequence[Any]]] = {
-    "X": (AXIS, ()),
-    "Y": (AXES["Y"], ()),
+    **{name: (axis, ()) for name, axis in AXES.items()},
     "X outside": (AXIS, OUTSIDE),
 }
 PAYLOADS = {"rms_light": 0.8, "rms_heavy": 1.2}  # factors on the mass
@@ -175,25 +174,18 @@ def measure(
         except DivergedError:
             return None
 
-    def last(log: Log) -> Any:
-        return _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
-
     begin = time.perf_counter()
     log = run(1.0)
     seconds = time.perf_counter() - begin
     if log is None:
         return dict.fromkeys(UNITS, float("inf")), None
-    found = {
-        "rms": last(log).error_rms,
-        "max": last(log).error_max,
-        "transient": float(np.abs(log.error[log.time < motion.period]).max()),
-        "u_rms": last(log).command_rms,
-        "chatter": last(log).command_change_rms,
-        "step": seconds / len(log),
-    }
+    last = gantry.last_performance(log, motion)
+    found = {"rms": last.error_rms, "max": last.error_max, "u_rms": last.command_rms}
+    found |= {"chatter": last.command_change_rms, "step": seconds / len(log)}
+    found["transient"] = float(np.abs(log.error[log.time < motion.period]).max())
     for name, factor in payloads.items():
         other = run(factor)
-        found[name] = float("inf") if other is None else last(other).error_rms
+        found[name] = float("inf") if other is None else gantry.last_performance(other, motion).error_rms
     return found, log
 
 

@@ -60,9 +60,7 @@ class Row:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the row as in the result file."""
-        fields = dict(vars(self))
-        labels = fields.pop("labels")
-        return {**fields, **labels}
+        return {**{name: value for name, value in vars(self).items() if name != "labels"}, **self.labels}
 
 
 def explored(controller: str, index: str, unit: str, value: float, **labels: str) -> Row:
@@ -145,19 +143,12 @@ class Table(ByValue):
         width = max([15, *(len(row.name) + 2 for row in self.rows)])
         earlier = {(row.name, row.index): row for row in self.before.rows} if self.before else {}
         head = f"{self.beside:>12}{'ratio':>8}" if earlier else ""
-        lines = [
-            self.title,
-            f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ",
-        ]
+        lines = [self.title]
+        lines.append(f"{'':4}{'controller':<{width}}{'index':<13}{'paper':>12}{head}{'simulated':>14}{'ratio':>8}  ")
         for row in self.rows:
-            before = ""
-            if earlier:
-                found = earlier.get((row.name, row.index))
-                before = f"{_shown(found.simulated if found else None, row.unit):>12}{_ratio(found):>8}"
-            lines.append(
-                f"{'':4}{row.name:<{width}}{row.index:<13}{_shown(row.paper, row.unit):>12}{before} "
-                f"{_shown(row.simulated, row.unit):>13}{_ratio(row):>8}  {row.status}"
-            )
+            before = _simulated(earlier.get((row.name, row.index)), 12) if earlier else ""
+            start = f"{'':4}{row.name:<{width}}{row.index:<13}{_shown(row.paper, row.unit):>12}{before}"
+            lines.append(f"{start}{_simulated(row, 14)}  {row.status}")
         if self.before is not None and self.before.free:
             lines.append(f"{'':4}{self.beside}: {self.before._counts_text()}")
         if self.free:
@@ -170,8 +161,11 @@ def _shown(value: float | None, unit: str) -> str:
     return f"{value * scale:.4g} {label}".rstrip() if value is not None else "-"
 
 
-def _ratio(row: Row | None) -> str:
-    return f"{row.ratio:.3f}" if row and row.ratio is not None else "-"
+def _simulated(row: Row | None, width: int) -> str:
+    """Return value and ratio of a row in two columns, the first so wide; `-` for what there is not."""
+    value = _shown(row.simulated, row.unit) if row else "-"
+    ratio = f"{row.ratio:.3f}" if row and row.ratio is not None else "-"
+    return f"{value:>{width}}{ratio:>8}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

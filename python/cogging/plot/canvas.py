@@ -103,15 +103,7 @@ def titled_panels(
 
 def one_of(ax: Any, size: tuple[float, float] | None = None) -> Axes:
     """Return the given axes, or those of a new figure."""
-    if ax is None:
-        return grid_of(None, 1, size=size)[0]
-    from matplotlib.axes import Axes
-
-    if isinstance(ax, list | tuple | np.ndarray) and np.size(np.array(ax, dtype=object)) == 1:
-        (ax,) = np.ravel(np.array(ax, dtype=object))
-    if not isinstance(ax, Axes):
-        raise TypeError(f"ax: must be axes of matplotlib, as plt.subplots() gives them, got {described(ax)}")
-    return ax
+    return grid_of(ax, 1, size=size)[0]
 
 
 def grid_of(
@@ -132,8 +124,13 @@ def grid_of(
         for spare in made.flat[count:]:
             spare.remove()
         return Panels(made.flat[:count])
+    from matplotlib.axes import Axes
+
     given = ax if isinstance(ax, Sequence | np.ndarray) else [ax]
-    panels = Panels(one_of(one) for one in np.ravel(np.array(given, dtype=object)).tolist())
+    panels = Panels(np.ravel(np.array(given, dtype=object)).tolist())
+    for one in panels:
+        if not isinstance(one, Axes):
+            raise TypeError(f"ax: must be axes of matplotlib, as plt.subplots() gives them, got {described(one)}")
     if len(panels) != count:
         raise ValueError(f"ax: must be {count} axes for as many panels, got {len(panels)}")
     return panels

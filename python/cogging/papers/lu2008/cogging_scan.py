@@ -25,9 +25,7 @@ from cogging.plot.series import FITTED, LIMIT, MEASURED
 
 SIZE = (8.0, 3.4)  # inches
 SCAN_STEP = 0.001  # m (section "System Identification")
-POSITION: FloatArray = TRAVEL[0] + SCAN_STEP * np.arange(
-    round((TRAVEL[1] - TRAVEL[0]) / SCAN_STEP) + 1, dtype=np.float64
-)  # m, of a scan
+POSITION: FloatArray = np.arange(TRAVEL[0], TRAVEL[1] + 0.5 * SCAN_STEP, SCAN_STEP)  # m, of a scan
 SCAN_NOISE = 0.003  # V rms of the force sensor, not reported, assumed
 HIGHEST = 19  # highest harmonic of which points 1 mm apart sample a period more than 2.5 times
 FALSE_ALARM = 0.01  # of a scan of noise alone, not reported, assumed

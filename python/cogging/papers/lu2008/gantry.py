@@ -204,7 +204,12 @@ def last_errors(
     return np.array(found).transpose(2, 1, 0)
 
 
+def last_performance(log: Log, motion: PointToPoint) -> _core.Performance:
+    """Return the indexes of the last move there and back."""
+    return _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
+
+
 def indexes(log: Log, motion: PointToPoint) -> tuple[float, float]:
     """Return e_inf and e_2 (m): maximum and rms of reading minus reference over the last move there and back."""
-    result = _core.performance(log.time, log.error, log.command, start=motion.end - motion.period)
-    return result.error_max, result.error_rms
+    found = last_performance(log, motion)
+    return found.error_max, found.error_rms

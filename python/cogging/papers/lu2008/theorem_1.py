@@ -25,12 +25,13 @@ from cogging._core import AdaptiveRobustParameters, Arc, AxisParameters, Cogging
 from cogging.arrays import FloatArray
 from cogging.effects import ConstantForce, DisturbanceStep, DisturbanceTone
 from cogging.logs.log import Log
+from cogging.papers.compared import PRINTED
 from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.gantry import AXES, COULOMB_WIDTH, ESTIMATED, START, GantryAxis, controller_parameters
 from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.scales import scale_of
-from cogging.plot.series import LIMIT, look, marker
+from cogging.plot.series import look, marker
 from cogging.simulation.batch import closed_loop_batch
 from cogging.simulation.run import closed_loop
 
@@ -136,11 +137,7 @@ def condition_table(axis: GantryAxis, machine: Plant, log: Log) -> Table:
         controller = Dcarc(controller_parameters(axis, "C3", **changes))
         return float(gantry.last_move([controller], [on], gantry.reference(axis)).indexes["error_rms"][0])
 
-    for case, slope, share in (
-        ("all slopes", steep, 1.0),
-        ("no friction slope", 0.0, 1.0),
-        ("no slopes", 0.0, 0.0),
-    ):
+    for case, slope, share in (("all slopes", steep, 1.0), ("no friction slope", 0.0, 1.0), ("no slopes", 0.0, 0.0)):
         eigenvalue, rate = matrix_condition(axis, slope, share)
         row(case, "eigenvalue", "SI", eigenvalue)
         row(case, "decay_rate", "1/s", rate)
@@ -194,14 +191,8 @@ class Trial:
 
     def run(self, **changes: Any) -> Log:
         """Return the log with estimates; changes: of the controller, such as epsilon=0 to leave u_s2 out."""
-        return closed_loop(
-            self.plant,
-            self.law(self.parameters.replace(**changes)),
-            self.motion,
-            duration=DURATION,
-            initial_position=self.start,
-            record_estimates=True,
-        )
+        law, options = self.law(self.parameters.replace(**changes)), {"record_estimates": True}
+        return closed_loop(self.plant, law, self.motion, duration=DURATION, initial_position=self.start, **options)
 
     def lyapunov(self, log: Log) -> FloatArray:
         """Return V of the true state, W s: (22), for Dcarc with the term in e^2."""
@@ -262,9 +253,7 @@ def draw(axis: GantryAxis, seed: int, law: Law, *, width: float = COULOMB_WIDTH,
     """
     rng = np.random.default_rng([2008, 1, seed])
     truth = [float(rng.choice([rng.uniform(*bound), *bound])) for bound in axis.bounds]
-    estimates: dict[str, Any] = {}
-    for name, bound in zip(ESTIMATED, axis.bounds, strict=True):
-        estimates[name] = float(rng.uniform(*bound))
+    estimates: dict[str, Any] = dict(zip(ESTIMATED, [rng.uniform(*bound) for bound in axis.bounds], strict=True))
     basis, largest = gantry.cogging_basis(axis.compensated), axis.cogging_bound
     shape = (2, len(axis.compensated), basis.spline.control_points)
     cogging = CoggingModel(basis, *rng.uniform(-largest, largest, shape))
@@ -336,31 +325,28 @@ def theorem_table(axis: GantryAxis, machine: Plant) -> Table:
     def row(law: Law, gains: str, case: str, index: str, unit: str, value: float) -> None:
         rows.append(explored(law.__name__.upper(), index, unit, value, gains=gains, case=case))
 
-    def against_the_bound(law: Law, gains: str, case: str, trials: Sequence[Trial], logs: Sequence[Log]) -> None:
-        pairs = list(zip(trials, logs, strict=True))
-        row(law, gains, case, "held", "1", float(np.mean([trial.holds(log) for trial, log in pairs])))
-        row(law, gains, case, "v_settled", "1", max(trial.settled(log) for trial, log in pairs))
+    def against_the_bound(law: Law, gains: str, case: str, runs: Sequence[tuple[Trial, Log]]) -> None:
+        row(law, gains, case, "held", "1", float(np.mean([trial.holds(log) for trial, log in runs])))
+        row(law, gains, case, "v_settled", "1", max(trial.settled(log) for trial, log in runs))
 
-    def error(law: Law, gains: str, trials: Sequence[Trial], logs: Sequence[Log]) -> None:
-        largest = max(trial.settled_error(log) for trial, log in zip(trials, logs, strict=True))
-        row(law, gains, "u_s2 on", "e_inf", "m", largest)
+    def error(law: Law, gains: str, runs: Sequence[tuple[Trial, Log]]) -> None:
+        row(law, gains, "u_s2 on", "e_inf", "m", max(trial.settled_error(log) for trial, log in runs))
 
     for law, gains, conditions in groups(axis):
         trials = [draw(axis, seed, law, **conditions) for seed in range(MACHINES)]
-        logs = [trial.run() for trial in trials]
+        runs = [(trial, trial.run()) for trial in trials]
         row(law, gains, "u_s2 on", "decay_rate", "1/s", trials[0].rate)
-        against_the_bound(law, gains, "u_s2 on", trials, logs)
+        against_the_bound(law, gains, "u_s2 on", runs)
         row(law, gains, "u_s2 on", "e_bound", "m", max(trial.error_bound() for trial in trials))
-        error(law, gains, trials, logs)
-        terms = np.max([trial.robust_term(log) for trial, log in zip(trials, logs, strict=True)], axis=0)
-        for number, term in enumerate(terms, start=1):
+        error(law, gains, runs)
+        for number, term in enumerate(np.max([trial.robust_term(log) for trial, log in runs], axis=0), start=1):
             row(law, gains, "(20) or (30), over epsilon", f"condition_{number}", "1", term)
-        against_the_bound(law, gains, "u_s2 off", trials, [trial.run(epsilon=0.0) for trial in trials])
+        against_the_bound(law, gains, "u_s2 off", [(trial, trial.run(epsilon=0.0)) for trial in trials])
         beyond = trials[0].with_disturbance(BEYOND)
-        against_the_bound(law, gains, f"{BEYOND:.0f} delta_d, machine 0", [beyond], [beyond.run()])
+        against_the_bound(law, gains, f"{BEYOND:.0f} delta_d, machine 0", [(beyond, beyond.run())])
     trials = [draw(axis, seed, Dcarc) for seed in range(MACHINES)]
     row(Dcarc, "printed", "u_s2 on", "decay_rate", "1/s", trials[0].rate)
-    error(Dcarc, "printed", trials, [trial.run() for trial in trials])
+    error(Dcarc, "printed", [(trial, trial.run()) for trial in trials])
     row(Dcarc, "printed", "at rest", "v_growth", "1", growth_at_rest(axis))
     row(Dcarc, "sufficient", "at rest", "v_growth", "1", growth_at_rest(axis, **sufficient_gains(axis)))
     bounded = [dict[str, Any](epsilon=epsilon, disturbance_bound=DISTURBANCE) for epsilon in EPSILONS]
@@ -385,13 +371,9 @@ def errors_by_period(
     names = [f"{name}_adaptation" for name in (*ESTIMATED, "cogging")]
     changes: dict[str, Any] = {name: faster * getattr(printed, name) for name in names}
     changes |= {name: getattr(trial.parameters, name) for name in ESTIMATED}
-    batch = closed_loop_batch(
-        [trial.with_disturbance(0.0).plant],
-        [Dcarc(printed.replace(sample_rate=sample_rate, **changes, **gains))],
-        motion,
-        columns=("true_position", "reference"),
-        every=round(sample_rate / KEPT),
-    )
+    law, columns = Dcarc(printed.replace(sample_rate=sample_rate, **changes, **gains)), ("true_position", "reference")
+    machine, every = trial.with_disturbance(0.0).plant, round(sample_rate / KEPT)
+    batch = closed_loop_batch([machine], [law], motion, columns=columns, every=every)
     for failure in batch.failures:
         raise _core.DivergedError(failure.reason)
     error = batch.columns["true_position"][0] - batch.columns["reference"][0]
@@ -450,12 +432,9 @@ def _draw_bound(axes: Axes, law: Law, gains: dict[str, float], said: str) -> Non
     on, off = trial.run(), trial.run(epsilon=0.0)
     bound = trial.bound(on, float(trial.lyapunov(on)[0]))
     shown = on.time <= SHOWN_FOR
-    for name, values, style in (
-        ("u_s2 on", trial.lyapunov(on), look(0)),
-        ("u_s2 off", trial.lyapunov(off), look(2)),
-        ("bound (23)", bound, {"color": LIMIT, "linestyle": (0, (6, 3)), "linewidth": 2.0}),
-    ):
-        axes.plot(1e3 * on.time[shown], values[shown], label=name, **style)
+    axes.plot(1e3 * on.time[shown], trial.lyapunov(on)[shown], label="u_s2 on", **look(0))
+    axes.plot(1e3 * on.time[shown], trial.lyapunov(off)[shown], label="u_s2 off", **look(2))
+    axes.plot(1e3 * on.time[shown], bound[shown], label="bound (23)", **{**PRINTED, "linewidth": 2.0})
     axes.set_yscale("log")
     axes.set_ylim(1e-4 * float(bound[shown].max()), None)
     axes.set(xlabel="time (ms)", ylabel="V (V m)")

@@ -22,7 +22,7 @@ from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
 from cogging.plot.series import look, marker
 
-#: Indexes, and the field of GantryAxis with the printed errors of C1, C2 and C3.
+#: Indexes, and their names as a field of GantryAxis (printed, of C1, C2 and C3) and in a Batch.
 INDEXES = {"e_inf": "error_max", "e_2": "error_rms"}
 
 #: The fitted amplitudes: see Family in studies.lu2008.families, which chose them.
@@ -103,7 +103,7 @@ def laws_table(machines: Mapping[str, Plant]) -> Table:
             gantry.last_move([law(each) for each in parameters], on, gantry.reference(axis)).indexes
             for law in (Dcarc, Arc)
         )
-        for index, key in (("e_inf", "error_max"), ("e_2", "error_rms"), ("du_rms", "command_change_rms")):
+        for index, key in {**INDEXES, "du_rms": "command_change_rms"}.items():
             for name, ratio in zip(CONTROLLERS, dcarc[key] / arc[key], strict=True):
                 rows.append(explored(name, index, "1", ratio, axis=axis.name))
     return Table("laws", "DCARC over ARC: errors, and the rms change of the command from sample to sample", rows)
@@ -141,14 +141,14 @@ def at_constant_speed(axis: GantryAxis, log: Log) -> FloatArray:
 
 def smoothness_table(axis: GantryAxis, logs: Mapping[str, Log]) -> Table:
     """Tabulate the rms error at constant speed: all of it, at the harmonics that C3 compensates, at the others."""
-    others = tuple(harmonic for harmonic in HARMONICS if harmonic not in axis.compensated)
+    others = [harmonic for harmonic in HARMONICS if harmonic not in axis.compensated]
     rows = []
     for name, log in logs.items():
         error = at_constant_speed(axis, log)
         rows.append(explored(name, "e_2", "m", np.sqrt(np.mean(error**2)), harmonics="all"))
         lines = np.abs(np.fft.rfft(error, axis=1)) / error.shape[1]
-        for listed in (axis.compensated, others):
-            rms = np.sqrt(2.0 * np.sum(lines[:, list(listed)] ** 2) / len(error))
+        for listed in (list(axis.compensated), others):
+            rms = np.sqrt(2.0 * np.sum(lines[:, listed] ** 2) / len(error))
             rows.append(explored(name, "e_2", "m", rms, harmonics=" ".join(map(str, listed))))
     return Table(f"constant_speed_{axis.name}", f"The error at constant speed, {axis.name} axis", rows)
 

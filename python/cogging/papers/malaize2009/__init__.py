@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from cogging.mapping.error_spectrum import tracking_spectrum
 from cogging.papers.malaize2009 import accuracies
-from cogging.papers.malaize2009.causes import FRICTION, LINES, explained
+from cogging.papers.malaize2009.causes import FRICTION, LINE_PERIODS, LINES, explained
 from cogging.papers.malaize2009.linear_motors import MOTORS, accuracy
 from cogging.papers.malaize2009.theorem_3 import further_tables
 from cogging.papers.result import Reproduction
@@ -27,7 +28,11 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     with_friction = accuracies.accuracies_of_table_1(FRICTION)
     tables = [accuracies.table_1(LINES, found, believed), accuracies.table_1(FRICTION, with_friction, believed)]
     progress("table 1")
-    spectra = accuracies.spectra_of(logs)
+    shortest = LINE_PERIODS[0]
+    spectra = {
+        motor: {name: tracking_spectrum(log, shortest_period=shortest) for name, log in pair.items()}
+        for motor, pair in logs.items()
+    }
     figures = {
         "malaize2009_fig2": accuracies.figure_velocity(),
         "malaize2009_fig3": accuracies.figure_spectrum(spectra),

@@ -5,7 +5,7 @@ Also accuracies where something is not as the controllers believe, which are not
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from cogging import effects
 from cogging._core import Plant
 from cogging.arrays import FloatArray
 from cogging.logs.log import Log
-from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
+from cogging.mapping.error_spectrum import TrackingSpectrum
 from cogging.model.controller import ListedController
 from cogging.papers.compared import Trace, compared, set_ticks
 from cogging.papers.malaize2009 import causes, linear_motors
@@ -47,22 +47,18 @@ def logs_under(
 
 def logs_of_table_1() -> dict[str, dict[str, Log]]:
     """Run Table I with the first draw of the lines and phases; logs by motor and controller."""
-    found = {}
-    for motor in MOTORS.values():
-        conditions, gains = causes.shipped_table_1(motor)
-        found[motor.name] = logs_under(motor, gains, conditions)
-    return found
+    return {name: logs_under(motor, *causes.shipped_table_1(motor)) for name, motor in MOTORS.items()}
 
 
 def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArray]]:
     """Return the accuracies of Table I under a cause in each draw."""
-    found = {}
-    for motor in MOTORS.values():
-        conditions, gains = causes.shipped_table_1(motor, cause)
-        found[motor.name] = {
-            name: drawn_accuracies(motor, gains, conditions, name, cause.draws) for name in CONTROLLERS
+    return {
+        motor.name: {
+            name: drawn_accuracies(motor, *causes.shipped_table_1(motor, cause), name, cause.draws)
+            for name in CONTROLLERS
         }
-    return found
+        for motor in MOTORS.values()
+    }
 
 
 def accuracies_as_believed() -> dict[str, dict[str, FloatArray]]:
@@ -78,25 +74,20 @@ def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
 
     found: accuracies_of_table_1, fitted; believed: accuracies_as_believed, where the observer row was predicted.
     """
-    labels = {
-        (motor, name): {f"of {cause.draws} draws": f"{1e6 * each.min():.3g} to {1e6 * each.max():.3g} um"}
-        for motor, pair in found.items()
-        for name, each in pair.items()
-        if cause.draws > 1
-    }
 
     def rows_of(accuracies: Accuracies, observer: str) -> list[Row]:
         rows = []
         for motor in MOTORS.values():
             label, star = {"motor": motor.name}, shipped(motor).lambda_star
             for name, printed, status in zip(CONTROLLERS, motor.accuracy, ("calibrated", observer), strict=True):
-                accuracy = float(accuracies[motor.name][name].mean())
-                more = label | labels.get((motor.name, name), {})
-                rows.append(Row(name, "accuracy", "m", printed, accuracy, status, more))
+                accuracy, more, drawn = float(accuracies[motor.name][name].mean()), {}, found[motor.name][name]
+                if cause.draws > 1:
+                    more = {f"of {cause.draws} draws": f"{1e6 * drawn.min():.3g} to {1e6 * drawn.max():.3g} um"}
+                rows.append(Row(name, "accuracy", "m", printed, accuracy, status, label | more))
             rows.append(Row("observer", "lambda_star", "m/s^2", motor.lambda_star, star, "calibrated", label))
         return rows
 
-    words = f" (mean of {cause.draws} draws)" if labels else ""
+    words = f" (mean of {cause.draws} draws)" if cause.draws > 1 else ""
     size = f"with {cause.name} of one size{words}"
     title = f"Table I: accuracy after the first stroke {size}, and the certified lambda*"
     before = Table("", "", rows_of(believed, "predicted"), free=AMPLITUDES_AND_RADII)
@@ -179,14 +170,6 @@ def spread_over_draws(found: Sequence[Explanation], table_1: Accuracies) -> Tabl
         for index, value in zip(("mean", "sd", "least", "largest"), values, strict=True):
             rows.append(explored(name, index, "m", value, motor=motor.name, under=under))
     return Table("draws", "How much a draw counts: accuracy over the draws", rows)
-
-
-def spectra_of(logs: Logs) -> dict[str, dict[str, TrackingSpectrum]]:
-    """Return spectra of the tracking errors from 4 mm on, by motor and controller."""
-    return {
-        motor: {name: tracking_spectrum(log, shortest_period=causes.LINE_PERIODS[0]) for name, log in pair.items()}
-        for motor, pair in logs.items()
-    }
 
 
 @drawn
@@ -301,9 +284,9 @@ def table_2() -> Table:
         machines = {"as believed": exact}
         machines |= {f"ripple of {100 * share:.0f} % rms": rippled(motor, share) for share in (0.04, 0.20)}
         for step in (motor.resolution, 10 * motor.resolution):
-            alone = plant(motor, amplitude, friction=0.0, resolution=step)
-            machines[f"quantiser of {1e9 * step:g} nm alone"] = alone
-        machines["encoder 10 times coarser"] = plant(motor, amplitude, resolution=10 * motor.resolution)
+            alone = replace(motor, friction=0.0, resolution=step)
+            machines[f"quantiser of {1e9 * step:g} nm alone"] = plant(alone, amplitude)
+        machines["encoder 10 times coarser"] = plant(replace(motor, resolution=10 * motor.resolution), amplitude)
         machines |= {f"friction {1e3 * width:g} mm/s wide": with_friction(motor, width) for width in FRICTION_WIDTHS}
         machines["Stribeck friction that sticks"] = with_friction(motor, 0.0, STRIBECK_EXCESS)
         machines["Stribeck friction 0.05 mm/s wide"] = with_friction(motor, 5e-5, STRIBECK_EXCESS)
@@ -315,8 +298,7 @@ def table_2() -> Table:
         errors = largest_errors(motor, list(cases.values()))
         for case, *pair in zip(cases, *errors.values(), strict=True):
             for name, error in zip(CONTROLLERS, pair, strict=True):
-                worse = name == "observer" and pair[1] > pair[0]
-                note = {"note": "worse than the PID"} if worse else {}
+                note = {"note": "worse than the PID"} if error > pair[0] else {}
                 rows.append(explored(name, "accuracy", "m", error, motor=motor.name, case=case, **note))
     return Table("imperfections", "What Table I hides: accuracy where something is not as believed", rows)
 
@@ -336,26 +318,19 @@ def smooth_friction() -> Table:
     return Table("smooth_friction", title, rows)
 
 
-def ripple_ratio(motor: Motor, periods: FloatArray) -> FloatArray:
-    """Return the observer's over the PID's rms error of one unknown ripple by its period (m), without any friction."""
-    gains, size = shipped(motor), 0.04 * shipped(motor).amplitude
-    machines = [
-        plant(motor, 0.0, [effects.CoggingHarmonic(period=period, sine=size)], resolution=0.0, friction=0.0)
-        for period in periods.tolist()
-    ]
-    pid, own = (
-        linear_motors.batch_errors(machines, [law] * len(machines), motor, reduction="true_error_rms")
-        for law in controllers(motor, gains).values()
-    )
-    return own / pid
-
-
 @drawn
 def figure_ripple() -> Figure:
-    """Draw the ratio observer / PID of the error due to one unmodelled ripple, against its period."""
+    """Draw the observer's over the PID's rms error of one unknown ripple, by its period, without any friction."""
     figure, panels = titled_panels("Unmodelled ripple: the observer's rms error over the PID's", (8.0, 5.5), 2)
     for axes, motor in zip(panels, MOTORS.values(), strict=True):
-        axes.semilogx(1e3 * DRAWN_PERIODS, ripple_ratio(motor, DRAWN_PERIODS), **look(0))
+        gains, size = shipped(motor), 0.04 * shipped(motor).amplitude
+        ripples = [effects.CoggingHarmonic(period=period, sine=size) for period in DRAWN_PERIODS.tolist()]
+        machines = [plant(replace(motor, resolution=0.0, friction=0.0), 0.0, [ripple]) for ripple in ripples]
+        pid, own = (
+            linear_motors.batch_errors(machines, [law] * len(machines), motor, reduction="true_error_rms")
+            for law in controllers(motor, gains).values()
+        )
+        axes.semilogx(1e3 * DRAWN_PERIODS, own / pid, **look(0))
         axes.axhline(1.0, **look(2) | {"linestyle": ":"})
         for period in motor.periods:
             axes.axvline(1e3 * period, color=GREY, linewidth=0.8)
@@ -367,30 +342,26 @@ def figure_ripple() -> Figure:
 @drawn
 def figure_robustness() -> Figure:
     """Draw the accuracies of PID and observer against each unknown quantity alone, over assumed ranges."""
-    sweeps: dict[str, tuple[list[float], Callable[[Motor, float], Plant]]] = {
-        f"rms of a ripple of {1e3 * RIPPLE_PERIOD:g} mm (% of the cogging)": (
-            DRAWN_SIZES["ripple"],
-            lambda motor, percent: rippled(motor, 0.01 * percent),
-        ),
-        "step of the encoder (nm)": (
-            DRAWN_SIZES["encoder"],
-            lambda motor, step: plant(motor, shipped(motor).amplitude, resolution=1e-9 * step),
-        ),
-        "width of the dry friction (mm/s)": (
-            DRAWN_SIZES["friction"],
-            lambda motor, width: with_friction(motor, 1e-3 * width),
-        ),
+    names = {
+        "thrust": "thrust above what is believed (%)",
+        "ripple": f"rms of a ripple of {1e3 * RIPPLE_PERIOD:g} mm (% of the cogging)",
+        "encoder": "step of the encoder (nm)",
+        "friction": "width of the dry friction (mm/s)",
     }
     title = "Accuracy where something is not as believed; dotted: printed in Table I"
-    figure, panels = titled_panels(title, (8.0, 10.0), 1 + len(sweeps), len(MOTORS), sharey="col")
+    figure, panels = titled_panels(title, (8.0, 10.0), len(names), len(MOTORS), sharey="col")
     for motor, column in zip(MOTORS.values(), panels.T, strict=True):
         gains = shipped(motor)
         exact, laws = plant(motor, gains.amplitude), controllers(motor, gains)
-        wrong = [(exact, controllers(motor, gains, 1.0 + 0.01 * thrust)) for thrust in DRAWN_SIZES["thrust"]]
-        found = {"thrust above what is believed (%)": (DRAWN_SIZES["thrust"], largest_errors(motor, wrong))}
-        for name, (sizes, machine) in sweeps.items():
-            found[name] = (sizes, largest_errors(motor, [(machine(motor, size), laws) for size in sizes]))
-        for axes, (name, (sizes, errors)) in zip(column, found.items(), strict=True):
+        stepped = [replace(motor, resolution=1e-9 * step) for step in DRAWN_SIZES["encoder"]]
+        cases = {
+            "thrust": [(exact, controllers(motor, gains, 1.0 + 0.01 * part)) for part in DRAWN_SIZES["thrust"]],
+            "ripple": [(rippled(motor, 0.01 * percent), laws) for percent in DRAWN_SIZES["ripple"]],
+            "encoder": [(plant(each, gains.amplitude), laws) for each in stepped],
+            "friction": [(with_friction(motor, 1e-3 * width), laws) for width in DRAWN_SIZES["friction"]],
+        }
+        for axes, (kind, name) in zip(column, names.items(), strict=True):
+            sizes, errors = DRAWN_SIZES[kind], largest_errors(motor, cases[kind])
             for place, (law, printed) in enumerate(zip(CONTROLLERS, motor.accuracy, strict=True)):
                 axes.loglog(sizes, 1e6 * errors[law], label=law, marker=marker(place), **look(place))
                 axes.axhline(1e6 * printed, **look(place) | {"linestyle": ":"}, linewidth=0.9)

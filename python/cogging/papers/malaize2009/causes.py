@@ -60,8 +60,8 @@ def unmodelled_lines(draw: int, rms: float) -> list[effects.CoggingHarmonic]:
 
 def machine(motor: Motor, amplitude: float, conditions: Conditions, draw: int = 0) -> Plant:
     """Return the machine of a draw under some conditions; amplitude: of the first period, m/s^2."""
-    true = tuple(period / (1.0 + conditions.period_error) for period in motor.periods)
-    phases, lines, step = None, list[effects.CoggingHarmonic](), motor.resolution
+    true = replace(motor, periods=tuple(period / (1.0 + conditions.period_error) for period in motor.periods))
+    phases, lines = None, list[effects.CoggingHarmonic]()
     if conditions.any_phases:
         random = np.random.default_rng([SEED, list(MOTORS).index(motor.name), draw])
         phases = random.uniform(0.0, 2.0 * np.pi, len(motor.periods))
@@ -69,16 +69,10 @@ def machine(motor: Motor, amplitude: float, conditions: Conditions, draw: int = 
         lines = unmodelled_lines(draw, conditions.lines * linear_motors.cogging_rms(motor, amplitude))
     if conditions.step is not None:  # the accuracy depends on where on the grid the strokes end
         step = conditions.step * (1.0 + np.random.default_rng([SEED, draw]).uniform(-0.1, 0.1))
-    return linear_motors.plant(
-        replace(motor, periods=true),
-        amplitude,
-        lines,
-        phases=phases,
-        width=conditions.width,
-        delay=linear_motors.DELAY + conditions.delay,
-        resolution=step,
-        noise=conditions.noise,
-    )
+        true = replace(true, resolution=step)
+    late = linear_motors.DELAY + conditions.delay
+    options: dict[str, Any] = {"phases": phases, "delay": late, "width": conditions.width, "noise": conditions.noise}
+    return linear_motors.plant(true, amplitude, lines, **options)
 
 
 def strokes_of(draws: int) -> int:
@@ -132,10 +126,10 @@ def conditions_file() -> dict[str, Any]:
 LINES, FRICTION = CAUSES[0], CAUSES[-1]
 
 
-def shipped_table_1(motor: Motor, cause: Cause = LINES) -> tuple[Conditions, Calibrated]:
-    """Return the conditions of Table I, a cause of one size on both motors, and the gains calibrated under them."""
+def shipped_table_1(motor: Motor, cause: Cause = LINES) -> tuple[Calibrated, Conditions]:
+    """Return the gains calibrated under the conditions of Table I, and these: a cause of one size on both motors."""
     part = conditions_file()["table_1"][cause.field]
-    return cause.of(part["size"]), replace(shipped(motor), amplitude=part[motor.name])
+    return replace(shipped(motor), amplitude=part[motor.name]), cause.of(part["size"])
 
 
 @dataclass(frozen=True)

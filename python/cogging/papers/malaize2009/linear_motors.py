@@ -98,10 +98,8 @@ def plant(
     more: Sequence[Any] = (),
     *,
     phases: FloatArray | None = None,
-    friction: float | None = None,
     width: float = 0.0,
     delay: float = DELAY,
-    resolution: float | None = None,
     noise: float = 0.0,
 ) -> Plant:
     """Return the machine (1), (2): each period one radian later, exact dry friction, one sample of delay.
@@ -112,13 +110,12 @@ def plant(
     phases = np.arange(len(motor.periods), dtype=np.float64) if phases is None else phases
     sizes = -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
-    coulomb, travel = motor.friction if friction is None else friction, [-0.1, motor.stroke + 0.1]
-    step = motor.resolution if resolution is None else resolution
+    friction, travel = {"coulomb": motor.friction, "coulomb_width": width}, [-0.1, motor.stroke + 0.1]
     return Plant(
-        _core.AxisParameters(mass=1.0, viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=travel),
+        _core.AxisParameters(mass=1.0, viscous=VISCOUS, travel=travel, **friction),
         cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
         effects=[effects.CommandDelay(delay=delay), *more],
-        encoder=_core.EncoderParameters(resolution=step, noise=noise),
+        encoder=_core.EncoderParameters(resolution=motor.resolution, noise=noise),
     )
 
 
@@ -129,16 +126,8 @@ def cogging_rms(motor: Motor, amplitude: float) -> float:
 
 def reference(motor: Motor) -> PointToPoint:
     """Return strokes there and back at the motor's speed and acceleration (Fig. 2: lengths and rests are assumed)."""
-    return PointToPoint(
-        _core.PointToPointParameters(
-            distance=motor.stroke,
-            velocity=motor.velocity,
-            acceleration=motor.acceleration,
-            jerk=motor.acceleration / RAMP,
-            dwell=DWELL,
-            repeats=REPEATS,
-        )
-    )
+    limits = {"velocity": motor.velocity, "acceleration": motor.acceleration, "jerk": motor.acceleration / RAMP}
+    return PointToPoint(_core.PointToPointParameters(distance=motor.stroke, dwell=DWELL, repeats=REPEATS, **limits))
 
 
 def pid(thrust: float = 1.0) -> ListedController:
@@ -189,14 +178,7 @@ def batch_errors(
 
     The number of a machine is the seed of its encoder noise; strokes: how many, from the start; 0: all.
     """
-    period = reference(motor).period
-    found = closed_loop_batch(
-        machines,
-        controllers,
-        reference(motor),
-        duration=0.5 * strokes * period,
-        seeds=range(len(machines)),
-        start=0.5 * period,
-        reductions=[reduction],
-    )
+    motion, options = reference(motor), dict[str, Any](seeds=range(len(machines)), reductions=[reduction])
+    half = 0.5 * motion.period
+    found = closed_loop_batch(machines, controllers, motion, duration=strokes * half, start=half, **options)
     return np.nan_to_num(found.indexes[reduction], nan=np.inf)

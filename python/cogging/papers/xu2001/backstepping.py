@@ -41,7 +41,6 @@ THETA, TONE, OFF = np.array([20.0, 5.0, 2.0]), 2.0, 5e-3
 class Backstepping:
     """The two steps of the design along a run; one entry, or three, a row."""
 
-    time: FloatArray  # s
     z_1: FloatArray  # m, of step 1 (after 22)
     z_2: FloatArray  # V s, of step 2 (25)
     phi_1: FloatArray  # of the adaptation law (26), (n, 3)
@@ -60,7 +59,7 @@ def backstepping(log: Log, p: OutputFeedbackArcParameters) -> Backstepping:
     y, velocity = log.position - log.position[0], known(log.reference_velocity)
     compensation = p.coulomb * np.asarray(_core.smooth_sign(velocity, p.coulomb_width))
     eta, lam, psi = (filtered(p, driven) for driven in (y, log.command - compensation, np.ones_like(y)))
-    return steps(p, log.time, log.error, y, eta, lam, psi, known(log.estimates), velocity)
+    return steps(p, log.error, y, eta, lam, psi, known(log.estimates), velocity)
 
 
 def filtered(p: OutputFeedbackArcParameters, driven: FloatArray) -> FloatArray:
@@ -79,7 +78,6 @@ def filtered(p: OutputFeedbackArcParameters, driven: FloatArray) -> FloatArray:
 
 def steps(
     p: OutputFeedbackArcParameters,
-    time: FloatArray,
     z_1: FloatArray,
     y: FloatArray,
     eta: FloatArray,
@@ -123,7 +121,7 @@ def steps(
     if p.use_u_s3:
         robust += by_position**2 / (4.0 * p.epsilon_22)
     gain_2 = p.gain_2 + p.robust_factor * robust
-    return Backstepping(time, z_1, z_2, phi_1, phi_2, by_theta, gain_1, gain_2)
+    return Backstepping(z_1, z_2, phi_1, phi_2, by_theta, gain_1, gain_2)
 
 
 def theta_range_square(p: OutputFeedbackArcParameters) -> float:
@@ -178,15 +176,8 @@ def run(
     p: OutputFeedbackArcParameters, machine: Plant, duration: float, start: float = 0.0, seed: int = 0
 ) -> tuple[Log, Backstepping]:
     """Run case 1 from a start off the reference (m); return the log and the steps of the design along it."""
-    log = closed_loop(
-        machine,
-        OutputFeedbackArc(p),
-        reference(),
-        duration=duration,
-        seed=seed,
-        initial_position=start,
-        record_estimates=True,
-    )
+    options: dict[str, Any] = {"duration": duration, "seed": seed, "initial_position": start, "record_estimates": True}
+    log = closed_loop(machine, OutputFeedbackArc(p), reference(), **options)
     return log, backstepping(log, p)
 
 
@@ -325,7 +316,7 @@ def by_hand(resolution: float) -> float:
     p = arc_parameters(**ALL_TERMS)
     none, psi = np.zeros((1, 2)), np.array([[1.0, p.observer_gain_1]]) / p.observer_gain_2
     zero = np.zeros(1)
-    found = steps(p, zero, zero, zero, none, none, psi, np.array([p.theta]), zero)
+    found = steps(p, zero, zero, none, none, psi, np.array([p.theta]), zero)
     return -float(found.gain_1[0]) * float(found.gain_2[0]) / p.theta_min[0] * resolution
 
 
@@ -379,14 +370,10 @@ def which_run(chosen: Sequence[tuple[str, ...]], machine: Plant) -> dict[tuple[s
     made = [OutputFeedbackArc(arc_parameters(**dict.fromkeys(one, True))) for one in chosen]
     machines, seeds = [machine] * len(made), [epoxy_motor.SEED] * len(made)
     batch = closed_loop_batch(machines, made, reference(), duration=epoxy_motor.DURATION, seeds=seeds)
-    ends = {failure.run: failure.time for failure in batch.failures}
-    names = (("e_M", "error_max"), ("e_rms", "error_rms"), ("du_rms", "command_change_rms"))
-    return {
-        one: {"diverges_at": ends[run]}
-        if run in ends
-        else {index: float(batch.indexes[name][run]) for index, name in names}
-        for run, one in enumerate(chosen)
-    }
+    names = {"e_M": "error_max", "e_rms": "error_rms", "du_rms": "command_change_rms"}
+    ends = {chosen[failure.run]: {"diverges_at": failure.time} for failure in batch.failures}
+    found = {index: batch.indexes[name] for index, name in names.items()}
+    return {one: {index: float(row[run]) for index, row in found.items()} for run, one in enumerate(chosen)} | ends
 
 
 def subsets_table(unknowns: Unknowns) -> Table:

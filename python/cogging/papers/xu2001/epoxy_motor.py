@@ -26,6 +26,8 @@ SAMPLE_RATE = 2500.0  # Hz (section 4.3)
 RESOLUTION = 1e-6  # m (section 4.1)
 FRICTION_LEVEL = 0.1  # V: (0.2 / pi) arctan(900 v) = 0.1 S(v) (section 4.3, both controllers)
 FRICTION_WIDTH = 1.0 / 900.0  # m/s (same)
+#: What the parameters of both controllers share.
+OF_BOTH = {"sample_rate": SAMPLE_RATE, "coulomb": FRICTION_LEVEL, "coulomb_width": FRICTION_WIDTH}
 VISCOUS = 2.73 / 10.0  # V/(m/s): theta_2 / theta_1 of (52); assumed without payload too
 MASSES = {"1": 1.0 / 37.0, "2": 1.0 / 10.0, "3": 1.0 / 37.0}  # V/(m/s^2) (sections 4.1, 4.3)
 DISTURBANCE = (0.5, 2.2, 7.2)  # V, s, s: set 3 (section 4.3)
@@ -110,39 +112,25 @@ def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
 def pid_parameters(pole: float = PID_POLE, **changes: Any) -> PidParameters:
     """Return the PID (57): three equal poles for M_min = 0.02; M(0) = 0.05, B(0) = 0.24, of the measured velocity."""
     kp, ki, kd = pid_gains([pole] * 3, PID_MASS)
-    printed = PidParameters(
-        sample_rate=SAMPLE_RATE,
-        kp=kp,
-        ki=ki,
-        kd=kd,
-        mass=0.05,
-        viscous=0.24,
-        coulomb=FRICTION_LEVEL,
-        coulomb_width=FRICTION_WIDTH,
-        feedforward_velocity="measured",
-    )
-    return printed.replace(**changes)
+    own = {"kp": kp, "ki": ki, "kd": kd, "mass": 0.05, "viscous": 0.24, "feedforward_velocity": "measured"}
+    return PidParameters(**{**OF_BOTH, **own, **changes})
 
 
 def arc_parameters(**changes: Any) -> OutputFeedbackArcParameters:
     """Return the ARC as printed (section 4.3) without robust terms, which cannot run (backstepping.py)."""
-    rate = {"sample_rate": SAMPLE_RATE, "coulomb": FRICTION_LEVEL, "coulomb_width": FRICTION_WIDTH}
-    fields = rate | shipped_toml("papers/xu2001/printed.toml")["arc"]
-    return OutputFeedbackArcParameters(**{**fields, **changes})
+    return OutputFeedbackArcParameters(**{**OF_BOTH, **shipped_toml("papers/xu2001/printed.toml")["arc"], **changes})
 
 
 def reference() -> FilteredSine:
     """Return case 1: 0.05 sin(4 t) through the generator (58) with beta_1 = 100, beta_2 = 2500."""
-    return FilteredSine(
-        _core.FilteredSineParameters(amplitude=0.05, frequency=4.0 / (2.0 * np.pi), beta_1=100.0, beta_2=2500.0)
-    )
+    generator = {"frequency": 4.0 / (2.0 * np.pi), "beta_1": 100.0, "beta_2": 2500.0}
+    return FilteredSine(_core.FilteredSineParameters(amplitude=0.05, **generator))
 
 
 def fast_reference() -> _core.PointToPoint:
     """Return case 2: 1 m/s and 12 m/s^2 back and forth; stroke 0.4 m, dwell 0.5 s and no jerk limit are assumed."""
-    return _core.PointToPoint(
-        _core.PointToPointParameters(distance=0.4, velocity=1.0, acceleration=12.0, dwell=0.5, repeats=3)
-    )
+    limits = {"velocity": 1.0, "acceleration": 12.0}
+    return _core.PointToPoint(_core.PointToPointParameters(distance=0.4, dwell=0.5, repeats=3, **limits))
 
 
 def indexes(log: Log) -> dict[str, float]:
@@ -154,14 +142,9 @@ def indexes(log: Log) -> dict[str, float]:
 def run(unknowns: Unknowns, controller: ListedController, *, seed: int = SEED, earlier_runs: int = 0) -> dict[str, Log]:
     """Return the logs of a controller in the sets of case 1, each after some earlier runs of the same set."""
     machines = [plant(unknowns, name) for name in SETS]
-    batch = closed_loop_batch(
-        machines,
-        [after_earlier_runs(machine, controller, earlier_runs, seed) for machine in machines],
-        reference(),
-        duration=DURATION,
-        seeds=[seed] * len(machines),
-        logs=True,
-    )
+    laws = [after_earlier_runs(machine, controller, earlier_runs, seed) for machine in machines]
+    seeds = [seed] * len(machines)
+    batch = closed_loop_batch(machines, laws, reference(), duration=DURATION, seeds=seeds, logs=True)
     return dict(zip(SETS, batch, strict=True))
 
 
@@ -174,9 +157,8 @@ def after_earlier_runs(machine: Plant, controller: ListedController, earlier_run
         return controller
     first = controller.parameters
     for number in range(earlier_runs):
-        columns = _core.closed_loop(
-            machine, controller, reference(), duration=DURATION, seed=seed - 1 - number, record_estimates=True
-        )
+        options: dict[str, Any] = {"seed": seed - 1 - number, "record_estimates": True}
+        columns = _core.closed_loop(machine, controller, reference(), duration=DURATION, **options)
         theta_1, theta_2, _ = columns["estimates"][-1]
         controller = OutputFeedbackArc(first.replace(theta=[theta_1, theta_2, first.theta[2]]))
     return controller
@@ -193,9 +175,8 @@ class Conditions:
 
     def arc_parameters(self) -> OutputFeedbackArcParameters:
         """Return the ARC of the first of the runs."""
-        printed = arc_parameters()
-        fields = {"adaptation": [self.adaptation_factor * rate for rate in printed.adaptation]}
-        return printed.replace(**{**fields, **self.changes})
+        adaptation = [self.adaptation_factor * rate for rate in arc_parameters().adaptation]
+        return arc_parameters(**{"adaptation": adaptation, **self.changes})
 
     def controller(self, name: str) -> ListedController:
         """Return a controller of Table 1 at the start of the first of the runs."""
@@ -210,14 +191,9 @@ class Conditions:
         machines = [plant(self.unknowns, name) for name in sets]
         made = self.controller(controller)
         prepared = [after_earlier_runs(machine, made, self.earlier_runs, seeds[0]) for machine in machines]
-        batch = closed_loop_batch(
-            [machine for machine in machines for _ in seeds],
-            [each for each in prepared for _ in seeds],
-            reference(),
-            duration=DURATION,
-            seeds=list(seeds) * len(sets),
-            final_window=FINAL_WINDOW,
-        )
+        plants, laws = zip(*(pair for pair in zip(machines, prepared, strict=True) for _ in seeds), strict=True)
+        options: dict[str, Any] = {"seeds": list(seeds) * len(sets), "final_window": FINAL_WINDOW}
+        batch = closed_loop_batch(plants, laws, reference(), duration=DURATION, **options)
         if batch.failures:
             raise _core.DivergedError(batch.failures[0].reason)
         return np.stack([batch.indexes[name] for name in CORE_INDEXES], axis=-1).reshape(len(sets), len(seeds), -1)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -32,10 +32,11 @@ from cogging.simulation.batch import closed_loop_batch
 OTHER_SEEDS = tuple(range(100, 900, 100))  # that took part in no fit
 #: The guess without a model, by split.
 GUESS = {"set_2": "set 2 equals set 1", "arc_sets_2_3": "the PID's number times ARC over PID in set 1"}
+LAST_PERIOD = (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)  # s
 #: Number and title of the figure of each set, and the part (s) of the run in its second column.
 OF_SET = {
-    "1": (2, "without load", (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)),
-    "2": (3, "with load (cut off, as in the paper)", (epoxy_motor.DURATION - epoxy_motor.PERIOD, epoxy_motor.DURATION)),
+    "1": (2, "without load", LAST_PERIOD),
+    "2": (3, "with load (cut off, as in the paper)", LAST_PERIOD),
     "3": (4, "with disturbance", (epoxy_motor.DISTURBANCE[1] - 0.2, epoxy_motor.DISTURBANCE[1] + 0.8)),
 }
 #: m: where Fig. 3 is cut off. The paper says that it is, but not where; assumed: the scale of Fig. 2.
@@ -91,9 +92,8 @@ def joint_note(table: Table) -> str:
     early = [row.ratio for row in (table.before or table).rows if row.controller == "ARC" and row.ratio]
     factor, runs, near = joint.adaptation_factor, joint.earlier_runs, counts["within"]
     smaller, left = sum(arc < pid for pid, arc in pairs), rms_log_error(table.rows)
-    others = " and ".join(
-        f"{part['adaptation_factor']:.3g}" for part in epoxy_motor.shipped_file()["held_out"].values()
-    )
+    held_out = epoxy_motor.shipped_file()["held_out"].values()
+    others = " and ".join(f"{part['adaptation_factor']:.3g}" for part in held_out)
     return textwrap.fill(
         f"Two assumptions bring the ARC columns near the printed ones: adaptation rates {factor:.3g} times those "
         f"printed, and estimates of theta_1 and theta_2 kept from {runs} earlier runs of each set, where the paper "
@@ -108,30 +108,24 @@ def joint_note(table: Table) -> str:
     )
 
 
-def trivial(split: str, controller: str, set_name: str) -> dict[str, float]:
-    """Return what the paper's fitted numbers say of a withheld set without a model, by index (GUESS)."""
-    guess = np.array(TABLE_1[controller]["1"])
-    if len(epoxy_motor.HELD_OUT[split][controller]) == 1:
-        other = next(name for name in CONTROLLERS if name != controller)
-        guess *= np.divide(TABLE_1[other][set_name], TABLE_1[other]["1"])
-    return dict(zip(INDEXES, guess.tolist(), strict=True))
+def trivial(split: str, row: Row) -> float:
+    """Return what the paper's fitted numbers say of a withheld number without a model (GUESS)."""
+    place = INDEXES.index(row.index)
+    guess = TABLE_1[row.controller]["1"][place]
+    if len(epoxy_motor.HELD_OUT[split][row.controller]) == 1:
+        (other,) = (sets for name, sets in TABLE_1.items() if name != row.controller)
+        guess *= other[row.labels["set"]][place] / other["1"][place]
+    return guess
 
 
 def held_out_table(split: str) -> Table:
     """Return the predictions of a fit to a part of the table, beside the trivial guess."""
-    conditions, seen = (
-        epoxy_motor.conditions_of(epoxy_motor.shipped_file()["held_out"][split]),
-        epoxy_motor.HELD_OUT[split],
-    )
-    rows = [
-        row
-        for row in table_1(conditions.table(), fitted=seen).rows
-        if row.status == "calibrated" or row.labels["set"] not in seen[row.controller]
-    ]
+    conditions = epoxy_motor.conditions_of(epoxy_motor.shipped_file()["held_out"][split])
+    seen = epoxy_motor.HELD_OUT[split]
+    every = table_1(conditions.table(), fitted=seen).rows
+    rows = [row for row in every if row.status == "calibrated" or row.labels["set"] not in seen[row.controller]]
     predicted = [row for row in rows if row.status == "predicted"]
-    guesses = [
-        replace(row, simulated=trivial(split, row.controller, row.labels["set"])[row.index]) for row in predicted
-    ]
+    guesses = [replace(row, simulated=trivial(split, row)) for row in predicted]
     before = Table(f"held_out_{split}_trivial", "", guesses)
     took = ", ".join(f"{controller} sets {' '.join(sets)}" for controller, sets in seen.items())
     factor, runs = conditions.adaptation_factor, conditions.earlier_runs
@@ -183,10 +177,9 @@ def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_log
     """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
     gaps = {}
     for name, change in changes().items():
+        law = OutputFeedbackArc(epoxy_motor.arc_parameters(**change))
         try:
-            gaps[name] = gap(
-                columns(epoxy_motor.run(unknowns, OutputFeedbackArc(epoxy_motor.arc_parameters(**change))))
-            )
+            gaps[name] = gap(columns(epoxy_motor.run(unknowns, law)))
         except DivergedError:
             gaps[name] = float("inf")
     runs, factor = joint.earlier_runs, joint.adaptation_factor
@@ -218,32 +211,27 @@ WITHIN = 1e-6  # m: the paper's claim on the ARC in the rests
 SETTLING = 0.3  # s of each rest that `e_settled` leaves out; assumed, the paper's rests are a picture
 
 
-class Errors(NamedTuple):
-    """Largest |encoder reading - reference| of a run of case 2, m."""
+def errors(log: Log) -> dict[str, float]:
+    """Return the largest |encoder reading - reference| (m) of a run of case 2 while it moves and rests.
 
-    moving: float  # while the reference moves
-    at_rest: float  # while it rests
-    settled: float  # in each rest after SETTLING
-    settling: float  # s, longest time from the end of a move until the error stays within WITHIN, at most the rest
-
-
-def errors(log: Log) -> Errors:
-    """Return the errors of a run of case 2."""
+    e_settled: in each rest after SETTLING; settling: the longest time (s) from the end of a move until the error stays
+    within WITHIN, at most the rest.
+    """
     motion = epoxy_motor.fast_reference()
     since = np.mod(log.time, motion.period / 2.0) - motion.move_time
     size, moving = np.abs(log.error), since < 0.0
     outside = ~moving & (size > WITHIN + 1e-3 * epoxy_motor.RESOLUTION)  # readings are whole counts
-    settling = float(since[outside].max(initial=0.0))
-    return Errors(float(size[moving].max()), float(size[~moving].max()), float(size[since > SETTLING].max()), settling)
+    parts = {"e_moving": moving, "e_at_rest": ~moving, "e_settled": since > SETTLING}
+    largest = {index: float(size[rows].max()) for index, rows in parts.items()}
+    return {**largest, "settling": float(since[outside].max(initial=0.0))}
 
 
 def run_fast(conditions: Conditions) -> dict[str, Log]:
     """Return the logs of PID and ARC in case 2 without load."""
     laws = [conditions.controller(name) for name in CONTROLLERS]
     machines = [epoxy_motor.plant(conditions.unknowns, "1")] * len(laws)
-    batch = closed_loop_batch(
-        machines, laws, epoxy_motor.fast_reference(), seeds=[epoxy_motor.SEED] * len(laws), logs=True
-    )
+    seeds = [epoxy_motor.SEED] * len(laws)
+    batch = closed_loop_batch(machines, laws, epoxy_motor.fast_reference(), seeds=seeds, logs=True)
     return dict(zip(CONTROLLERS, batch, strict=True))
 
 
@@ -258,13 +246,13 @@ def fast_motion_table(unknowns: epoxy_motor.Unknowns, joint: Conditions) -> Tabl
         "friction that sticks": sticks,
         "sticks, no noise": replace(sticks, encoder_noise=0.0),
     }
-    units = {"e_moving": "m", "e_at_rest": "m", "e_settled": "m", "settling": "s"}
     rows = []
     for place, conditions in {**{name: Conditions(each) for name, each in plants.items()}, "joint": joint}.items():
         for name, log in run_fast(conditions).items():
-            for (index, unit), value in zip(units.items(), errors(log), strict=True):
+            for index, value in errors(log).items():
                 claimed = name == "ARC" and place in ("calibrated", "joint") and index == "e_settled"
                 status, printed = ("predicted", WITHIN) if claimed else ("exploratory", None)
+                unit = "s" if index == "settling" else "m"
                 rows.append(Row(name, index, unit, printed, value, status, {"plant": place}))
     return Table("fast_motion", "Case 2, fast point-to-point motion: largest errors moving and at rest", rows)
 

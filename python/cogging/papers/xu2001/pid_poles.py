@@ -110,11 +110,8 @@ def simulated(
     machine = Plant(rigid.axis, effects=[*rigid.effects, *mode.modes()], encoder=rigid.encoder)
     motion, seeds = epoxy_motor.reference(), [epoxy_motor.SEED] * len(laws)
     batch = closed_loop_batch([machine] * len(laws), list(laws.values()), motion, duration=duration, seeds=seeds)
-    ends = {failure.run: failure.time for failure in batch.failures}
-    return {
-        name: ("diverges_at", "s", ends[run]) if run in ends else ("e_M", "m", float(batch.indexes["error_max"][run]))
-        for run, name in enumerate(laws)
-    }
+    found = dict(zip(laws, (("e_M", "m", error) for error in batch.indexes["error_max"].tolist()), strict=True))
+    return found | {list(laws)[failure.run]: ("diverges_at", "s", failure.time) for failure in batch.failures}
 
 
 def pid_poles_table(unknowns: Unknowns) -> Table:
