@@ -19,9 +19,8 @@ OUTPUT_GROUP = "output"  # group of options in the help
 
 
 def add_answer_options(group: argparse._ActionsContainer, *, json: str = "the result") -> None:
-    """Add `--json` and `--quiet`; `json`: what `--json` writes, in words, "" for a command without it."""
-    if json:
-        group.add_argument("--json", metavar="OUT", help=f"write {json} as JSON; - is standard output")
+    """Add `--json` and `--quiet`; `json`: what `--json` writes, in words."""
+    group.add_argument("--json", metavar="OUT", help=f"write {json} as JSON; - is standard output")
     group.add_argument("-q", "--quiet", action="store_true", help="print only errors, and the result of --json -")
 
 
@@ -32,7 +31,7 @@ def json_file(arguments: argparse.Namespace) -> str | None:
 
 def print_part(arguments: argparse.Namespace, text: str) -> None:
     """Print a part of the text for a person, unless `--quiet` or `--json -` suppresses it."""
-    if not arguments.quiet and getattr(arguments, "json", None) != STANDARD_OUTPUT:
+    if not arguments.quiet and arguments.json != STANDARD_OUTPUT:
         print_text(text)
 
 
@@ -51,12 +50,11 @@ def print_result(
     text: for a person; document, indent: for `--json`; files: content in pieces by path; written: files that exist
     already and are named; next_command: see cogging.cli.next_command.
     """
-    target = getattr(arguments, "json", None)
-    json = "" if target is None else to_json(document, indent=indent)
-    content: dict[str, Iterable[bytes]] = {} if target in (None, STANDARD_OUTPUT) else {target: [json.encode()]}
+    json = "" if arguments.json is None else to_json(document, indent=indent)
+    content: dict[str, Iterable[bytes]] = {} if json_file(arguments) is None else {arguments.json: [json.encode()]}
     content |= files or {}
     write_files(content)
-    if target == STANDARD_OUTPUT:
+    if arguments.json == STANDARD_OUTPUT:
         print_text(json.rstrip("\n"), plain=True)
     names = ", ".join(map(printable, [*written, *content]))
     for part in (text, f"{names} written" if names else "", f"next: {next_command}" if next_command else ""):

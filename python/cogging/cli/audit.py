@@ -12,6 +12,7 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_audit
 from cogging.files import errors_of
+from cogging.model.model import Model
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.progress import steps
 from cogging.shown import printable
@@ -33,7 +34,6 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Audit each log, write and print what it is like."""
     from cogging.log_check.log_audit import audit, check_against_model
-    from cogging.model.model import Model
 
     inputs = [*with_sidecars(arguments.logs), *([arguments.model] if arguments.model else [])]
     check_outputs({"--json": json_file(arguments)}, inputs)

@@ -15,6 +15,7 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_diagnose
 from cogging.files import read_text
+from cogging.model.model import Model
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.progress import steps
 from cogging.shown import printable
@@ -29,16 +30,14 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options."""
     command.add_argument("logs", nargs="+", metavar="LOG", help="CSV, .mat, .mf4 or .parquet")
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model of the machine")
-    command.add_argument(
-        "--confirm", nargs="+", default=[], metavar="LOG", help="logs of other motion, to check the result"
-    )
+    others = "logs of other motion, to check the result"
+    command.add_argument("--confirm", nargs="+", default=[], metavar="LOG", help=others)
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--report", metavar="OUT.html", help="write the report: one page with figures")
     group.add_argument("--out", metavar="MODEL.toml", help="write the model with the missing effect")
-    group.add_argument(
-        "--empirical", action="store_true", help="add the unexplained force to that model, with any shape"
-    )
+    unexplained = "add the unexplained force to that model, with any shape"
+    group.add_argument("--empirical", action="store_true", help=unexplained)
     group.add_argument("--verbose", action="store_true", help="print the whole result, not only its conclusions")
     add_answer_options(group)
 
@@ -46,7 +45,6 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Diagnose the logs, write what was asked for, print the verdict."""
     from cogging.diagnosis.diagnosis import diagnose
-    from cogging.model.model import Model
 
     outputs = {"--json": json_file(arguments), "--report": arguments.report, "--out": arguments.out}
     inputs = [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])]

@@ -15,11 +15,13 @@ from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import again, command_line, files, log_options, option
 from cogging.cli.parser import add_seed, example_file
 from cogging.files import FieldError, InputError, errors_of, parse_toml, read_text
+from cogging.model.model import Model
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.progress import steps
 from cogging.shown import printable
 
-PURPOSES = "separate: detection limits and how the alternatives differ; detect: detection limits; fit: intervals"
+GOAL = """separate: detection limits and how the alternatives differ; detect: detection limits; fit: intervals \
+(default: separate where the result has alternatives, else detect)"""
 EPILOG = example_file("LIMITS.toml")
 
 EXAMPLES = """\
@@ -31,21 +33,12 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options."""
     command.add_argument("--model", required=True, metavar="MODEL.toml", help="model that the result is of")
     command.add_argument("--result", metavar="RESULT.json", help="what `diagnose --json` wrote")
-    command.add_argument(
-        "--logs", nargs="+", default=[], metavar="LOG", help="logs of the result: each changes the random moves"
-    )
+    logs = "logs of the result: each changes the random moves"
+    command.add_argument("--logs", nargs="+", default=[], metavar="LOG", help=logs)
     add_log_options(command)
-    command.add_argument(
-        "--limits",
-        required=True,
-        metavar="LIMITS.toml",
-        help="limits of the machine, as below; drafted if it is not there",
-    )
-    command.add_argument(
-        "--goal",
-        choices=("separate", "detect", "fit"),
-        help=f"{PURPOSES} (default: separate where the result has alternatives, else detect)",
-    )
+    limits = "limits of the machine, as below; drafted if it is not there"
+    command.add_argument("--limits", required=True, metavar="LIMITS.toml", help=limits)
+    command.add_argument("--goal", choices=("separate", "detect", "fit"), help=GOAL)
     add_seed(command, of="the simulated noise and the random moves")
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="REF.toml", help="write the reference")
@@ -57,7 +50,6 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.design.experiment_plan import NoMotion, beside, plan_experiment, read_result
     from cogging.design.motion_limits import MotionLimits, draft_limits
     from cogging.file_schema import LIMITS
-    from cogging.model.model import Model
 
     outputs = {"--out": arguments.out, "--json": json_file(arguments)}
     outputs |= {"its samples": beside(arguments.out, ".csv"), "its plan": beside(arguments.out, ".plan.json")}

@@ -13,6 +13,7 @@ from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, prin
 from cogging.cli.log_options import add_log_options, read_logs
 from cogging.cli.next_command import after_identify
 from cogging.files import read_text
+from cogging.model.model import Model
 from cogging.outputs import check_outputs, with_sidecars
 from cogging.shown import printable
 
@@ -37,7 +38,6 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit the model, write what was asked for, print the fit."""
     from cogging.identification.identification import identify
-    from cogging.model.model import Model
 
     outputs = {"--json": json_file(arguments), "--out": arguments.out}
     check_outputs(outputs, [arguments.model, *with_sidecars(arguments.logs)])

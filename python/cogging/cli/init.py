@@ -27,11 +27,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("log", metavar="LOG", help="with columns of any names and units")
     add_log_options(command)
     group = command.add_argument_group(OUTPUT_GROUP)
-    for option, metavar, file, what in (
-        ("--out", "MODEL.toml", "model.toml", "the model"),
-        ("--reference", "REF.toml", "reference.toml", "its motion"),
-    ):
-        group.add_argument(option, metavar=metavar, default=file, help=f"write {what} (default: {file})")
+    model, motion = "write the model (default: model.toml)", "write its motion (default: reference.toml)"
+    group.add_argument("--out", metavar="MODEL.toml", default="model.toml", help=model)
+    group.add_argument("--reference", metavar="REF.toml", default="reference.toml", help=motion)
     add_answer_options(group, json="all findings")
 
 

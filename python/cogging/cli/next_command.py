@@ -9,13 +9,14 @@ import argparse
 import math
 import os
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cogging.cli.answer import json_file
 from cogging.cli.log_options import OPTIONS, Given, options_of
+from cogging.model.model import Model
 from cogging.outputs import AnyPath
 from cogging.shown import printable
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from cogging.diagnosis.diagnosis_result import Diagnosis
     from cogging.diagnosis.next_step import NextStep
     from cogging.identification.identification_result import Identification
-    from cogging.model.model import Model
 
 NOISE_LEVEL = 1.1  # times the noise: a residual below it counts as explained
 MOSTLY = 0.9  # of the command's power
@@ -125,39 +125,25 @@ def after_diagnose(arguments: argparse.Namespace, result: Diagnosis) -> NextStep
     """Return what cogging.diagnosis.next_step recommends, with the command in the words of this call."""
     from cogging.diagnosis.next_step import GivenFiles, next_step
 
-    given = GivenFiles(
-        logs=arguments.logs,
-        model=arguments.model,
-        confirm=arguments.confirm,
-        result=json_file(arguments) or "",
-        patched=arguments.out or "",
-        empirical=arguments.empirical,
-    )
-    step = next_step(result, given)
-    patched = {
-        "out": arguments.out or free_name(arguments.model, "patched"),
-        "empirical": arguments.empirical or "--empirical" in step.line.split(),
+    given: dict[str, Any] = {name: getattr(arguments, name) for name in ("logs", "model", "confirm", "empirical")}
+    step = next_step(result, GivenFiles(result=json_file(arguments) or "", patched=arguments.out or "", **given))
+    empirical = arguments.empirical or "--empirical" in step.line.split()
+    patched = {"out": arguments.out or free_name(arguments.model, "patched"), "empirical": empirical}
+    # In "tell_apart" the motion of known logs is not proposed again.
+    known = ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
+    *others, last = arguments.logs
+    lines: dict[str, Callable[[], str]] = {
+        "mend": lambda: _read_otherwise(arguments, result.mismatch or {}),
+        "audit": lambda: _audit(arguments),
+        "move": lambda: experiment(arguments.model),
+        "write_result": lambda: again(arguments, json=free_name("result.json")),
+        "tell_apart": lambda: experiment(arguments.model, *option("--result", arguments.json), *known),
+        "write_model": lambda: again(arguments, **patched),
+        "confirm": lambda: again(arguments, confirm=["OTHER_LOG.csv"], **patched),
+        "confirm_by_last": lambda: again(arguments, logs=others, confirm=[last], **patched),
+        "use": lambda: with_model(arguments.out or arguments.model, result.model),
     }
-    if step.kind == "mend":
-        line = _read_otherwise(arguments, result.mismatch or {})
-    elif step.kind == "audit":
-        line = _audit(arguments)
-    elif step.kind == "move":
-        line = experiment(arguments.model)
-    elif step.kind == "write_result":
-        line = again(arguments, json=free_name("result.json"))
-    elif step.kind == "tell_apart":  # the motion of known logs is not proposed again
-        known = ["--logs", *files([*arguments.logs, *arguments.confirm]), *log_options(arguments)]
-        line = experiment(arguments.model, *option("--result", arguments.json), *known)
-    elif step.kind == "write_model":
-        line = again(arguments, **patched)
-    elif step.kind == "confirm":
-        line = again(arguments, confirm=["OTHER_LOG.csv"], **patched)
-    elif step.kind == "confirm_by_last":
-        line = again(arguments, logs=arguments.logs[:-1], confirm=arguments.logs[-1:], **patched)
-    else:
-        line = with_model(arguments.out or arguments.model, result.model)
-    return replace(step, line=line)
+    return replace(step, line=lines[step.kind]())
 
 
 def _audit(arguments: argparse.Namespace) -> str:
@@ -218,8 +204,6 @@ def after_reproduce(arguments: argparse.Namespace) -> str:
 
 def after_many_runs(model_file: AnyPath, reference: AnyPath) -> str:
     """Predict the error of the model of a sweep or a tuning, or simulate one run."""
-    from cogging.model.model import Model
-
     call = [*files([model_file]), *option("--reference", reference)]
     if can_predict(Model.read(model_file)):
         return command_line("predict", call)

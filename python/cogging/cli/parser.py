@@ -8,14 +8,12 @@ import shutil
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cogging.cli.terminal import print_error, print_text
 from cogging.files import InputError
+from cogging.model.model import Model
 from cogging.shown import LONGEST_LINE, nearest, not_one_of, printable, quoted, shortened
-
-if TYPE_CHECKING:
-    from cogging.model.model import Model
 
 WIDEST = 100  # letters of a line of help: longer ones are hard to read
 SEEDS = 1 << 64  # number of seeds
@@ -87,13 +85,9 @@ def add_command(commands: argparse._SubParsersAction[Any], name: str, module: An
     options, all of which a test runs; EPILOG, if any, stands above them.
     """
     first, _, description = (module.__doc__ or "").partition("\n\n")
-    examples = EXAMPLES + textwrap.indent(module.EXAMPLES, "  ")
-    parts: dict[str, Any] = {
-        "help": first.partition(": ")[2].rstrip(".\n"),
-        "description": description,
-        "epilog": "\n\n".join(filter(None, (getattr(module, "EPILOG", ""), examples))),
-    }
-    command = commands.add_parser(name, formatter_class=Formatter, **parts)
+    help = first.partition(": ")[2].rstrip(".\n")
+    epilog = f"{getattr(module, 'EPILOG', '')}\n\n{EXAMPLES}{textwrap.indent(module.EXAMPLES, '  ')}".lstrip("\n")
+    command = commands.add_parser(name, help=help, description=description, epilog=epilog, formatter_class=Formatter)
     command.set_defaults(parser=command, run=module.run)
     if hasattr(module, "add_options"):
         module.add_options(command)
@@ -142,7 +136,6 @@ def add_run_files(command: argparse.ArgumentParser) -> None:
 def run_model(arguments: argparse.Namespace) -> Iterator[tuple[Model, str]]:
     """Yield the model of add_run_files with its controller, and a line about that; a ValueError names both files."""
     from cogging.design.pid import ASSUMED, assumed_pid
-    from cogging.model.model import Model
 
     try:
         model, said = Model.read(arguments.model), ""

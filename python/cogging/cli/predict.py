@@ -25,9 +25,8 @@ cogging predict model.toml --reference ref.toml --samples 200 --json errors.json
 def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_run_files(command)
-    command.add_argument(
-        "--samples", type=whole(2, MOST_SAMPLES), default=40, metavar="N", help="machines to draw (default: 40)"
-    )
+    drawn = "machines to draw (default: 40)"
+    command.add_argument("--samples", type=whole(2, MOST_SAMPLES), default=40, metavar="N", help=drawn)
     add_seed(command, of="machines and noise")
     add_answer_options(command.add_argument_group(OUTPUT_GROUP), json="the errors")
 

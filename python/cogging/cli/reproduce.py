@@ -45,8 +45,6 @@ def run(arguments: argparse.Namespace) -> None:
         result = compare(progress=shown) if name == "comparison" else reproduce(name, progress=shown)
         written = result.write(arguments.out)
         documents.append(result.to_dict())
-        print_part(
-            arguments,
-            f"{result.paper}\n\n{result.text(arguments.all)}\n\n{written[0]} and {len(written) - 1} figures written\n",
-        )
+        files = f"{written[0]} and {len(written) - 1} figures written"
+        print_part(arguments, f"{result.paper}\n\n{result.text(arguments.all)}\n\n{files}\n")
     print_result(arguments, "", document=documents, next_command=after_reproduce(arguments))

@@ -29,12 +29,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_run_files(command)
     add_seed(command, of="the noise")
-    command.add_argument(
-        "--steps-per-sample",
-        type=whole(1, STEPS_MAX),
-        metavar="N",
-        help="least number of integration steps per sample (default: the model's)",
-    )
+    least = "least number of integration steps per sample (default: the model's)"
+    command.add_argument("--steps-per-sample", type=whole(1, STEPS_MAX), metavar="N", help=least)
     group = command.add_argument_group(OUTPUT_GROUP)
     group.add_argument("--out", required=True, metavar="LOG.csv", help="also .mat and .parquet")
     add_answer_options(group, json="rows, seconds and the indexes of the error")

@@ -27,9 +27,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("tune", metavar="TUNE.toml", help="the tuning, as below")
     add_threads(command)
     group = command.add_argument_group(OUTPUT_GROUP)
-    group.add_argument(
-        "--out", default="tuned.toml", metavar="MODEL.toml", help="the model with the tuned gains (default: tuned.toml)"
-    )
+    tuned = "the model with the tuned gains (default: tuned.toml)"
+    group.add_argument("--out", default="tuned.toml", metavar="MODEL.toml", help=tuned)
     group.add_argument("--figure", metavar="OUT.png", help="plot the trade-off")
     add_answer_options(group, json="the tuning")
 

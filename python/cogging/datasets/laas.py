@@ -20,12 +20,8 @@ from cogging.datasets.source import Source
 from cogging.logs.columns import read_columns
 from cogging.logs.log import Log
 
-SOURCE = Source(
-    "laas",
-    "github.com/heitor-andrade/laas_anti_cogging",
-    "BSD-3-Clause",
-    (".", "codes/Get_Data", "codes/Stopped/stopped_data", "codes/acceleration_data"),
-)
+PLACES = (".", "codes/Get_Data", "codes/Stopped/stopped_data", "codes/acceleration_data")
+SOURCE = Source("laas", "github.com/heitor-andrade/laas_anti_cogging", "BSD-3-Clause", PLACES)
 #: `stopped_data`: held at successive positions, one turn and back. `acc_current`: 0.4 A at 2 Hz, up to 160 rad/s.
 #: `speed_test1`: a speed loop at one turn per second, half of the time with the authors' cogging compensation.
 FILES = ("stopped_data", "acc_current", "speed_test1")

@@ -22,23 +22,15 @@ from cogging.files import InputError
 from cogging.logs.log import Log
 from cogging.shown import one_line
 
-SOURCE = Source(
-    "odrive",
-    "github.com/gchenfc/ODrive",
-    "MIT",
-    (".", "analysis/cogging_torque", "analysis/cogging_torque/coggingmap_0"),
-)
+PLACES = (".", "analysis/cogging_torque", "analysis/cogging_torque/coggingmap_0")
+SOURCE = Source("odrive", "github.com/gchenfc/ODrive", "MIT", PLACES)
 COUNTS = 8192  # of a turn
 TURN = 2 * np.pi  # rad
 #: One slow turn under an undocumented controller, 10 s, and `slower` 33 s; `comp` with the authors' cogging
 #: compensation, `nocomp` without.
 FILES = (
-    "slow2_nocomp_0",
-    "slow2_nocomp_1",
-    "slow2_nocomp_2",
-    "slow2_comp_0",
-    "slow2_slower_nocomp_0",
-    "slow2_slower_comp_0",
+    *("slow2_nocomp_0", "slow2_nocomp_1", "slow2_nocomp_2", "slow2_comp_0"),
+    *("slow2_slower_nocomp_0", "slow2_slower_comp_0"),
 )
 #: Holding current at successive counts, by file: forward, backward, and forward without the neighbouring motor, which
 #: causes most of the harmonic of 7 per turn.

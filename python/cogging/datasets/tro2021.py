@@ -20,12 +20,9 @@ from cogging.datasets.source import Source
 from cogging.files import InputError, read_text
 from cogging.shown import quoted
 
-SOURCE = Source(
-    "tro2021",
-    "github.com/RViMLab/TRO2021-Dynamic-Modelling",
-    "MIT; cite Mablekos-Alexiou, da Cruz and Bergeles 2021",
-    ("experiments/driveNo1", "driveNo1", "."),
-)
+LICENCE = "MIT; cite Mablekos-Alexiou, da Cruz and Bergeles 2021"
+PLACES = ("experiments/driveNo1", "driveNo1", ".")
+SOURCE = Source("tro2021", "github.com/RViMLab/TRO2021-Dynamic-Modelling", LICENCE, PLACES)
 SETTLING = 20  # rows at the start of a constant-speed run that its mean omits
 
 

@@ -81,14 +81,13 @@ def make(model: Model, *, name: str = "axis") -> Exported:
         statement = f"    q.{field} = {literal(value)};"
         broken = textwrap.wrap(statement, WIDTH, subsequent_indent="        ", break_long_words=False)
         assignments += [f"    // {label}{meaning}", *(broken if len(statement) > WIDTH else [statement])]
+    needed = sorted({*standard, "algorithm", "cstdlib", "limits", "span"})
     text = HEADER.substitute(
         **shown,
         type=model.controller_type,
         version=importlib.metadata.version("cogging"),
         licence="\n".join(f"// {line}".rstrip() for line in licence().strip().splitlines()),
-        includes="\n".join(
-            f"#include <{one}>" for one in sorted({*standard, "algorithm", "cstdlib", "limits", "span"})
-        ),
+        includes="\n".join(f"#include <{one}>" for one in needed),
         name=name,
         library=library,
         comment="\n".join(f"/// {line}".rstrip() for line in comment.splitlines()),
@@ -101,10 +100,8 @@ def make(model: Model, *, name: str = "axis") -> Exported:
         assignments="\n".join(assignments),
         undefined="\n".join(f"#undef {name.upper()}_{macro}" for macro in macros),
     )
-    return Exported(
-        content=text.encode(),
-        text=TEXT.format(type=model.controller_type, rate=parameters.sample_rate, name=name, lines=text.count("\n")),
-    )
+    said = TEXT.format(type=model.controller_type, rate=parameters.sample_rate, name=name, lines=text.count("\n"))
+    return Exported(text.encode(), said)
 
 
 def require_name(name: str) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,16 +21,8 @@ from cogging.shown import quoted
 MOST_ENTRIES = 1 << 20
 SHOWN = 5  # periods in a list
 #: Titles of the entries of drives.toml, in the order of the text, with their keys.
-QUESTIONS = {
-    "takes": "quantity",
-    "entries": "entries",
-    "one entry": "quantum",
-    "between entries": "between",
-    "sign": "sign",
-    "zero and direction": "zero",
-    "loaded by": "loading",
-    "source": "source",
-}
+QUESTIONS = {"takes": "quantity", "entries": "entries", "one entry": "quantum", "between entries": "between"}
+QUESTIONS |= {"sign": "sign", "zero and direction": "zero", "loaded by": "loading", "source": "source"}
 SHEETS: dict[str, dict[str, Any]] = shipped_toml("export/drives.toml")
 
 # The drives -----------------------------------------------------------------------------------------------------------
@@ -46,7 +38,8 @@ def csv(
         over = "turn" if frame.turn > 0.0 else "travel" if frame.bounded else "period"
     _require_entries(entries)
     if over == "travel":
-        law = _over_travel(frame, entries, between)
+        low, high = _travel_of(frame)
+        law = Law(entries, low, high - low, False, between)
     else:
         span = _turn_of(frame, "this range") if over == "turn" else frame.pitch or float(frame.periods.max())
         law = Law(entries, 0.0, span, True, between)
@@ -63,8 +56,8 @@ def akd(model: Model, *, entries: int = 8192, between: str = "linear", quantum: 
     if frame.turn > 0.0:
         law = Law(entries, 0.0, frame.turn, True, between)
     else:
-        law = _over_travel(frame, entries, between)
-        ends = {"LOW": law.start, "HIGH": _travel_of(frame)[1]}
+        low, high = _travel_of(frame)
+        law, ends = Law(entries, low, high - low, False, between), {"LOW": low, "HIGH": high}
         words = [f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in ends.items()]
         notes.append(f"set {' and '.join(words)}, in the drive's own unit")
     table = table_of(frame, law, quantum=_require_positive("quantum", quantum))
@@ -144,14 +137,6 @@ POINTS = 1 << 14  # at which a turn of the map is analysed
 SMALLEST = 1e-6  # of the largest wave: smaller ones are numerical
 
 
-class Wave(NamedTuple):
-    """One coefficient of an AX8000: r cos(n angle + phi), or sin."""
-
-    times: int  # n, a turn
-    phase: float  # phi, degrees, 0 to 360
-    size: float  # r, Nm
-
-
 def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: Any) -> Exported:
     """Make the objects of a Beckhoff AX8000: up to ten waves a turn, with "cosine" or "sine" phase, channel A or B."""
     frame = frame_of(model, "Nm", **view)
@@ -160,24 +145,25 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
     waves = np.fft.rfft(wanted)[: MOST_A_TURN + 1] * (2.0 / POINTS)
     sizes, phases = np.abs(waves), np.degrees(np.angle(waves)) + (90.0 if wave == "sine" else 0.0)
     order = [int(n) for n in np.argsort(sizes)[::-1] if n > 0 and sizes[n] > SMALLEST * sizes.max()]
-    found = [Wave(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
+    # n, phi (degrees, 0 to 360) and r (Nm) of each coefficient, r cos(n angle + phi) or sin.
+    found = [(n, float(np.float32(float(phases[n]) % 360.0)) % 360.0, float(np.float32(sizes[n]))) for n in order]
     kept, more = found[:COEFFICIENTS], found[COEFFICIENTS:]
-    held = [*kept, *[Wave(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
+    held = [*kept, *[(0, 0.0, 0.0)] * (COEFFICIENTS - len(kept))]
     index = "32CB" if channel == "A" else "36CB"
     lines = ["object,type,value", f"{index}:01,INT16,3", f"{index}:02,REAL32,1.0"]
-    for number, one in enumerate(held):  # from subindex 7 on: n, phi and r of each
-        values = (("UINT32", str(one.times)), ("REAL32", _single(one.phase)), ("REAL32", _single(one.size)))
+    for number, (n, phase, size) in enumerate(held):  # from subindex 7 on
+        values = (("UINT32", str(n)), ("REAL32", _single(phase)), ("REAL32", _single(size)))
         lines += [f"{index}:{7 + 3 * number + k:02X},{kind},{value}" for k, (kind, value) in enumerate(values)]
     x, unit, gain = frame.compared(frame.turn), model.units.command, abs(frame.gain)
     shape, angle = np.sin if wave == "sine" else np.cos, frame.place(x) / frame.turn
-    parts = [one.size * shape(2.0 * np.pi * one.times * angle + np.radians(one.phase)) for one in kept]
+    parts = [size * shape(2.0 * np.pi * n * angle + np.radians(phase)) for n, phase, size in kept]
     wanted = frame.wanted(x)
     left = wanted - (np.sum(parts, axis=0) if parts else 0.0)
     rest = Rest(float(np.sqrt(np.mean(wanted**2))) / gain, float(np.sqrt(np.mean(left**2))) / gain)
     cannot = []
     if more:
-        power = float(np.sqrt(0.5 * sum(one.size**2 for one in more))) / gain
-        listed = _listed([str(one.times) for one in more])
+        power = float(np.sqrt(0.5 * sum(size**2 for *_, size in more))) / gain
+        listed = _listed([str(n) for n, *_ in more])
         cannot.append(f"cannot hold {power:.3g} {unit} rms: more than {COEFFICIENTS} waves: {listed}")
     beyond = [f"{frame.turn / period:.0f}" for period in frame.periods if round(frame.turn / period) > MOST_A_TURN]
     if beyond:
@@ -185,7 +171,7 @@ def ax8000(model: Model, *, wave: str = "cosine", channel: str = "A", **view: An
     mean = float(wanted.mean()) / gain
     if abs(mean) > 1e-3 * rest.cogging:
         cannot.append(f"cannot hold the mean, {mean:.3g} {unit}")
-    listed = ", ".join(f"{one.times}" for one in kept) or "none"
+    listed = ", ".join(str(n) for n, *_ in kept) or "none"
     what = f"{len(kept)} of {COEFFICIENTS} coefficients, waves a turn: {listed}; "
     return _written(model, "ax8000", frame, "Nm", lines, what, rest, cannot)
 
@@ -290,8 +276,3 @@ def _travel_of(frame: Frame) -> tuple[float, float]:
         raise ValueError(f"axis.travel: {rule}, got [{frame.low:g}, {frame.high:g}]")
     low, high = np.sort(frame.place(np.array([frame.low, frame.high])))
     return float(low), float(high)
-
-
-def _over_travel(frame: Frame, entries: int, between: str) -> Law:
-    low, high = _travel_of(frame)
-    return Law(entries, low, high - low, False, between)

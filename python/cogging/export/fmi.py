@@ -38,16 +38,9 @@ MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 FIRST_PARAMETER = 16
 NAMESPACE = uuid.UUID("6a7d5c7e-5f0b-4d0a-9f0e-2f1c43b0a3d1")  # of the instantiation tokens, drawn once
 #: FMI's exponents of known units; others are labels.
-BASE_UNITS = {
-    "s": {"s": 1},
-    "Hz": {"s": -1},
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "m/s^2": {"m": 1, "s": -2},
-    "rad": {"rad": 1},
-    "rad/s": {"rad": 1, "s": -1},
-    "rad/s^2": {"rad": 1, "s": -2},
-}
+BASE_UNITS = {"s": {"s": 1}, "Hz": {"s": -1}}
+for length in ("m", "rad"):
+    BASE_UNITS |= {length: {length: 1}, f"{length}/s": {length: 1, "s": -1}, f"{length}/s^2": {length: 1, "s": -2}}
 TEXT = """\
 {name}: the axis as a unit of FMI 3.0 (co-simulation) for {system}, {size} kB.
 takes:  plant, {effects}, encoder and noise, to the bit; input `command` ({V}), held over each step;
@@ -94,18 +87,10 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
             entry = zipfile.ZipInfo(path)  # without the time: the same files give the same bytes
             entry.external_attr = (0o755 if path.startswith("binaries") else 0o644) << 16
             made.writestr(entry, content, zipfile.ZIP_DEFLATED)
-    return Exported(
-        content=archive.getvalue(),
-        text=TEXT.format(
-            name=name,
-            system=platform_tuple(),
-            size=round(len(archive.getvalue()) / 1000),
-            effects=f"{len(model.effects)} effects" if len(model.effects) != 1 else "1 effect",
-            V=model.units.of("V"),
-            count=len(parameters),
-            step=1.0 / rate,
-        ),
-    )
+    content, effects = archive.getvalue(), f"{len(model.effects)} effect{'s' * (len(model.effects) != 1)}"
+    sizes = {"size": round(len(content) / 1000), "count": len(parameters), "step": 1.0 / rate}
+    said = TEXT.format(name=name, system=platform_tuple(), effects=effects, V=model.units.of("V"), **sizes)
+    return Exported(content, said)
 
 
 def find_library() -> Path:

@@ -104,28 +104,20 @@ def scaled(
 
     observer_gain: of observer_based at this factor; None: designed here (extra `design`).
     """
+    known: dict[str, Any] = {"sample_rate": SAMPLE_RATE, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
     if name == "pid":
         kp, ki, kd = pid_gains([POLE * factor] * 3, axis.bounds[0][0])  # Xu and Yao 2001, eq. 56
-        friction: dict[str, Any] = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
-        return Pid(_core.PidParameters(sample_rate=SAMPLE_RATE, kp=kp, ki=ki, kd=kd, mass=axis.mass, **friction))
+        return Pid(_core.PidParameters(kp=kp, ki=ki, kd=kd, mass=axis.mass, viscous=axis.viscous, **known))
     if name == "output_feedback_arc":
         mass, viscous, _, disturbance = axis.bounds
         printed = epoxy_motor.arc_parameters()
-        return OutputFeedbackArc(
-            printed.replace(
-                sample_rate=SAMPLE_RATE,
-                theta=[1.0 / axis.mass, axis.viscous / axis.mass, 0.0],
-                theta_min=[1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]],
-                theta_max=[1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]],
-                coulomb=axis.coulomb,
-                coulomb_width=COULOMB_WIDTH,
-                gain_1=factor * printed.gain_1,
-                gain_2=factor * printed.gain_2,
-                observer_gain_1=factor * printed.observer_gain_1,
-                observer_gain_2=factor**2 * printed.observer_gain_2,
-                adaptation=[(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation],
-            )
-        )
+        known["theta"] = [1.0 / axis.mass, axis.viscous / axis.mass, 0.0]
+        known["theta_min"] = [1.0 / mass[1], viscous[0] / mass[1], disturbance[0] / mass[0]]
+        known["theta_max"] = [1.0 / mass[0], viscous[1] / mass[0], disturbance[1] / mass[0]]
+        known |= {gain: factor * getattr(printed, gain) for gain in ("gain_1", "gain_2", "observer_gain_1")}
+        known["observer_gain_2"] = factor**2 * printed.observer_gain_2
+        known["adaptation"] = [(factor * AXIS.mass / axis.mass) ** 2 * rate for rate in printed.adaptation]
+        return OutputFeedbackArc(printed.replace(**known))
     if name == "observer_based":
         problem = observer_problem(POLE_RADII[name], axis, factor, SLOW_DECAY_RATE)
         gain = design_observer(problem).observer_gain if observer_gain is None else observer_gain

@@ -16,16 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 #: Units of the columns of a log.
-UNITS = {
-    "position": "m",
-    "reference": "m",
-    "error": "m",
-    "command": "V",
-    "reference_velocity": "m/s",
-    "reference_acceleration": "m/s^2",
-    "true_position": "m",
-    "true_velocity": "m/s",
-}
+UNITS = {"position": "m", "reference": "m", "error": "m", "command": "V"}
+UNITS |= {"reference_velocity": "m/s", "reference_acceleration": "m/s^2"}
+UNITS |= {"true_position": "m", "true_velocity": "m/s"}
 LOST = 1.75  # median steps: a longer step has lost a row
 JITTER = 1.5  # times the 95 % quantile of the steps, if they are uneven
 ROWS_PER_PIXEL = 4  # first, least, largest and last

@@ -8,6 +8,7 @@ alone would raise a line of the spectrum as high in one scan of a hundred.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -40,16 +41,9 @@ def scan_force(cogging: CoggingModel, noise: float = SCAN_NOISE, seed: int = 200
 
 def fit_scan(force: FloatArray, harmonics: list[int] | None = None) -> MapFit:
     """Fit a map with the paper's splines to the force (V) at the first positions; harmonics: None for the rule's."""
-    return fit_map(
-        POSITION[: force.size],
-        force,
-        pitch=PITCH,
-        harmonics=harmonics,
-        order=ORDER,
-        origin=TRAVEL[0],
-        highest_harmonic=HIGHEST,
-        false_alarm=FALSE_ALARM,
-    )
+    options: dict[str, Any] = {"order": ORDER, "origin": TRAVEL[0], "highest_harmonic": HIGHEST}
+    options |= {"false_alarm": FALSE_ALARM, "harmonics": harmonics}
+    return fit_map(POSITION[: force.size], force, pitch=PITCH, **options)
 
 
 def chosen(fit: MapFit) -> tuple[int, ...]:

@@ -136,9 +136,8 @@ def shipped_amplitudes(axis: GantryAxis, fit: str = PRESENT) -> Amplitudes:
 
 def plant(axis: GantryAxis, cogging: CoggingModel | None, effects: Sequence[Any] = (), **axis_changes: Any) -> Plant:
     """Return the machine (eq. 1, 2): nominal mass and friction, a cogging map, further effects, the 0.5 um encoder."""
-    nominal = _core.AxisParameters(
-        mass=axis.mass, viscous=axis.viscous, coulomb=axis.coulomb, coulomb_width=COULOMB_WIDTH, travel=list(TRAVEL)
-    )
+    friction = {"viscous": axis.viscous, "coulomb": axis.coulomb, "coulomb_width": COULOMB_WIDTH}
+    nominal = _core.AxisParameters(mass=axis.mass, travel=list(TRAVEL), **friction)
     encoder = _core.EncoderParameters(resolution=RESOLUTION)
     return Plant(nominal.replace(**axis_changes), cogging=cogging, effects=list(effects), encoder=encoder)
 
@@ -154,15 +153,10 @@ def controller_parameters(
     for estimate, bound, rate in zip(ESTIMATED, axis.bounds, (1.0, 10.0, 10.0, 1000.0), strict=True):
         fields |= {f"{estimate}_bounds": list(bound), f"{estimate}_adaptation": rate}
     if name != "C1":
-        fields |= {
-            "cogging_pitch": PITCH,
-            "cogging_harmonics": list((name == "C2" and periodic) or axis.compensated),
-            "cogging_order": ORDER,
-            "cogging_origin": TRAVEL[0],
-            "cogging_control_points": CONTROL_POINTS if name == "C3" else 1,
-            "cogging_bounds": [-axis.cogging_bound, axis.cogging_bound],
-            "cogging_adaptation": 100.0,
-        }
+        harmonics, points = (name == "C2" and periodic) or axis.compensated, CONTROL_POINTS if name == "C3" else 1
+        fields |= {"cogging_pitch": PITCH, "cogging_harmonics": list(harmonics), "cogging_origin": TRAVEL[0]}
+        fields |= {"cogging_order": ORDER, "cogging_control_points": points, "cogging_adaptation": 100.0}
+        fields["cogging_bounds"] = [-axis.cogging_bound, axis.cogging_bound]
     own = {"sample_rate": SAMPLE_RATE, "coulomb_width": COULOMB_WIDTH, "error_difference": ERROR_DIFFERENCE}
     return AdaptiveRobustParameters(**{**own, **fields, **changes})
 

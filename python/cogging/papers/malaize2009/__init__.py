@@ -53,13 +53,10 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     progress("robustness")
     theorem, note = further_tables()
     progress("theorem 3")
-    cold = ", ".join(
-        f"{name} {1e6 * accuracy(logs[name]['observer'], motor, cold=True):.2f} um" for name, motor in MOTORS.items()
-    )
-    proposed = "; ".join(
-        f"{name} {', '.join(f'{1e3 * period:.1f}' for period in pair['PID'].periods)} mm"
-        for name, pair in spectra.items()
-    )
+    first = {name: accuracy(logs[name]["observer"], motor, cold=True) for name, motor in MOTORS.items()}
+    cold = ", ".join(f"{name} {1e6 * error:.2f} um" for name, error in first.items())
+    periods = {name: [f"{1e3 * period:.1f}" for period in pair["PID"].periods] for name, pair in spectra.items()}
+    proposed = "; ".join(f"{name} {', '.join(each)} mm" for name, each in periods.items())
     notes = [
         f"First stroke of the observer, in which it knows nothing, with unmodelled lines (draw 0): {cold}.",
         f"Periods proposed by the spectrum of the PID's error, with unmodelled lines: {proposed}.",

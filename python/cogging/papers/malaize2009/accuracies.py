@@ -268,10 +268,8 @@ def largest_errors(
     motor: Motor, cases: Sequence[tuple[Plant, Mapping[str, ListedController]]]
 ) -> dict[str, FloatArray]:
     """Return the accuracy (m) of each machine under its own PID and observer, (n,) each."""
-    machines = [machine for machine, _ in cases]
-    return {
-        name: linear_motors.batch_errors(machines, [laws[name] for _, laws in cases], motor) for name in CONTROLLERS
-    }
+    plants = [machine for machine, _ in cases]
+    return {name: linear_motors.batch_errors(plants, [laws[name] for _, laws in cases], motor) for name in CONTROLLERS}
 
 
 def table_2() -> Table:

@@ -79,16 +79,9 @@ def shipped(motor: Motor) -> Calibrated:
 
 def problem(motor: Motor, pole_radius: float, **changes: Any) -> ObserverProblem:
     """Return the observer's design problem for a motor."""
-    fields: dict[str, Any] = {
-        "periods": list(motor.periods),
-        "velocity_min": VELOCITY_RATIO * motor.velocity,
-        "velocity_max": motor.velocity,
-        "viscous": VISCOUS,
-        "omega": OMEGA,
-        "damping": DAMPING,
-        "decay_rate": DECAY_RATE,
-        "pole_radius": pole_radius,
-    }
+    fields: dict[str, Any] = {"periods": list(motor.periods), "viscous": VISCOUS, "pole_radius": pole_radius}
+    fields |= {"velocity_min": VELOCITY_RATIO * motor.velocity, "velocity_max": motor.velocity}
+    fields |= {"omega": OMEGA, "damping": DAMPING, "decay_rate": DECAY_RATE}
     return ObserverProblem(**{**fields, **changes})
 
 

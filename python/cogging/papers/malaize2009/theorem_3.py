@@ -61,13 +61,9 @@ def as_printed(task: ObserverProblem, rate: float, *, from_rest: bool = False) -
         return Solution(given.status, np.empty(0))
     gain = np.linalg.solve(p.value, q.value)[:, 0]
     bound = rate / (2.0 * np.pi * task.closed_loop_norm() * np.sqrt(float(square.value)))
-    return Solution(
-        given.status,
-        gain * np.array([rate, rate**2] + [rate**3] * (size - 2)),
-        float(bound / np.sqrt(np.sum((1.0 / np.asarray(task.periods)) ** 2))),
-        float(np.linalg.cond(p.value)),
-        rate * _poles(vertices, gain),
-    )
+    equal = float(bound / np.sqrt(np.sum((1.0 / np.asarray(task.periods)) ** 2)))
+    in_seconds, condition = gain * np.array([rate, rate**2] + [rate**3] * (size - 2)), float(np.linalg.cond(p.value))
+    return Solution(given.status, in_seconds, equal, condition, rate * _poles(vertices, gain))
 
 
 def _poles(vertices: Iterable[FloatArray], gain: FloatArray) -> FloatArray:

@@ -93,15 +93,10 @@ def steps(
     phi_1 = np.stack([model, -(xi_12 + y), psi[:, 1]], axis=1)  # (26)
     omega = np.stack([lam[:, 1], -(xi_12 + y), psi[:, 1]], axis=1)  # (39)
     rates = np.array(p.adaptation)
-    weights = np.zeros(3)  # of phi_1^2 in the gain of step 1: (28), and (37) with h_1 = ||theta_M||^2 ||phi_1||^2
-    if p.use_c_phi_1:
-        weights += (np.array(p.c_phi_1) * rates) ** 2
-    if p.use_alpha_1s2:
-        weights += theta_range_square(p) / (4.0 * p.epsilon_11)
-    weights = p.robust_factor * weights
-    gain_1 = p.gain_1 + (phi_1**2) @ weights
-    if p.use_alpha_1s3:
-        gain_1 = gain_1 + p.robust_factor / (4.0 * p.epsilon_12)  # (38)
+    # Weights of phi_1^2 in the gain of step 1: (28), and (37) with h_1 = ||theta_M||^2 ||phi_1||^2.
+    weights = p.use_c_phi_1 * (np.array(p.c_phi_1) * rates) ** 2
+    weights = p.robust_factor * (weights + p.use_alpha_1s2 * theta_range_square(p) / (4.0 * p.epsilon_11))
+    gain_1 = p.gain_1 + (phi_1**2) @ weights + p.use_alpha_1s3 * p.robust_factor / (4.0 * p.epsilon_12)  # (38)
     z_2 = lam[:, 1] - (model - gain_1 * z_1 / p.theta_min[0])
 
     # d alpha_1: that of alpha_1a, and of the gain where it depends on phi_1.
@@ -111,15 +106,11 @@ def steps(
     by_theta = -phi_1 / theta[:, :1] * (1.0 - of_gain[0])[:, None]
     phi_2 = -by_position[:, None] * omega  # (45)
     phi_2[:, 0] += p.weight_1 / p.weight_2 * z_1
-    robust = np.zeros_like(by_position)  # (43), and (47) with h_2 = ||theta_M||^2 ||phi_2||^2
-    if p.use_c_theta_2:
-        robust += np.sum((by_theta * np.array(p.c_theta_2)) ** 2, axis=1)
-    if p.use_c_phi_2:
-        robust += np.sum((phi_2 * np.array(p.c_phi_2) * rates) ** 2, axis=1)
-    if p.use_u_s2:
-        robust += theta_range_square(p) * np.sum(phi_2**2, axis=1) / (4.0 * p.epsilon_21)
-    if p.use_u_s3:
-        robust += by_position**2 / (4.0 * p.epsilon_22)
+    # (43), and (47) with h_2 = ||theta_M||^2 ||phi_2||^2.
+    robust = p.use_c_theta_2 * np.sum((by_theta * np.array(p.c_theta_2)) ** 2, axis=1)
+    robust += p.use_c_phi_2 * np.sum((phi_2 * np.array(p.c_phi_2) * rates) ** 2, axis=1)
+    robust += p.use_u_s2 * theta_range_square(p) * np.sum(phi_2**2, axis=1) / (4.0 * p.epsilon_21)
+    robust += p.use_u_s3 * by_position**2 / (4.0 * p.epsilon_22)
     gain_2 = p.gain_2 + p.robust_factor * robust
     return Backstepping(z_1, z_2, phi_1, phi_2, by_theta, gain_1, gain_2)
 
@@ -186,19 +177,12 @@ def deterministic_law(factor: float = 1.0, **changes: Any) -> OutputFeedbackArcP
 
     Bounds and epsilons are assumed, milder than the printed; g_i times the factor, the epsilons over it.
     """
-    fields: dict[str, Any] = {
-        "sample_rate": 200_000.0,
-        "coulomb": 0.0,
-        "theta": [25.0, 6.0, 0.0],
-        "theta_min": [15.0, 4.0, -3.0],
-        "theta_max": [30.0, 8.0, 3.0],
-        "adaptation": [0.0] * 3,
-        "gain_1": factor * 60.0,
-        "gain_2": factor * 80.0,
-        **dict.fromkeys(("epsilon_11", "epsilon_12"), 1e-3 / factor),
-        **dict.fromkeys(("epsilon_21", "epsilon_22"), 0.1 / factor),
-        **dict.fromkeys(("use_alpha_1s2", "use_alpha_1s3", "use_u_s2", "use_u_s3"), True),
-    }
+    fields: dict[str, Any] = {"sample_rate": 200_000.0, "coulomb": 0.0, "adaptation": [0.0] * 3}
+    fields |= {"theta": [25.0, 6.0, 0.0], "theta_min": [15.0, 4.0, -3.0], "theta_max": [30.0, 8.0, 3.0]}
+    fields |= {"gain_1": factor * 60.0, "gain_2": factor * 80.0}
+    fields |= dict.fromkeys(("epsilon_11", "epsilon_12"), 1e-3 / factor)
+    fields |= dict.fromkeys(("epsilon_21", "epsilon_22"), 0.1 / factor)
+    fields |= dict.fromkeys(("use_alpha_1s2", "use_alpha_1s3", "use_u_s2", "use_u_s3"), True)
     return arc_parameters(**{**fields, **changes})
 
 
@@ -295,12 +279,9 @@ def rigid(resolution: float) -> Plant:
 def increment(factor: float, sample_rate: float, resolution: float) -> float:
     """Return the rms command increment (V) over 1 s with all robust terms times a factor; infinite if it diverges."""
     controller = OutputFeedbackArc(arc_parameters(sample_rate=sample_rate, robust_factor=factor, **ALL_TERMS))
-    substeps = max(1, round(20_000 / sample_rate))
-    try:
-        log = closed_loop(rigid(resolution), controller, reference(), duration=1.0, steps_per_sample=substeps)
-    except _core.DivergedError:
-        return float("inf")
-    return epoxy_motor.indexes(log)["du_rms"]
+    options: dict[str, Any] = {"duration": 1.0, "steps_per_sample": max(1, round(20_000 / sample_rate))}
+    batch = closed_loop_batch([rigid(resolution)], [controller], reference(), **options)
+    return float(np.nan_to_num(batch.indexes["command_change_rms"][0], nan=np.inf))
 
 
 def one_count(resolution: float, held: int = SETTLED) -> float:

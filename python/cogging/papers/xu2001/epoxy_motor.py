@@ -77,10 +77,8 @@ class Unknowns:
 
 #: Free parameters of the fits to the PID's numbers and to all; earlier_runs is chosen among 0 to 3.
 PID_FREE = tuple(Unknowns.__dataclass_fields__)
-JOINT_FREE = (
-    *(name for name in PID_FREE if name not in ("static_excess", "stribeck_velocity", "offset")),
-    *("adaptation_factor", "earlier_runs"),
-)
+FIXED = ("static_excess", "stribeck_velocity", "offset")  # those that JOINT_LAW lacks
+JOINT_FREE = (*(name for name in PID_FREE if name not in FIXED), "adaptation_factor", "earlier_runs")
 
 
 def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
@@ -90,18 +88,16 @@ def shipped_unknowns(law: str = "smooth_stribeck") -> Unknowns:
 
 def plant(unknowns: Unknowns, set_name: str, **axis_changes: Any) -> Plant:
     """Return the machine of a set: payload in set 2, the 0.5 V step in set 3."""
-    coulomb, width = unknowns.coulomb, unknowns.coulomb_width
-    axis = _core.AxisParameters(
-        mass=MASSES[set_name], viscous=VISCOUS, coulomb=coulomb, coulomb_width=width, travel=list(TRAVEL)
-    )
+    friction = {"viscous": VISCOUS, "coulomb": unknowns.coulomb, "coulomb_width": unknowns.coulomb_width}
+    axis = _core.AxisParameters(mass=MASSES[set_name], travel=list(TRAVEL), **friction)
     listed: list[Any] = [
         effects.ConstantForce(force=unknowns.offset),
         effects.CommandDelay(delay=unknowns.delay),
         effects.CoggingHarmonic(period=unknowns.ripple_period, sine=unknowns.ripple),
     ]
     if unknowns.static_excess > 0.0:
-        friction = {"static_excess": unknowns.static_excess, "velocity": unknowns.stribeck_velocity}
-        listed.append(effects.StribeckFriction(**friction))
+        excess, velocity = unknowns.static_excess, unknowns.stribeck_velocity
+        listed.append(effects.StribeckFriction(static_excess=excess, velocity=velocity))
     if set_name == "3":
         force, start, stop = DISTURBANCE
         listed.append(effects.DisturbanceStep(force=force, start=start, stop=stop))

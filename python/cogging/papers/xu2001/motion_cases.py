@@ -8,7 +8,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -147,9 +146,8 @@ def conditions_table() -> Table:
     runs = {**file["earlier_runs"], str(joint["earlier_runs"]): joint}
     parts = {f"plant {law}": part for law, part in file["joint"].items()}
     parts |= {f"earlier runs: {number}": runs[number] for number in sorted(runs)} | file["readings"]
-    rows = [
-        explored("both", "rms_log_error", "1", part["rms_log_error"], conditions=name) for name, part in parts.items()
-    ]
+    left = {name: part["rms_log_error"] for name, part in parts.items()}
+    rows = [explored("both", "rms_log_error", "1", error, conditions=name) for name, error in left.items()]
     return Table("conditions", "Rms log-ratio of all 30 fitted numbers to the paper's, by what else is assumed", rows)
 
 
@@ -164,20 +162,12 @@ def gap(found: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.log(found / printed) ** 2)))
 
 
-def changes() -> dict[str, dict[str, Any]]:
-    """Return the tried changes of the ARC's numbers by name (changes.toml)."""
-    printed, found = epoxy_motor.arc_parameters(), {}
+def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
+    """Tabulate the gap of the ARC columns (infinite: diverged) by changes.toml, and to the joint conditions."""
+    printed, gaps = epoxy_motor.arc_parameters(), {}
     for name, part in shipped_toml("papers/xu2001/changes.toml").items():
         scaled = {key: (factor * np.array(getattr(printed, key))).tolist() for key, factor in part["factors"].items()}
-        found[name] = {**scaled, **part["values"]}
-    return found
-
-
-def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
-    """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
-    gaps = {}
-    for name, change in changes().items():
-        law = OutputFeedbackArc(epoxy_motor.arc_parameters(**change))
+        law = OutputFeedbackArc(printed.replace(**scaled, **part["values"]))
         try:
             gaps[name] = gap(columns(epoxy_motor.run(unknowns, law)))
         except DivergedError:

@@ -61,9 +61,8 @@ class Loop:
         commands = np.vstack([law, np.eye(size)[states : states + late]])  # of this sample, and of those before
         step = np.zeros((size, size))
         step[:states, :states] = machine.transition
-        step[:states] += (
-            machine.now @ commands[machine.whole][None] + machine.before @ commands[machine.whole + 1][None]
-        )
+        now, before = commands[machine.whole][None], commands[machine.whole + 1][None]
+        step[:states] += machine.now @ now + machine.before @ before
         step[states : states + late] = commands[:late]
         step[size - 2], step[size - 1] = output, total + output
         return float(np.abs(np.linalg.eigvals(step)).max())
