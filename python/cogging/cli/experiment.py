@@ -61,13 +61,9 @@ def run(arguments: argparse.Namespace) -> None:
     if not os.path.lexists(arguments.limits):
         with errors_of(arguments.model):
             draft = draft_limits(model, logs)
-        print_result(
-            arguments,
-            f"{printable(arguments.limits)} was not there: drafted. Check each line, then give the command again",
-            document=MotionLimits.from_dict(parse_toml(draft)).to_dict(),
-            files={arguments.limits: [draft.encode()]},
-            next_command=again(arguments),
-        )
+        said = f"{printable(arguments.limits)} was not there: drafted. Check each line, then give the command again"
+        document, content = MotionLimits.from_dict(parse_toml(draft)).to_dict(), {arguments.limits: [draft.encode()]}
+        print_result(arguments, said, document=document, files=content, next_command=again(arguments))
         return
     limits = MotionLimits.read(arguments.limits)
     result = None if arguments.result is None else read_result(arguments.result)
@@ -81,11 +77,8 @@ def run(arguments: argparse.Namespace) -> None:
             raise InputError(f"{arguments.result}: {error}") from None
         except NoMotion as error:
             raise InputError(f"{arguments.limits} with {arguments.model}: {error}") from None
-    following = [*files(arguments.logs), "NEW_LOG.csv", *option("--model", arguments.model), *log_options(arguments)]
-    print_result(
-        arguments,
-        f"{plan.text()}\nrun this motion on the machine, and log it",
-        document=plan.to_dict(),
-        files={path: [text.encode()] for path, text in plan.files(arguments.out).items()},
-        next_command=command_line("diagnose", following),
-    )
+    content = {path: [text.encode()] for path, text in plan.files(arguments.out).items()}
+    logs_then = [*files(arguments.logs), "NEW_LOG.csv"]
+    following = command_line("diagnose", logs_then, option("--model", arguments.model), log_options(arguments))
+    text = f"{plan.text()}\nrun this motion on the machine, and log it"
+    print_result(arguments, text, document=plan.to_dict(), files=content, next_command=following)

@@ -41,16 +41,13 @@ def add_log_options(command: argparse.ArgumentParser) -> None:
 
 def options_of(arguments: argparse.Namespace, path: str) -> tuple[dict[str, Any], dict[str, float]]:
     """Return columns, scale and rows with which a file is read, and the zeros of columns."""
-    columns, scale, zero, rows = (
-        {
-            name: value
-            for file in ("", Path(path).name, path)
-            for _, entries in getattr(arguments, option)
-            for name, value in entries.get(file, {}).items()
-        }
-        for option in OPTIONS
-    )
-    return {"columns": columns, "scale": scale, "rows": rows.get("rows")}, zero
+    found: dict[str, dict[str, Any]] = {option: {} for option in OPTIONS}
+    for option, values in found.items():
+        for file in ("", Path(path).name, path):
+            for _, entries in getattr(arguments, option):
+                values.update(entries.get(file, {}))
+    zero = found.pop("zero")
+    return {**found, "rows": found["rows"].get("rows")}, zero
 
 
 def read_logs(arguments: argparse.Namespace, paths: Sequence[str]) -> list[Log]:

@@ -95,13 +95,9 @@ def controller() -> CascadeParameters:
 def published() -> Model:
     """Return the published model: mass, viscous and exact Coulomb friction, a constant force, the cascade."""
     mass, viscous, coulomb, force = PUBLISHED.values()
-    return Model(
-        axis=AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=0.0),
-        effects=(effects.ConstantForce(force=force),),
-        controller=controller(),
-        controller_type="cascade",
-        units=Units(command="N"),
-    )
+    axis = AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=0.0)
+    push, units = (effects.ConstantForce(force=force),), Units(command="N")
+    return Model(axis=axis, effects=push, controller=controller(), controller_type="cascade", units=units)
 
 
 def _find(name: str, folder: str | os.PathLike[str] | None) -> Path:

@@ -11,15 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging.arrays import FloatArray
-from cogging.design.linear_plant import (
-    LOWEST,
-    UNIT_CIRCLE,
-    HeldPlant,
-    Polynomials,
-    held,
-    linear_controller,
-    linear_plant,
-)
+from cogging.design import linear_plant
 from cogging.model.model import Model
 from cogging.shown import quoted
 from cogging.tables import library
@@ -97,8 +89,8 @@ class ControlLoop(ByValue):
     sensitivity: Any
     complementary: Any
     left_out: tuple[str, ...]
-    sampled: HeldPlant
-    polynomials: Polynomials | None
+    sampled: linear_plant.HeldPlant
+    polynomials: linear_plant.Polynomials | None
 
     def _brief(self) -> str:
         kind = "with a controller" if self.controller is not None else "no controller"
@@ -112,7 +104,7 @@ class ControlLoop(ByValue):
         """
         if self.loop is None:
             raise ValueError("controller: must be given for margins, got a model without [controller]")
-        stable = bool(np.abs(self.sensitivity.poles()).max(initial=0.0) < UNIT_CIRCLE)
+        stable = bool(np.abs(self.sensitivity.poles()).max(initial=0.0) < linear_plant.UNIT_CIRCLE)
         poles = np.linalg.eigvals(self.sampled.transition).astype(complex)
         return _margins_of(self.response, 1.0 / self.plant.dt, poles) if stable else LoopMargins(False)
 
@@ -153,9 +145,9 @@ def to_control(
     for name, value in (("speed", speed), ("position", position)):
         if value is not None and not math.isfinite(value):
             raise ValueError(f"{name}: must be finite, got {quoted(value)}")
-    linear = linear_plant(model, speed=speed, position=position)
+    linear = linear_plant.linear_plant(model, speed=speed, position=position)
     time = 1.0 / sample_rate
-    sampled = held(linear, time)
+    sampled = linear_plant.held(linear, time)
     if sampled.whole > MOST_DELAY:
         raise ValueError(f"command_delay: must be at most {MOST_DELAY} samples, got {linear.delay / time:g}")
     plant = control.ss(*_with_delay(sampled), time)
@@ -164,7 +156,7 @@ def to_control(
         continuous = continuous * control.tf2ss(*control.pade(linear.delay, pade))
     if own_rate is None:
         return ControlLoop(plant, continuous, None, None, None, None, linear.left_out, sampled, None)
-    found = linear_controller(model, speed=speed)
+    found = linear_plant.linear_controller(model, speed=speed)
     if found is None:
         kind = str(model.controller_type)
         why = NOT_LINEAR.get(kind, "it is not linear in the error")
@@ -178,7 +170,7 @@ def to_control(
     return ControlLoop(plant, continuous, controller, loop, sensitivity, complementary, linear.left_out, sampled, found)
 
 
-def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _with_delay(plant: linear_plant.HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return the plant with delayed commands as states, newest first: a, b, c, d."""
     size = plant.transition.shape[0]
     waiting = plant.whole + bool(np.any(plant.before))
@@ -198,13 +190,13 @@ def _with_delay(plant: HeldPlant) -> tuple[FloatArray, FloatArray, FloatArray, F
 
 def _margins_of(response: Callable[[FloatArray], Any], sample_rate: float, poles: ComplexArray) -> LoopMargins:
     """Return the margins of a stable loop with a response L (Hz), finer around its lightly damped poles in z."""
-    parts = [np.geomspace(LOWEST, 0.5, POINTS)]
+    parts = [np.geomspace(linear_plant.LOWEST, 0.5, POINTS)]
     for pole in poles[(poles.imag > 0.0) & (np.abs(poles) > 0.0)]:
         place, width = np.angle(pole) / (2.0 * np.pi), max(-math.log(abs(pole)) / (2.0 * np.pi), 1e-9)
         near = width * np.geomspace(1e-2, 1e2, AROUND)
         parts.append(np.concatenate([[place], place + near, place - near]))
     found = np.unique(np.concatenate(parts))
-    frequency = sample_rate * found[(found >= LOWEST) & (found <= 0.5)]
+    frequency = sample_rate * found[(found >= linear_plant.LOWEST) & (found <= 0.5)]
     loop = np.asarray(response(frequency))
     unity = _crossings(lambda f: np.log(np.abs(response(f))), frequency, np.log(np.abs(loop)))
     lag = np.angle(-np.asarray(response(unity))) % (2.0 * np.pi) if unity.size else np.empty(0)

@@ -100,10 +100,8 @@ def find_library() -> Path:
     for path in (*(folder / file for folder in installed("share/fmi")), *reversed(built)):
         if path.is_file():
             return path
-    raise InputError(
-        f"{SOURCES.parent}: must hold the library of a unit, got none: install the package (pip install .), or build "
-        f"the target {LIBRARY} below build"
-    )
+    advice = f"install the package (pip install .), or build the target {LIBRARY} below build"
+    raise InputError(f"{SOURCES.parent}: must hold the library of a unit, got none: {advice}")
 
 
 def platform_tuple() -> str:
@@ -178,15 +176,10 @@ def _line(item: str, value: Any) -> str:
 
 def _description(model: Model, name: str, token: str, rate: float, parameters: list[Parameter]) -> bytes:
     """Return modelDescription.xml: capabilities and variables of the unit."""
-    root = xml.Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=name,
-        instantiationToken=token,
-        description="An axis with a cogging linear motor: command in, encoder reading and true motion out.",
-        generationTool=f"cogging {importlib.metadata.version('cogging')}",
-        variableNamingConvention="structured",
-    )
+    stated = {"fmiVersion": "3.0", "modelName": name, "instantiationToken": token}
+    stated["description"] = "An axis with a cogging linear motor: command in, encoder reading and true motion out."
+    stated["generationTool"] = f"cogging {importlib.metadata.version('cogging')}"
+    root = xml.Element("fmiModelDescription", {**stated, "variableNamingConvention": "structured"})
     able = dict.fromkeys(("canHandleVariableCommunicationStepSize", "canGetAndSetFMUState"), "true")
     xml.SubElement(root, "CoSimulation", {"modelIdentifier": name, **able})
     variables = list(_variables(model, parameters))

@@ -48,10 +48,8 @@ OUTSIDE = [
     effects.ActuatorLag(time_constant=2e-4),
 ]
 #: Machines at equal margin: an axis, and further effects.
-MACHINES: dict[str, tuple[GantryAxis, Sequence[Any]]] = {
-    **{name: (axis, ()) for name, axis in AXES.items()},
-    "X outside": (AXIS, OUTSIDE),
-}
+MACHINES: dict[str, tuple[GantryAxis, Sequence[Any]]] = {name: (axis, ()) for name, axis in AXES.items()}
+MACHINES["X outside"] = (AXIS, OUTSIDE)
 PAYLOADS = {"rms_light": 0.8, "rms_heavy": 1.2}  # factors on the mass
 #: Indexes and their units: rms, maximum and chatter over the last period, largest error of the first, rms with other
 #: masses, and the time of a step on this computer (noisy).
@@ -131,15 +129,10 @@ def observer_problem(
     pole_radius: float, axis: GantryAxis = AXIS, factor: float = 1.0, decay_rate: float = DECAY_RATE
 ) -> ObserverProblem:
     """Return Theorem 3 of Malaize and Levine 2009 for an axis: its first three harmonics; factor: on all poles."""
-    return ObserverProblem(
-        periods=[gantry.PITCH / harmonic for harmonic in axis.compensated],
-        velocity_min=VELOCITY_RATIO * axis.velocity,
-        velocity_max=axis.velocity,
-        viscous=axis.viscous / axis.mass,
-        omega=-POLE * factor,
-        decay_rate=decay_rate,
-        pole_radius=pole_radius * factor,
-    )
+    fields: dict[str, Any] = {"periods": [gantry.PITCH / harmonic for harmonic in axis.compensated]}
+    fields |= {"velocity_min": VELOCITY_RATIO * axis.velocity, "velocity_max": axis.velocity}
+    fields |= {"viscous": axis.viscous / axis.mass, "omega": -POLE * factor, "pole_radius": pole_radius * factor}
+    return ObserverProblem(decay_rate=decay_rate, **fields)
 
 
 # Runs and tables ------------------------------------------------------------------------------------------------------

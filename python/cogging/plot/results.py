@@ -48,7 +48,6 @@ def whole_model(model: Any, *, units: Any = None, ax: Any = None) -> Panels:
 @drawn
 def whole_tuning(tuning: Any, *, units: Any = None, ax: Any = None) -> Panels:
     """Plot the trade-off of a tuning, and its points over the delay margin or the chatter."""
-    units = units or units_of(tuning)
     panels = grid_of(ax, 2, 2, size=WHOLE_TUNING)
     beside = "delay_margin" if tuning.against != "delay_margin" else "command_chatter"
     for panel, index in zip(panels, (tuning.against, beside), strict=True):

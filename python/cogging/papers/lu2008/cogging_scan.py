@@ -51,11 +51,6 @@ def chosen(fit: MapFit) -> tuple[int, ...]:
     return tuple(entry.harmonic for entry in fit.amplitudes)
 
 
-def at_harmonic(fit: MapFit, values: FloatArray) -> FloatArray:
-    """Return the entries of a spectrum (line_amplitude, line_threshold) at harmonics 1 to HIGHEST, (HIGHEST,)."""
-    return np.array([values[np.argmin(np.abs(fit.line - harmonic))] for harmonic in range(1, HIGHEST + 1)])
-
-
 def noise_hiding(cogging: CoggingModel, harmonics: Sequence[int] = HARMONICS) -> dict[int, float]:
     """Return the sensor noise (V rms) at which the highest line of each harmonic equals the rule's threshold."""
     force = scan_force(cogging, noise=0.0)
@@ -71,22 +66,20 @@ def harmonics_table(name: str, cogging: CoggingModel, fit: MapFit) -> Table:
 
     A harmonic whose amplitude changes its sign along the travel has a line on either side and none between.
     """
-    kept, amplitude = chosen(fit), at_harmonic(fit, fit.line_amplitude)
+    kept = chosen(fit)
+    lines = [int(np.argmin(np.abs(fit.line - harmonic))) for harmonic in range(1, HIGHEST + 1)]
+    amplitude, threshold = fit.line_amplitude[lines], fit.line_threshold[lines]
     listed = sorted({*HARMONICS, *kept})
     words = {harmonic: "kept" if harmonic in kept else "hidden" for harmonic in listed}
     if rest := [harmonic for harmonic in range(1, HIGHEST + 1) if harmonic not in listed]:
         words[max(rest, key=lambda harmonic: amplitude[harmonic - 1])] = "largest of the rest"
     rows = [
-        explored("scan", "amplitude", "V", amplitude[harmonic - 1], harmonic=str(harmonic), rule=word)
-        for harmonic, word in words.items()
+        explored("scan", "amplitude", "V", amplitude[n - 1], harmonic=str(n), rule=word) for n, word in words.items()
     ]
-    threshold = at_harmonic(fit, fit.line_threshold)
     hidden = noise_hiding(cogging)
     weakest = min(hidden, key=lambda harmonic: hidden[harmonic])
-    rows += [
-        explored("rule", "threshold", "V", float(np.median(threshold))),
-        explored("rule", "noise", "V", hidden[weakest], harmonic=f"{weakest}, at which it is lost"),
-    ]
+    rows.append(explored("rule", "threshold", "V", float(np.median(threshold))))
+    rows.append(explored("rule", "noise", "V", hidden[weakest], harmonic=f"{weakest}, at which it is lost"))
     own_lines = sum((amplitude >= threshold)[harmonic - 1] for harmonic in HARMONICS)
     for index, count in (("kept", len(set(kept) & set(HARMONICS))), ("own_lines", own_lines)):
         printed = float(len(HARMONICS))

@@ -68,10 +68,8 @@ class GantryAxis:
 
 
 #: The axes by name (axes.toml).
-AXES = {
-    name: GantryAxis(name=name, **with_tuples(fields))
-    for name, fields in shipped_toml("papers/lu2008/axes.toml").items()
-}
+_STATED = with_tuples(shipped_toml("papers/lu2008/axes.toml"))
+AXES = {name: GantryAxis(name=name, **fields) for name, fields in _STATED.items()}
 
 
 def cogging_basis(harmonics: Sequence[int] = HARMONICS) -> SplineHarmonics:

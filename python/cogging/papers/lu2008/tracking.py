@@ -97,12 +97,9 @@ def laws_table(machines: Mapping[str, Plant]) -> Table:
     """Tabulate DCARC over ARC on the same machines; the paper says that it is better in all indexes."""
     rows = []
     for axis in AXES.values():
-        on = [machines[axis.name]] * len(CONTROLLERS)
+        on, motion = [machines[axis.name]] * len(CONTROLLERS), gantry.reference(axis)
         parameters = [gantry.controller_parameters(axis, name) for name in CONTROLLERS]
-        dcarc, arc = (
-            gantry.last_move([law(each) for each in parameters], on, gantry.reference(axis)).indexes
-            for law in (Dcarc, Arc)
-        )
+        dcarc, arc = (gantry.last_move([law(each) for each in parameters], on, motion).indexes for law in (Dcarc, Arc))
         for index, key in {**INDEXES, "du_rms": "command_change_rms"}.items():
             for name, ratio in zip(CONTROLLERS, dcarc[key] / arc[key], strict=True):
                 rows.append(explored(name, index, "1", ratio, axis=axis.name))

@@ -52,21 +52,18 @@ def logs_of_table_1() -> dict[str, dict[str, Log]]:
 
 def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArray]]:
     """Return the accuracies of Table I under a cause in each draw."""
-    return {
-        motor.name: {
-            name: drawn_accuracies(motor, *causes.shipped_table_1(motor, cause), name, cause.draws)
-            for name in CONTROLLERS
-        }
-        for motor in MOTORS.values()
-    }
+    return {name: _of_both(motor, *causes.shipped_table_1(motor, cause), cause.draws) for name, motor in MOTORS.items()}
 
 
 def accuracies_as_believed() -> dict[str, dict[str, FloatArray]]:
     """Return the same where the controllers know all of their machine, with the assumed phases."""
-    return {
-        motor.name: {name: drawn_accuracies(motor, shipped(motor), Conditions(), name, 1) for name in CONTROLLERS}
-        for motor in MOTORS.values()
-    }
+    return {name: _of_both(motor, shipped(motor), Conditions(), 1) for name, motor in MOTORS.items()}
+
+
+def _of_both(
+    motor: Motor, gains: linear_motors.Calibrated, conditions: Conditions, draws: int
+) -> dict[str, FloatArray]:
+    return {name: drawn_accuracies(motor, gains, conditions, name, draws) for name in CONTROLLERS}
 
 
 def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
@@ -206,10 +203,8 @@ def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Fi
 
 def figure_errors(logs: Logs, motor: Motor) -> Figure:
     """Draw Fig. 4: the tracking errors of a motor over the whole run, and the third stroke with its rest."""
-    traces = [
-        Trace(name, log.time, linear_motors.true_error(log), printed)
-        for (name, log), printed in zip(logs[motor.name].items(), motor.accuracy, strict=True)
-    ]
+    pairs = zip(logs[motor.name].items(), motor.accuracy, strict=True)
+    traces = [Trace(name, log.time, linear_motors.true_error(log), printed) for (name, log), printed in pairs]
     period = linear_motors.reference(motor).period
     return compared(f"Fig. 4, {motor.name}: tracking error", traces, zoom=(period, 1.5 * period))
 
@@ -241,12 +236,8 @@ def figure_held_out(found: Sequence[Explanation]) -> Figure:
 RIPPLE_PERIOD = 0.0073  # m, no fraction of a motor's periods: of the ripple that no controller knows
 #: What the figures of imperfections are drawn of: periods of a ripple (m), and sizes in the units of the panels.
 DRAWN_PERIODS = np.geomspace(3e-3, 0.06, 60)
-DRAWN_SIZES: dict[str, list[float]] = {
-    "ripple": [0.5, 1, 2, 5, 10, 20, 50],
-    "encoder": [1, 3, 10, 30, 100, 300, 1000],
-    "friction": [0.002, 0.01, 0.05, 0.2, 1, 5, 20],
-    "thrust": [0.1, 0.2, 0.5, 1.0, 2.0, 5.0],
-}
+DRAWN_SIZES: dict[str, list[float]] = {"ripple": [0.5, 1, 2, 5, 10, 20, 50], "encoder": [1, 3, 10, 30, 100, 300, 1000]}
+DRAWN_SIZES |= {"friction": [0.002, 0.01, 0.05, 0.2, 1, 5, 20], "thrust": [0.1, 0.2, 0.5, 1.0, 2.0, 5.0]}
 FRICTION_WIDTHS = (1e-5, 5e-5, 2e-4, 1e-3, 5e-3)  # m/s, assumed
 STRIBECK_EXCESS, STRIBECK_VELOCITY = 0.5, 0.01  # of the dry friction, and m/s; assumed
 

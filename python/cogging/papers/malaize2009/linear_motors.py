@@ -56,10 +56,8 @@ class Motor:
 
 
 #: The motors by name (motors.toml).
-MOTORS = {
-    name: Motor(name=name, **with_tuples(fields))
-    for name, fields in shipped_toml("papers/malaize2009/motors.toml").items()
-}
+_STATED = with_tuples(shipped_toml("papers/malaize2009/motors.toml"))
+MOTORS = {name: Motor(name=name, **fields) for name, fields in _STATED.items()}
 
 
 @dataclass(frozen=True)
@@ -104,12 +102,10 @@ def plant(
     sizes = -amplitude * np.array(motor.shape)
     sine, cosine = (sizes * np.cos(phases))[:, None], (sizes * np.sin(phases))[:, None]
     friction, travel = {"coulomb": motor.friction, "coulomb_width": width}, [-0.1, motor.stroke + 0.1]
-    return Plant(
-        _core.AxisParameters(mass=1.0, viscous=VISCOUS, travel=travel, **friction),
-        cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
-        effects=[effects.CommandDelay(delay=delay), *more],
-        encoder=_core.EncoderParameters(resolution=motor.resolution, noise=noise),
-    )
+    axis = _core.AxisParameters(mass=1.0, viscous=VISCOUS, travel=travel, **friction)
+    cogging = CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine)
+    encoder = _core.EncoderParameters(resolution=motor.resolution, noise=noise)
+    return Plant(axis, cogging=cogging, effects=[effects.CommandDelay(delay=delay), *more], encoder=encoder)
 
 
 def cogging_rms(motor: Motor, amplitude: float) -> float:

@@ -27,10 +27,8 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     tables += [motion_cases.seeds_table(joint), motion_cases.conditions_table()]
     progress("table 1")
     logs = {name: joint.logs(name) for name in CONTROLLERS}
-    figures = {
-        f"xu2001_fig{number}": motion_cases.figure_errors(logs, name)
-        for name, (number, _, _) in motion_cases.OF_SET.items()
-    }
+    numbers = {name: number for name, (number, *_) in motion_cases.OF_SET.items()}
+    figures = {f"xu2001_fig{number}": motion_cases.figure_errors(logs, name) for name, number in numbers.items()}
     progress("figures 2 to 4")
     figures["xu2001_fig5"] = motion_cases.figure_reference()
     figures["xu2001_fig6"] = motion_cases.figure_fast(motion_cases.run_fast(joint))

@@ -223,13 +223,10 @@ def conditions(unknowns: Unknowns, set_name: str) -> dict[str, float]:
     first, second = (
         float(np.max(-z * np.sum(off * phi, axis=1))) for z, phi in ((found.z_1, found.phi_1), (found.z_2, found.phi_2))
     )
-    return {
-        "k_1s_over_needed": p.gain_1 / float(needed.gain_1.max()),
-        "k_2s_over_needed": p.gain_2 / float(needed.gain_2.max()),
-        "condition_33": first / p.epsilon_11,
-        "condition_46": second / p.epsilon_21,
-        "v_2_over_bound": float(found.lyapunov(p).max()) / bound(p, 0.0).final,
-    }
+    gains = ((p.gain_1, needed.gain_1), (p.gain_2, needed.gain_2))
+    over = {f"k_{step}s_over_needed": gain / float(least.max()) for step, (gain, least) in enumerate(gains, start=1)}
+    met = {"condition_33": first / p.epsilon_11, "condition_46": second / p.epsilon_21}
+    return {**over, **met, "v_2_over_bound": float(found.lyapunov(p).max()) / bound(p, 0.0).final}
 
 
 def theorem_1_table(unknowns: Unknowns) -> Table:
@@ -324,11 +321,8 @@ def one_count_table() -> Table:
     unstable_from: where K_2 along a run without them exceeds its limit.
     """
     name = "ARC, all terms"
-    counts = {
-        "one sample after the start": one_count(RESOLUTION, held=1),
-        f"settled, {SETTLED} samples": one_count(RESOLUTION),
-        "settled, by hand": by_hand(RESOLUTION),
-    }
+    counts = {"one sample after the start": one_count(RESOLUTION, held=1)}
+    counts |= {f"settled, {SETTLED} samples": one_count(RESOLUTION), "settled, by hand": by_hand(RESOLUTION)}
     rows = [explored(name, "one_count", "V", abs(value), count=said) for said, value in counts.items()]
     law = OutputFeedbackArc(arc_parameters(sample_rate=FINE))
     log = closed_loop(rigid(0.0), law, reference(), duration=START, record_estimates=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -162,12 +163,20 @@ def gap(found: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.log(found / printed) ** 2)))
 
 
-def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
-    """Tabulate the gap of the ARC columns (infinite: diverged) by changes.toml, and to the joint conditions."""
-    printed, gaps = epoxy_motor.arc_parameters(), {}
+def changes() -> dict[str, dict[str, Any]]:
+    """Return the tried changes of the ARC's numbers by name (changes.toml)."""
+    printed, found = epoxy_motor.arc_parameters(), {}
     for name, part in shipped_toml("papers/xu2001/changes.toml").items():
         scaled = {key: (factor * np.array(getattr(printed, key))).tolist() for key, factor in part["factors"].items()}
-        law = OutputFeedbackArc(printed.replace(**scaled, **part["values"]))
+        found[name] = {**scaled, **part["values"]}
+    return found
+
+
+def exploration_table(unknowns: epoxy_motor.Unknowns, joint: Conditions, arc_logs: Mapping[str, Log]) -> Table:
+    """Tabulate the gap of the ARC columns (infinite: diverged) for each of the changes, and to the joint conditions."""
+    gaps = {}
+    for name, change in changes().items():
+        law = OutputFeedbackArc(epoxy_motor.arc_parameters(**change))
         try:
             gaps[name] = gap(columns(epoxy_motor.run(unknowns, law)))
         except DivergedError:
