@@ -47,8 +47,7 @@ def run(arguments: argparse.Namespace) -> None:
     from cogging.diagnosis.diagnosis import diagnose
 
     outputs = {"--json": json_file(arguments), "--report": arguments.report, "--out": arguments.out}
-    inputs = [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])]
-    check_outputs(outputs, inputs)
+    check_outputs(outputs, [arguments.model, *with_sidecars([*arguments.logs, *arguments.confirm])])
     model = Model.read(arguments.model)
     given, others = read_logs(arguments, arguments.logs), read_logs(arguments, arguments.confirm)
     names, confirm_names = ([printable(path) for path in logs] for logs in (arguments.logs, arguments.confirm))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_result
 from cogging.cli.log_options import add_log_options, options_of, require_known, without_zero
-from cogging.cli.next_command import after_map
+from cogging.cli.next_command import again, command_line, free_name, option
 from cogging.files import FieldError, errors_of
 from cogging.logs.columns import read_columns
 from cogging.model.units import Units
@@ -59,7 +59,12 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.out:
         text += f"\nreplace the [cogging] section of a model by that of {printable(arguments.out)}"
         written = [arguments.out, str(figure)]
-    print_result(arguments, text, document=fit.to_dict(), written=written, next_command=after_map(arguments))
+        fitted = option("--out", free_name("fitted.toml"))
+        following = command_line("identify", "LOG.csv", "--model", "MODEL.toml", fitted)
+    else:
+        labels = arguments.units and ",".join(f"{key}={label}" for key, label in arguments.units.to_dict().items())
+        following = again(arguments, units=labels, out=free_name(arguments.scan, "map"))
+    print_result(arguments, text, document=fit.to_dict(), written=written, next_command=following)
 
 
 def _units(text: str) -> Units:

@@ -93,10 +93,11 @@ def after_audit(arguments: argparse.Namespace) -> str:
     """Fit the model to the logs; without a model, draft one first."""
     if arguments.model is not None:
         return _identify(arguments, arguments.model)
-    return _init(*files(arguments.logs[:1]), *log_options(arguments))
+    return init(*files(arguments.logs[:1]), *log_options(arguments))
 
 
-def _init(*words: str) -> str:
+def init(*words: str) -> str:
+    """Return the call that drafts a model."""
     names = {"--out": "model.toml", "--reference": "reference.toml"}  # existing ones are not replaced
     taken = [option(name, free_name(path)) for name, path in names.items() if os.path.lexists(path)]
     return command_line("init", list(words), *taken)
@@ -177,29 +178,6 @@ def _read_otherwise(arguments: argparse.Namespace, mismatch: Mapping[str, Any]) 
 
 
 # After the other commands ---------------------------------------------------------------------------------------------
-
-
-def after_map(arguments: argparse.Namespace) -> str:
-    """Fit a model with the map to logs; if the map was not written, write it."""
-    if arguments.out:
-        return command_line("identify", "LOG.csv", "--model", "MODEL.toml", option("--out", free_name("fitted.toml")))
-    labels = arguments.units and ",".join(f"{key}={label}" for key, label in arguments.units.to_dict().items())
-    return again(arguments, units=labels, out=free_name(arguments.scan, "map"))
-
-
-def after_export(arguments: argparse.Namespace, *, of_map: bool) -> str:
-    """Log the axis again with the map in its drive; compare exported code with a simulation."""
-    if of_map:
-        return _init("NEW_LOG.csv")
-    out = option("--out", free_name("run.csv"))
-    return command_line("simulate", files([arguments.model]), "--reference", "REF.toml", out)
-
-
-def after_reproduce(arguments: argparse.Namespace) -> str:
-    """Compare the papers on one axis; after that, draft a model of the user's machine."""
-    if arguments.compare:
-        return _init("LOG.csv")
-    return command_line("reproduce", "--compare", option("--out", arguments.out))
 
 
 def after_many_runs(model_file: AnyPath, reference: AnyPath) -> str:

@@ -10,7 +10,7 @@ import argparse
 from typing import Any
 
 from cogging.cli.answer import OUTPUT_GROUP, add_answer_options, json_file, print_part, print_result
-from cogging.cli.next_command import after_reproduce
+from cogging.cli.next_command import command_line, init, option
 from cogging.cli.parser import refuse_unknown
 from cogging.outputs import check_folder, check_outputs
 from cogging.papers.reproduction import PAPERS, compare, reproduce
@@ -47,4 +47,6 @@ def run(arguments: argparse.Namespace) -> None:
         documents.append(result.to_dict())
         files = f"{written[0]} and {len(written) - 1} figures written"
         print_part(arguments, f"{result.paper}\n\n{result.text(arguments.all)}\n\n{files}\n")
-    print_result(arguments, "", document=documents, next_command=after_reproduce(arguments))
+    # After the papers the comparison, after that a model of the user's machine.
+    comparison = command_line("reproduce", "--compare", option("--out", arguments.out))
+    print_result(arguments, "", document=documents, next_command=init("LOG.csv") if arguments.compare else comparison)

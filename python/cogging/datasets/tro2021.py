@@ -97,9 +97,7 @@ def steady_speeds(folder: str | os.PathLike[str] | None = None) -> SteadySpeeds:
         InputError: no run was found, or one is invalid or too short.
     """
     means = []
-    for name, path in files(folder).items():
-        if not name.startswith("steady_state/"):
-            continue
+    for path in (path for name, path in files(folder).items() if name.startswith("steady_state/")):
         run = read(path)
         if len(run.time) <= SETTLING:
             raise InputError(f"{path}: rows: must be more than {SETTLING}, got {len(run.time)}")

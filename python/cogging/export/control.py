@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from cogging.arrays import FloatArray
 from cogging.design import linear_plant
+from cogging.export.forms import require_positive
 from cogging.model.model import Model
 from cogging.shown import quoted
 from cogging.tables import library
@@ -138,8 +139,7 @@ def to_control(
     sample_rate = own_rate if sample_rate is None else sample_rate
     if sample_rate is None:
         raise ValueError("sample_rate: must be given for a model without [controller], got nothing")
-    if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-        raise ValueError(f"sample_rate: must be finite and above 0, got {quoted(sample_rate)}")
+    require_positive("sample_rate", sample_rate)
     if not 0 <= pade <= 20:
         raise ValueError(f"pade: must be from 0 to 20, got {quoted(pade)}")
     for name, value in (("speed", speed), ("position", position)):
@@ -162,8 +162,7 @@ def to_control(
         why = NOT_LINEAR.get(kind, "it is not linear in the error")
         raise ValueError(f"controller: must be linear in the error, got {kind}: {why}")
     if sample_rate != own_rate:
-        rule = f"must be that of the controller, {own_rate:g}"
-        raise ValueError(f"sample_rate: {rule}, got {quoted(sample_rate)}")
+        raise ValueError(f"sample_rate: must be that of the controller, {own_rate:g}, got {quoted(sample_rate)}")
     controller = control.tf(*found, time)
     loop, one = plant * control.tf2ss(controller), control.ss([], [], [], [[1.0]], time)
     sensitivity, complementary = control.feedback(one, loop), control.feedback(loop, one)

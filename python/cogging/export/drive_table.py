@@ -136,8 +136,7 @@ def frame_of(
         raise ValueError(f"turn: must be finite and at least 0, got {quoted(turn)}")
     stated = model.units.command
     if scale is None and stated not in ("V", unit):  # V stands for whatever the amplifier takes
-        rule = f"must be given, {unit} per {stated}: the drive takes {unit}"
-        raise ValueError(f"scale: {rule}, got a model in {stated}")
+        raise ValueError(f"scale: must be given, {unit} per {stated}: the drive takes {unit}, got a model in {stated}")
     factor = 1.0 if scale is None else scale
     if not (math.isfinite(factor) and factor > 0.0):
         raise ValueError(f"scale: must be finite and above 0 (see sign), got {quoted(factor)}")

@@ -6,14 +6,13 @@ ValueError.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from cogging.export.drive_table import NEGLIGIBLE, Frame, Law, Rest, Table, frame_of, table_of
-from cogging.export.forms import Exported
+from cogging.export.forms import Exported, require_positive
 from cogging.files import shipped_toml
 from cogging.model.model import Model
 from cogging.shown import quoted
@@ -60,7 +59,7 @@ def akd(model: Model, *, entries: int = 8192, between: str = "linear", quantum: 
         law, ends = Law(entries, low, high - low, False, between), {"LOW": low, "HIGH": high}
         words = [f"COGCOMP.RANGE{name} to {end:.9g} {model.units.position}" for name, end in ends.items()]
         notes.append(f"set {' and '.join(words)}, in the drive's own unit")
-    table = table_of(frame, law, quantum=_require_positive("quantum", quantum))
+    table = table_of(frame, law, quantum=require_positive("quantum", quantum))
     return _exported(model, "akd", table, "A", [f"{value:.9g}" for value in table.values.tolist()], notes)
 
 
@@ -77,7 +76,7 @@ def sinamics(model: Model, *, between: str = "hold", pole_pair_width: float | No
         width = pole_pair_width if pole_pair_width is not None else frame.pitch or high - low
         # The table repeats, and index 0 may be anywhere: two entries outside the travel separate its ends.
         span = (high - low) * entries / (entries - 2)
-        factor = span / _require_positive("pole_pair_width", width)
+        factor = span / require_positive("pole_pair_width", width)
     table = table_of(frame, Law(entries, 0.0, span, True, between))
     rows = [f"p5260,{index},{_single(value)}" for index, value in enumerate(table.values.tolist())]
     return _exported(model, "sinamics", table, unit, ["parameter,index,value", *rows], [f"set p5253 to {factor:.9g}"])
@@ -105,7 +104,7 @@ def novanta(
         width = frame.pitch if pole_pair_width is None else pole_pair_width
         if width == 0.0 and pole_pair_width is None:
             raise ValueError("pole_pair_width: must be given for a map of periods without a pitch, got nothing")
-        span = _require_positive("pole_pair_width", width)
+        span = require_positive("pole_pair_width", width)
     table = table_of(frame, Law(_require_entries(entries), 0.0, span, True, between))
     rows = [f"{index},{_single(value)}" for index, value in enumerate(table.values.tolist())]
     return _exported(model, "novanta", table, "A", ["index,value", *rows], ["set 0x2306 to 1, then store all"])
@@ -254,12 +253,6 @@ def _require_entries(entries: int, most: int = MOST_ENTRIES) -> int:
     if not isinstance(entries, int) or not 2 <= entries <= most:
         raise ValueError(f"entries: must be a whole number from 2 to {most}, got {quoted(entries)}")
     return entries
-
-
-def _require_positive(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name}: must be finite and above 0, got {quoted(value)}")
-    return value
 
 
 def _turn_of(frame: Frame, drive: str) -> float:

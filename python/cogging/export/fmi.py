@@ -25,12 +25,12 @@ import numpy as np
 from cogging.cpp_library import SOURCES, installed
 from cogging.effects.custom import Custom
 from cogging.export.cpp_header import licence, require_name
-from cogging.export.forms import Exported
+from cogging.export.forms import Exported, require_positive
 from cogging.files import FieldError, InputError
 from cogging.model.model import Model
-from cogging.shown import quoted
 
 LIBRARY = "cogging_axis"
+SYSTEM = {"darwin": "darwin", "win32": "windows"}.get(sys.platform, "linux")
 #: Suffix of a library by system, and architectures in FMI's words.
 SUFFIXES = {"linux": ".so", "darwin": ".dylib", "windows": ".dll"}
 MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
@@ -66,8 +66,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
     if sample_rate is None and model.controller is None:
         raise FieldError("", "controller", "or an option sample_rate must be there to say how often noise is drawn")
     rate = float(model.controller.sample_rate) if sample_rate is None else sample_rate  # type: ignore[union-attr]
-    if not (math.isfinite(rate) and rate > 0):
-        raise ValueError(f"sample_rate: must be finite and above 0, got {quoted(rate)}")
+    require_positive("sample_rate", rate)
     for effect in model.effects:
         if isinstance(effect, Custom):
             raise FieldError("", "effects", f"must be of the core's list to run without Python, got {effect.NAME}")
@@ -95,7 +94,7 @@ def make(model: Model, *, name: str = "axis", sample_rate: float | None = None) 
 
 def find_library() -> Path:
     """Return the path of the library that was built with this package."""
-    file = LIBRARY + SUFFIXES[_system()]
+    file = LIBRARY + SUFFIXES[SYSTEM]
     built = sorted((SOURCES.parent / "build").glob(f"*/cpp/fmi/{file}"), key=lambda path: path.stat().st_mtime)
     for path in (*(folder / file for folder in installed("share/fmi")), *reversed(built)):
         if path.is_file():
@@ -107,7 +106,7 @@ def find_library() -> Path:
 def platform_tuple() -> str:
     """Return this platform in FMI's words: x86_64-linux."""
     machine = platform.machine().lower()
-    return f"{MACHINES.get(machine, machine)}-{_system()}"
+    return f"{MACHINES.get(machine, machine)}-{SYSTEM}"
 
 
 def _sections(model: Model) -> list[tuple[str, Any]]:
@@ -139,10 +138,6 @@ def _numbers(model: Model, rate: float, parameters: list[Parameter]) -> str:
     for reference, parameter in enumerate(parameters, FIRST_PARAMETER):
         lines.append(f"parameter {reference} {parameter.section} {parameter.field}")
     return "\n".join(lines) + "\n"
-
-
-def _system() -> str:
-    return {"darwin": "darwin", "win32": "windows"}.get(sys.platform, "linux")
 
 
 def _initial_position(model: Model) -> float:

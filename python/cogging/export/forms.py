@@ -11,6 +11,7 @@ Forms may share an option. Defaults are in the signature of `make`: only given o
 from __future__ import annotations
 
 import importlib
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -68,6 +69,13 @@ class Form:
         module, function = self.made_by.split(":")
         made: Exported = getattr(importlib.import_module(module), function)(model, **options)
         return made
+
+
+def require_positive(name: str, value: float) -> float:
+    """Return an option that is a finite number above 0, or raise ValueError."""
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name}: must be finite and above 0, got {quoted(value)}")
+    return value
 
 
 def _forms() -> dict[str, Form]:

@@ -149,8 +149,9 @@ def _of_result(found: Any) -> dict[str, Rows]:
     """Return the residuals of a Diagnosis or a Location by label, in the rows in motion of all logs."""
     series = getattr(found, "series", None)
     if not isinstance(series, Mapping):
-        rule = "must be a Diagnosis, a Location or coordinates with a residual"
-        raise TypeError(f"found: {rule}, got {described(found)}")
+        raise TypeError(
+            f"found: must be a Diagnosis, a Location or coordinates with a residual, got {described(found)}"
+        )
     names = [name for name in GAPS if name in series]
     if not names:
         raise ValueError(f"plot: needs a gap that was measured, got the verdict {getattr(found, 'verdict', 'none')}")

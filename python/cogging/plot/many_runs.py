@@ -123,8 +123,9 @@ def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: An
     controllers = getattr(prediction, "controllers", None)
     if not isinstance(controllers, tuple) or not hasattr(prediction, "coverage"):
         raise TypeError(f"prediction: must be an ErrorPrediction, got {described(prediction)}")
-    if index not in ("rms", "max", "max_whole"):
-        raise ValueError(f"index: must be one of rms, max, max_whole, got {index!r}")
+    names = {"rms": "rms", "max": "largest", "max_whole": "largest of the whole run"}
+    if index not in names:
+        raise ValueError(f"index: must be one of {', '.join(names)}, got {index!r}")
     found = [getattr(one, index) for one in controllers]
     scale = scale_of("m", *(one.values for one in found), units=units or units_of(prediction))
     axes = one_of(ax, size=(7.2, 1.0 + 0.4 * len(found)))
@@ -142,8 +143,7 @@ def prediction(prediction: Any, index: str = "rms", *, units: Any = None, ax: An
     values = np.concatenate([one.values[np.isfinite(one.values) & (one.values > 0.0)] for one in found])
     if values.size and values.max() > WIDE * values.min():
         axes.set_xscale("log")
-    name = {"rms": "rms", "max": "largest", "max_whole": "largest of the whole run"}[index]
-    axes.set_xlabel(scale.label(f"{name} of the tracking error"))
+    axes.set_xlabel(scale.label(f"{names[index]} of the tracking error"))
     return axes
 
 

@@ -10,6 +10,7 @@ the solution of Theorem 3 as printed.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from cogging.mapping.error_spectrum import tracking_spectrum
 from cogging.papers.malaize2009 import accuracies
@@ -28,11 +29,8 @@ def reproduce(progress: Callable[[str], None] = lambda step: None) -> Reproducti
     with_friction = accuracies.accuracies_of_table_1(FRICTION)
     tables = [accuracies.table_1(LINES, found, believed), accuracies.table_1(FRICTION, with_friction, believed)]
     progress("table 1")
-    shortest = LINE_PERIODS[0]
-    spectra = {
-        motor: {name: tracking_spectrum(log, shortest_period=shortest) for name, log in pair.items()}
-        for motor, pair in logs.items()
-    }
+    of_log = partial(tracking_spectrum, shortest_period=LINE_PERIODS[0])
+    spectra = {motor: {name: of_log(log) for name, log in pair.items()} for motor, pair in logs.items()}
     figures = {
         "malaize2009_fig2": accuracies.figure_velocity(),
         "malaize2009_fig3": accuracies.figure_spectrum(spectra),

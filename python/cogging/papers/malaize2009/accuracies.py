@@ -29,8 +29,6 @@ AMPLITUDES_AND_RADII = tuple(f"{what} of {motor}" for motor in MOTORS for what i
 
 #: Accuracies (m) by motor and controller, (draws,) each.
 Accuracies = Mapping[str, Mapping[str, FloatArray]]
-#: Logs by motor and controller.
-Logs = Mapping[str, Mapping[str, Log]]
 CRUISE = 0.99  # of the top speed: constant speed from there on
 THINNED = 20  # lines are fitted to one sample of so many
 RATIOS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
@@ -84,8 +82,7 @@ def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
             rows.append(Row("observer", "lambda_star", "m/s^2", motor.lambda_star, star, "calibrated", label))
         return rows
 
-    words = f" (mean of {cause.draws} draws)" if cause.draws > 1 else ""
-    size = f"with {cause.name} of one size{words}"
+    size = f"with {cause.name} of one size" + f" (mean of {cause.draws} draws)" * (cause.draws > 1)
     title = f"Table I: accuracy after the first stroke {size}, and the certified lambda*"
     before = Table("", "", rows_of(believed, "predicted"), free=AMPLITUDES_AND_RADII)
     free = (*AMPLITUDES_AND_RADII, f"size of {cause.name}")
@@ -201,7 +198,7 @@ def figure_spectrum(spectra: Mapping[str, Mapping[str, TrackingSpectrum]]) -> Fi
     return figure
 
 
-def figure_errors(logs: Logs, motor: Motor) -> Figure:
+def figure_errors(logs: Mapping[str, Mapping[str, Log]], motor: Motor) -> Figure:
     """Draw Fig. 4: the tracking errors of a motor over the whole run, and the third stroke with its rest."""
     pairs = zip(logs[motor.name].items(), motor.accuracy, strict=True)
     traces = [Trace(name, log.time, linear_motors.true_error(log), printed) for (name, log), printed in pairs]

@@ -180,8 +180,7 @@ def deterministic_law(factor: float = 1.0, **changes: Any) -> OutputFeedbackArcP
     fields: dict[str, Any] = {"sample_rate": 200_000.0, "coulomb": 0.0, "adaptation": [0.0] * 3}
     fields |= {"theta": [25.0, 6.0, 0.0], "theta_min": [15.0, 4.0, -3.0], "theta_max": [30.0, 8.0, 3.0]}
     fields |= {"gain_1": factor * 60.0, "gain_2": factor * 80.0}
-    fields |= dict.fromkeys(("epsilon_11", "epsilon_12"), 1e-3 / factor)
-    fields |= dict.fromkeys(("epsilon_21", "epsilon_22"), 0.1 / factor)
+    fields |= {f"epsilon_{step}{k}": size / factor for step, size in ((1, 1e-3), (2, 0.1)) for k in (1, 2)}
     fields |= dict.fromkeys(("use_alpha_1s2", "use_alpha_1s3", "use_u_s2", "use_u_s3"), True)
     return arc_parameters(**{**fields, **changes})
 
@@ -253,8 +252,7 @@ def theorem_1_table(unknowns: Unknowns) -> Table:
 
 # The printed robust terms ---------------------------------------------------------------------------------------------
 
-TERMS = ("alpha_1s2", "alpha_1s3", "c_phi_1", "c_theta_2", "c_phi_2", "u_s2", "u_s3")
-ROBUST_TERMS = tuple(f"use_{term}" for term in TERMS)
+ROBUST_TERMS = ("use_alpha_1s2", "use_alpha_1s3", "use_c_phi_1", "use_c_theta_2", "use_c_phi_2", "use_u_s2", "use_u_s3")
 ALL_TERMS = dict.fromkeys(ROBUST_TERMS, True)
 #: Sampling rate (Hz) and resolution (m) at which the robust terms are tried.
 HARDWARE = ((2500.0, 1e-6), (20_000.0, 1e-8), (200_000.0, 1e-10))

@@ -279,11 +279,10 @@ def figure_fast(logs: Mapping[str, Log]) -> Figure:
     """Draw Fig. 6: the errors of PID and ARC in the fast motion, and in one rest beside the paper's 1 um."""
     motion = epoxy_motor.fast_reference()
     rest = (motion.move_time, motion.period / 2.0)
-    scale = scale_of("m", *(logs[name].error for name in CONTROLLERS))
+    scale = scale_of("m", *(log.error for log in logs.values()))
     title = "Fig. 6: fast point-to-point motion, and its first rest"
     figure, panels = titled_panels(title, (8.0, 4.7), 2, 2, sharex="col", sharey="col")
-    for row, name in zip(panels, CONTROLLERS, strict=True):
-        log = logs[name]
+    for row, (name, log) in zip(panels, logs.items(), strict=True):
         for axes, (start, end) in zip(row, ((-np.inf, np.inf), rest), strict=True):
             shown = (log.time >= start) & (log.time < end)
             draw_trace(axes, log.time[shown], scale(log.error[shown]), linewidth=0.8, **look(0, dense=True))

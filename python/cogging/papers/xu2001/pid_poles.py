@@ -54,8 +54,7 @@ class Loop:
         rate = (p.kd - p.viscous - friction) * SAMPLE_RATE
         states, late = machine.transition.shape[0], machine.whole + 1
         size = states + late + 2
-        output = np.zeros(size)
-        output[:states] = machine.output[0]
+        output = np.append(machine.output[0], np.zeros(late + 2))
         previous, total = np.eye(size)[size - 2], np.eye(size)[size - 1]
         law = -(p.kp + p.ki / SAMPLE_RATE + rate) * output + rate * previous - p.ki / SAMPLE_RATE * total
         commands = np.vstack([law, np.eye(size)[states : states + late]])  # of this sample, and of those before
