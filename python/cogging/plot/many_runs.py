@@ -194,7 +194,6 @@ def trade_off(tuning: Any, index: str | None = None, *, units: Any = None, ax: A
         if reached is not None and np.isfinite(setting.drawn.error_rms):
             at = ([float(along(reached))], [float(up(setting.drawn.error_rms))])
             axes.plot(*at, mark, color=colour, markeredgecolor=FITTED, markersize=9, label=name)
-    axes.set_yscale("log")
-    axes.set(xlabel=along.label(named(index.replace("_", " "))), ylabel=up.label("rms error"))
+    axes.set(xlabel=along.label(named(index.replace("_", " "))), ylabel=up.label("rms error"), yscale="log")
     legend(axes, columns=3)
     return axes

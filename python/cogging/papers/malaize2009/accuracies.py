@@ -19,7 +19,7 @@ from cogging.mapping.error_spectrum import TrackingSpectrum
 from cogging.model.controller import ListedController
 from cogging.papers.compared import Trace, compared, set_ticks
 from cogging.papers.malaize2009 import causes, linear_motors
-from cogging.papers.malaize2009.causes import LINES, Cause, Conditions, Explanation, drawn_accuracies, other
+from cogging.papers.malaize2009.causes import LINES, Cause, Conditions, Explanation, other
 from cogging.papers.malaize2009.linear_motors import CONTROLLERS, MOTORS, Motor, controllers, observer, plant, shipped
 from cogging.papers.result import Row, Table, explored, known
 from cogging.plot.canvas import drawn, legend, titled_panels
@@ -50,18 +50,14 @@ def logs_of_table_1() -> dict[str, dict[str, Log]]:
 
 def accuracies_of_table_1(cause: Cause = LINES) -> dict[str, dict[str, FloatArray]]:
     """Return the accuracies of Table I under a cause in each draw."""
-    return {name: _of_both(motor, *causes.shipped_table_1(motor, cause), cause.draws) for name, motor in MOTORS.items()}
+    return {
+        name: causes.pair(motor, *causes.shipped_table_1(motor, cause), cause.draws) for name, motor in MOTORS.items()
+    }
 
 
 def accuracies_as_believed() -> dict[str, dict[str, FloatArray]]:
     """Return the same where the controllers know all of their machine, with the assumed phases."""
-    return {name: _of_both(motor, shipped(motor), Conditions(), 1) for name, motor in MOTORS.items()}
-
-
-def _of_both(
-    motor: Motor, gains: linear_motors.Calibrated, conditions: Conditions, draws: int
-) -> dict[str, FloatArray]:
-    return {name: drawn_accuracies(motor, gains, conditions, name, draws) for name in CONTROLLERS}
+    return {name: causes.pair(motor, shipped(motor), Conditions(), 1) for name, motor in MOTORS.items()}
 
 
 def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
@@ -75,9 +71,9 @@ def table_1(cause: Cause, found: Accuracies, believed: Accuracies) -> Table:
         for motor in MOTORS.values():
             label, star = {"motor": motor.name}, shipped(motor).lambda_star
             for name, printed, status in zip(CONTROLLERS, motor.accuracy, ("calibrated", observer), strict=True):
-                accuracy, more, drawn = float(accuracies[motor.name][name].mean()), {}, found[motor.name][name]
+                accuracy, each, more = float(accuracies[motor.name][name].mean()), found[motor.name][name], {}
                 if cause.draws > 1:
-                    more = {f"of {cause.draws} draws": f"{1e6 * drawn.min():.3g} to {1e6 * drawn.max():.3g} um"}
+                    more = {f"of {cause.draws} draws": f"{1e6 * each.min():.3g} to {1e6 * each.max():.3g} um"}
                 rows.append(Row(name, "accuracy", "m", printed, accuracy, status, label | more))
             rows.append(Row("observer", "lambda_star", "m/s^2", motor.lambda_star, star, "calibrated", label))
         return rows

@@ -62,8 +62,8 @@ def as_printed(task: ObserverProblem, rate: float, *, from_rest: bool = False) -
     gain = np.linalg.solve(p.value, q.value)[:, 0]
     bound = rate / (2.0 * np.pi * task.closed_loop_norm() * np.sqrt(float(square.value)))
     equal = float(bound / np.sqrt(np.sum((1.0 / np.asarray(task.periods)) ** 2)))
-    in_seconds, condition = gain * np.array([rate, rate**2] + [rate**3] * (size - 2)), float(np.linalg.cond(p.value))
-    return Solution(given.status, in_seconds, equal, condition, rate * _poles(vertices, gain))
+    in_seconds = gain * np.array([rate, rate**2] + [rate**3] * (size - 2))
+    return Solution(given.status, in_seconds, equal, float(np.linalg.cond(p.value)), rate * _poles(vertices, gain))
 
 
 def _poles(vertices: Iterable[FloatArray], gain: FloatArray) -> FloatArray:
