@@ -109,8 +109,7 @@ def covariance_root(
     values, vectors = np.linalg.eigh((correlation + correlation.T) / 2)
     if values.min(initial=0.0) < -1e-6 * len(names):
         raise ValueError(f"covariance: must have no negative eigenvalue, got {values.min():.3g} of the correlation")
-    root: FloatArray = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
-    return names, root
+    return names, np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _designed_observer(bounds: Bounds, velocity: float, bandwidth: float | None) -> ObserverBased:
@@ -180,6 +179,7 @@ def chosen_controllers(
 
 #: Indexes of a prediction: over the window, and the largest of the whole run.
 INDEXES = ("rms", "max", "max_whole")
+COVERAGE = 0.95
 
 
 @dataclass(frozen=True)
@@ -189,6 +189,14 @@ class PredictedIndex:
     median: float  # m; infinite where more than half the runs diverged
     interval: Interval  # m, between which the index of one more machine lies (see ErrorPrediction.coverage)
     values: FloatArray = field(repr=False)  # m, (samples,), in the order drawn; infinite where the run diverged
+
+    @classmethod
+    def of(cls, values: FloatArray) -> PredictedIndex:
+        """From order statistics share (n + 1): a further value lies below with that probability (numpy's are narrow)."""
+        shares = np.array([0.5, 0.5 * (1.0 - COVERAGE), 0.5 * (1.0 + COVERAGE)])
+        places = np.round(shares * (len(values) + 1) - 1.0, 9)  # whole ones exact: the value beyond may be infinite
+        median, low, high = np.interp(places, np.arange(len(values)), np.sort(values)).tolist()
+        return cls(median, (low, high), values)
 
 
 @dataclass(frozen=True)
@@ -275,12 +283,10 @@ class ErrorPrediction(ByValue):
             f"machines; rms and max from {self.window[0]:g} to {self.window[1]:g} s",
             f"    {'controller':<{width}}" + "".join(f"{title:>30}" for title in titles) + f"{'diverged':>10}",
         ]
-        for controller in self.controllers:
-            cells = []
-            for index in (controller.rms, controller.max, controller.max_whole):
-                low, high = (f"{1e6 * end:.3g}" for end in index.interval)
-                cells.append(f"{f'{1e6 * index.median:.3g} [{low}, {high}]':>30}")
-            lines.append(f"    {controller.name:<{width}}" + "".join(cells) + f"{controller.diverged:>10.0%}")
+        for one in self.controllers:
+            numbers = [1e6 * np.array([index.median, *index.interval]) for index in (one.rms, one.max, one.max_whole)]
+            cells = "".join(f"{'{:.3g} [{:.3g}, {:.3g}]'.format(*three):>30}" for three in numbers)
+            lines.append(f"    {one.name:<{width}}{cells}{one.diverged:>10.0%}")
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
     def to_dict(self) -> dict[str, Any]:
@@ -303,7 +309,6 @@ class ErrorPrediction(ByValue):
         }
 
 
-COVERAGE = 0.95
 ROWS_MOST = 8e6  # of two columns that are held at a time: 128 MB
 
 
@@ -372,17 +377,12 @@ def predict_error(
     machines, held = drawn_machines(intervals, samples, int(seed), covariance)
     chosen, left_out = chosen_controllers(model, motion, duration, controllers, bandwidth, default)
     found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count() or 1)
-    predictions = []
-    tail = 0.5 * (1.0 - COVERAGE)
-    for name, values in zip(chosen, found, strict=True):
-        indexes = {}
-        for index, column in zip(INDEXES, values.T, strict=True):
-            median, low, high = (_quantile(column, share) for share in (0.5, tail, 1.0 - tail))
-            indexes[index] = PredictedIndex(median, (low, high), column)
-        predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
     drawn = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
     return ErrorPrediction(
-        controllers=tuple(predictions),
+        controllers=tuple(
+            ControllerPrediction(name, *map(PredictedIndex.of, values.T), diverged=float(np.isinf(values[:, 0]).mean()))
+            for name, values in zip(chosen, found, strict=True)
+        ),
         window=window,
         samples=int(samples),
         seed=int(seed),
@@ -433,14 +433,3 @@ def _errors(
         values[[failure.run for failure in kept.failures]] = np.inf
         found[first : first + size] = values
     return found.reshape(len(controllers), len(plants), len(INDEXES))
-
-
-def _quantile(values: FloatArray, share: float) -> float:
-    """Order statistic share (n + 1): a further value lies below with probability `share` (numpy's are too narrow)."""
-    ordered = np.sort(values)
-    place = min(max(share * (len(ordered) + 1) - 1.0, 0.0), len(ordered) - 1.0)
-    below = int(place)
-    weight = place - below
-    if weight < 1e-9:
-        return float(ordered[below])
-    return float((1.0 - weight) * ordered[below] + weight * ordered[below + 1])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 import inspect
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -116,12 +117,11 @@ class Tuning(ByValue):
             f"{self.held_out} machines held out (rms: {100 * self.quantile:g} % quantile; others: the worst machine)"
         ]
         lines += [f"    limit {limit}" for limit in self.limits]
-        after = self.tuned
+        settings = {"present": self.present} | ({} if self.tuned is None else {"tuned": self.tuned})
         width = max(len(path) for path in (*self.present.gains, *ROWS)) + 6
-        lines.append(f"    {'gain':<{width}}{'present':>12}" + f"{'tuned':>12}" * (after is not None))
-        for path, value in self.present.gains.items():
-            lines.append(f"    {path:<{width}}{value:>12.5g}" + (f"{after.gains[path]:>12.5g}" if after else ""))
-        settings = {"present": self.present, **({} if after is None else {"tuned": after})}
+        lines.append(f"    {'gain':<{width}}" + "".join(f"{name:>12}" for name in settings))
+        for path in self.present.gains:
+            lines.append(f"    {path:<{width}}" + "".join(f"{one.gains[path]:>12.5g}" for one in settings.values()))
         columns = {name: setting.drawn for name, setting in settings.items()}
         columns |= {f"{name}, held out": setting.held_out for name, setting in settings.items()}
         lines.append(f"    {'':<{width}}" + "".join(f"{title:>19}" for title in columns))
@@ -132,16 +132,12 @@ class Tuning(ByValue):
             if any(cell is not None for cell in cells):
                 shown = ["-" if cell is None else f"{factor * cell:.4g}" for cell in cells]
                 lines.append(f"    {name:<{width}}" + "".join(f"{cell:>19}" for cell in shown))
-        if after is not None and self.improved:
-            pairs = {
-                name: (getattr(self.present.drawn, name), getattr(after.drawn, name))
-                for name in ("error_rms", "command_chatter", *MARGINS)
-            }
-            changes = [
-                f"{name} {100 * (new / old - 1):+.0f} %"
-                for name, (old, new) in pairs.items()
-                if old is not None and new is not None and np.isfinite([old, new]).all() and old > 0.0
-            ]
+        if self.tuned is not None and self.improved:
+            changes = []
+            for name in ("error_rms", "command_chatter", *MARGINS):
+                old, new = getattr(self.present.drawn, name), getattr(self.tuned.drawn, name)
+                if old is not None and new is not None and np.isfinite([old, new]).all() and old > 0.0:
+                    changes.append(f"{name} {100 * (new / old - 1):+.0f} %")
             lines.append(f"    tuned against present: {', '.join(changes or ['the present gains do not run'])}")
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
 
@@ -159,14 +155,9 @@ class Tuning(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging tune --json` writes; null stands for infinite and for not measured."""
-
-        def entry_of(setting: Setting) -> dict[str, Any]:
-            return {"gains": dict(setting.gains), "drawn": vars(setting.drawn), "held_out": vars(setting.held_out)}
-
         names = ("improved", "against", "front", "trials", "limits", "machines", "held_out", "quantile", "seed")
-        settings = {"present": self.present, "tuned": self.tuned}
-        entries = {name: None if setting is None else entry_of(setting) for name, setting in settings.items()}
-        return {**entries, **{name: getattr(self, name) for name in (*names, "notes")}}
+        settings = {"present": asdict(self.present), "tuned": None if self.tuned is None else asdict(self.tuned)}
+        return settings | {name: getattr(self, name) for name in (*names, "notes")}
 
     plot = plot_method(whole_tuning, "Draw the trade-off, rms error over its index, and over the margin.", "two axes")
 
@@ -347,9 +338,9 @@ class Judge:
             self.limits[name] = float(value)
         self.present = Trial(present, reached, self._excesses(present, reached))
 
-    def run(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Reached:
+    def run(self, gains: Mapping[str, float]) -> Reached:
         """Return what gains reach, without margins; ValueError: they break a rule, or no run can start."""
-        machines = machines or self.machines
+        machines = self.machines
         kept = kept_of_runs(
             [machine.setup.model.plant() for machine in machines],
             [self.make(gains)] * len(machines),
@@ -372,34 +363,28 @@ class Judge:
         error = float(np.sort(values["error_rms"])[rank - 1]) if not kept.failures else math.inf
         return Reached(error, failed=len(kept.failures), **largest)
 
-    def loops(self, gains: Mapping[str, float], machines: Sequence[Machine] | None = None) -> Loops:
+    def loops(self, gains: Mapping[str, float]) -> Loops:
         """Return the loops of these gains, on which a push measures margins."""
-        return Loops(machines or self.machines, self.make(gains), self.push, threads=self.threads)
+        return Loops(self.machines, self.make(gains), self.push, threads=self.threads)
 
-    def with_margins(
-        self,
-        gains: Mapping[str, float],
-        reached: Reached,
-        machines: Sequence[Machine] | None = None,
-        names: Sequence[str] = MARGINS,
-    ) -> Reached:
+    def with_margins(self, gains: Mapping[str, float], reached: Reached, names: Sequence[str] = MARGINS) -> Reached:
         """Return the same with margins; those that this controller does not have stay None."""
         found: dict[str, Any] = dict.fromkeys(names, 0.0)
         if "modulus_margin" in names:
-            margin = self._modulus_margin(gains, machines or self.machines)
+            margin = self._modulus_margin(gains)
             found["modulus_margin"] = margin if margin is None or not reached.failed else 0.0
         pushed = [name for name in names if name != "modulus_margin"]
         if pushed and not reached.failed:
-            loops = self.loops(gains, machines)
+            loops = self.loops(gains)
             found |= {name: getattr(loops, name)() for name in pushed}
         return replace(reached, **found)
 
-    def _modulus_margin(self, gains: Mapping[str, float], machines: Sequence[Machine]) -> float | None:
+    def _modulus_margin(self, gains: Mapping[str, float]) -> float | None:
         """Return the smallest over the machines; None without a linear part."""
         if self.with_gains is None:
             return None
         controller = self.with_gains(gains).controller
-        found = [modulus_margin(machine.setup.model.replace(controller=controller)) for machine in machines]
+        found = [modulus_margin(machine.setup.model.replace(controller=controller)) for machine in self.machines]
         return min((margin for margin in found if margin is not None), default=None)
 
     def _excesses(self, gains: Mapping[str, float], reached: Reached) -> dict[str, float]:
@@ -409,7 +394,7 @@ class Judge:
         for name, limit in self.limits.items():
             value = getattr(reached, name)
             if value is None and name == "modulus_margin" and not reached.failed:
-                value = self._modulus_margin(gains, self.machines)
+                value = self._modulus_margin(gains)
             if value is not None and math.isfinite(value):
                 found[name] = min(value / limit - 1.0 if TUNE_INDEXES[name]["at_most"] else 1.0 - value / limit, BEYOND)
             elif value is None and reached.failed:
@@ -437,9 +422,9 @@ class Judge:
 
     def setting(self, trial: Trial, held_out: Sequence[Machine]) -> Setting:
         """Return the gains of a trial with all margins, on the machines tuned with and on those held out."""
-        drawn = self.with_margins(trial.gains, trial.reached)
-        fresh = self.with_margins(trial.gains, self.run(trial.gains, held_out), held_out)
-        return Setting(dict(trial.gains), drawn, fresh)
+        drawn, fresh = self.with_margins(trial.gains, trial.reached), copy.copy(self)
+        fresh.machines = held_out
+        return Setting(dict(trial.gains), drawn, fresh.with_margins(trial.gains, fresh.run(trial.gains)))
 
 
 def optuna() -> Any:
@@ -461,14 +446,10 @@ def run_trials(gains: Sequence[Gain], count: int, seed: int, judge: Judge, kept:
     study = library.create_study(sampler=library.samplers.TPESampler(seed=seed), directions=["minimize", *other])
     if all(gain.low <= gain.present <= gain.high for gain in gains):
         study.enqueue_trial({g.path: int(g.present) if g.whole else g.present for g in gains})
-    kinds = {
-        True: (library.distributions.IntDistribution, int),
-        False: (library.distributions.FloatDistribution, float),
-    }
-    space = {}
+    of, space = library.distributions, {}
     for gain in gains:
-        distribution, number = kinds[gain.whole]
-        space[gain.path] = distribution(number(gain.low), number(gain.high), log=gain.logarithmic)
+        make, number = (of.IntDistribution, int) if gain.whole else (of.FloatDistribution, float)
+        space[gain.path] = make(number(gain.low), number(gain.high), log=gain.logarithmic)
     known = {tuple(done.items()): Trial(done, Reached(**reached), excess) for done, reached, excess in kept.parts}
     for _ in range(count):
         proposed = study.ask(space)
@@ -613,18 +594,17 @@ def tune(
         "run": [duration, start, stop, quantile, machines, seed, against],
     }
     kept = KeptWork(out if controller is None else None, model, described)
-    found: list[Trial] = []
+    found, traded = list[Trial](), against or CHATTER
     verbosity = library.logging.get_verbosity()
     library.logging.set_verbosity(library.logging.ERROR)
     try:
         with steps(progress, "tune", trials) as step, kept.named_in_errors():
-            leader: Trial | None = None
-            for number, trial in enumerate(run_trials(ranges, trials, seed, judge, kept), 1):
+            for trial in run_trials(ranges, trials, seed, judge, kept):
                 found.append(trial)
-                leader = best_of([trial] if leader is None else [leader, trial])
+                leader = best_of(found)
                 shown = "" if leader is None else f", best {1e6 * leader.reached.error_rms:.4g} {model.units.of('um')}"
-                step(f"trial {number}{shown}")
-        best, front = best_of([judge.present, *found]), front_of(found, against or CHATTER)
+                step(f"trial {len(found)}{shown}")
+        best, front = best_of([judge.present, *found]), front_of(found, traded)
         if len(front) > FRONT_MOST:
             front = [front[i] for i in np.unique(np.linspace(0, len(front) - 1, FRONT_MOST).round().astype(int))]
         with steps(progress, "tune: margins", len(front) + 2) as step:
@@ -644,7 +624,7 @@ def tune(
     finally:
         library.logging.set_verbosity(verbosity)
     tuned_model = None if best is None or of_model is None else of_model(best.gains)
-    table, trade_off = _tables(found, front, margins, against or CHATTER)
+    table, trade_off = _tables(found, front, margins, traded)
     result = Tuning(
         present=before,
         tuned=after,
@@ -652,7 +632,7 @@ def tune(
         model=tuned_model,
         trials=table,
         front=trade_off,
-        against=against or CHATTER,
+        against=traded,
         limits=tuple(limit_text(name, limit, model.units) for name, limit in judge.limits.items()),
         machines=machines,
         held_out=held_out,

@@ -107,10 +107,8 @@ class Law:
 
     def limits(self, v: FloatArray) -> FloatArray:
         """Lower and upper ends of the logarithms of the shape parameters that are fitted, (2, 1 or 2)."""
-        ends = [(np.abs(v).min(), max(0.5 * np.abs(v).max(), 1.01 * np.abs(v).min()))] + (
-            [EXPONENTS] if self.exponent is None else []
-        )
-        return np.log(np.array(ends)).T
+        speeds = np.abs(v).min(), max(0.5 * np.abs(v).max(), 1.01 * np.abs(v).min())
+        return np.log([speeds, EXPONENTS] if self.exponent is None else [speeds]).T
 
     def shape(self, logarithms: FloatArray) -> FloatArray:
         """vs and exponent of what limits() is about."""
@@ -163,18 +161,12 @@ class Law:
         half[free] = robust_errors(jacobian, residual) * student(v.size - jacobian.shape[1], confidence)
         if self.bow and self.exponent is not None:
             half[-1] = 0.0  # given
-        parameters = {}
-        for i, path in enumerate(self.paths):
-            value = float(values[i])
-            if i < linear.size:
-                low_end, high_end = value - half[i], value + half[i]
-            else:
-                factor = float(np.exp(half[i])) if half[i] < 700.0 else np.inf
-                low_end, high_end = value / factor, value * factor
-            parameters[path] = FrictionParameter(
-                value, float(low_end), float(high_end), units.of(PARAMETER_UNITS[path])
-            )
-        return parameters, notes
+        with np.errstate(over="ignore"):
+            factors = np.exp(half[linear.size :])
+        low = np.append(linear - half[: linear.size], shape / factors)
+        high = np.append(linear + half[: linear.size], shape * factors)
+        rows = zip(self.paths, values.tolist(), low.tolist(), high.tolist(), strict=True)
+        return {path: FrictionParameter(*ends, units.of(PARAMETER_UNITS[path])) for path, *ends in rows}, notes
 
 
 def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
@@ -212,12 +204,9 @@ class FrictionModel(ByValue):
     gain: float
 
     def _brief(self) -> str:
-        values = ", ".join(
-            f"{path} {p.value:.4g}{'' if p.unit == '1' else ' ' + p.unit}" for path, p in self.parameters.items()
-        )
-        return (
-            f"{self.name}: {values}; {self.held_out_rms:.3g} {self.parameters['coulomb'].unit} rms at speeds left out"
-        )
+        found, force = self.parameters.items(), self.parameters["coulomb"].unit
+        values = ", ".join(f"{path} {p.value:.4g}{'' if p.unit == '1' else ' ' + p.unit}" for path, p in found)
+        return f"{self.name}: {values}; {self.held_out_rms:.3g} {force} rms at speeds left out"
 
     def force(self, velocity: npt.ArrayLike) -> FloatArray:
         """The friction force (V) at these speeds (m/s), of either sign; any shape."""
@@ -367,15 +356,14 @@ def fit_friction_curve(
     notes = [] if both_ways else ["the points go one way only: laws that differ with direction are not tried"]
     laws = [Law(way, bow, exponent) for bow in (False, True) for way in (False, True) if both_ways or not way]
     tried = [law for law in laws if least >= law.count + SPARE]
-    rule = (
-        f"must hold at least {laws[0].count + SPARE + v.size - least} points, with any speed left out {SPARE} more than"
-    )
-    require(bool(tried), "velocity", f"{rule} parameters", v.size)
+    needed = laws[0].count + SPARE + v.size - least
+    rule = f"must hold at least {needed} points, with any speed left out {SPARE} more than parameters"
+    require(bool(tried), "velocity", rule, v.size)
     notes += [f"{law.name} not tried: {law.count} parameters for {v.size} points" for law in laws if law not in tried]
     fits = [law.fit(v, f) for law in tried]
     errors = np.empty((len(tried), f.size))  # of the points, each predicted by a fit without its speed
     for row, law in zip(errors, tried, strict=True):
-        for out in (speed == number for number in range(int(speed.max()) + 1)):
+        for out in (speed == number for number in np.unique(speed)):
             row[out] = f[out] - law.predict(law.fit(v[~out], f[~out]), v[out])
     squares = np.stack([np.bincount(speed, e**2) / np.bincount(speed) for e in errors])
     counts = np.bincount(speed) / v.size
@@ -405,8 +393,8 @@ def _standard_error(values: FloatArray, weights: FloatArray) -> float:
 
 def _points(velocity: FloatArray, force: FloatArray, same_speed: float) -> tuple[FloatArray, FloatArray, IntArray]:
     """Means of the rows of each speed and direction, by rising speed, and the number of the speed."""
-    if force.size != velocity.size:
-        raise ValueError(f"force: must have one value for each of the {velocity.size} speeds, got {force.size}")
+    rule = f"must have one value for each of the {velocity.size} speeds"
+    require(force.size == velocity.size, "force", rule, force.size)
     still = np.flatnonzero(velocity == 0.0)
     require(not still.size, "velocity", "must not be 0 (friction at rest is no curve), row", still[:1].tolist())
     number, first, count = np.empty(velocity.size, dtype=np.intp), 0.0, -1

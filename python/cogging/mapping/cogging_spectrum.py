@@ -21,6 +21,7 @@ class SplineFit:
     """force = A_r^T S_r(x) + nuisance columns, fitted."""
 
     basis: SplineHarmonics | None  # S_r(x), p coefficients; None = the nuisance columns alone, p = 0
+    nuisance: FloatArray  # (n, q)
     coefficients: FloatArray  # (p + q,), V: A_r as CoggingModel stores it, then those of the nuisance columns
     residual: FloatArray  # V, (n,)
     variance: float  # V^2, of the residual, per degree of freedom
@@ -36,8 +37,7 @@ class SplineFit:
         """
         root = np.sqrt(level)
         noise = self._normal * np.outer(root, root) + self.variance * self.prior
-        covariance: FloatArray = self._inverse @ noise @ self._inverse
-        return covariance
+        return np.asarray(self._inverse @ noise @ self._inverse)
 
 
 def fit_splines(
@@ -66,32 +66,26 @@ def fit_splines(
         determined = np.einsum("ij,ji->i", inverse, normal)
         variance = float(residual @ residual) / max(len(force) - float(determined.sum()), 1.0)
         weight = variance / spread
-    return SplineFit(basis, coefficients, residual, variance, determined, prior, normal, inverse)
+    return SplineFit(basis, nuisance, coefficients, residual, variance, determined, prior, normal, inverse)
 
 
-def cross_validate(
-    fit: SplineFit, position: FloatArray, force: FloatArray, nuisance: FloatArray, block: float
-) -> tuple[float, float]:
+def cross_validate(fit: SplineFit, position: FloatArray, force: FloatArray, block: float) -> tuple[float, float]:
     """Rms of the errors with which parts of the scan are predicted from the rest, and its standard error, V.
 
     Of each eight neighbouring blocks (m) of the travel one, at random, is in each of eight folds.
     """
     blocks = np.floor((position - position.min()) / block).astype(np.int64)
-    groups = int(blocks.max()) // FOLDS + 1
-    tiles = np.tile(np.arange(FOLDS), (groups, 1))
+    tiles = np.tile(np.arange(FOLDS), (int(blocks.max()) // FOLDS + 1, 1))
     folds = np.random.default_rng(0).permuted(tiles, axis=1).ravel()[blocks]
-    normal, right = normal_equations(fit.basis, position, force, nuisance)
+    normal, right = normal_equations(fit.basis, position, force, fit.nuisance)
     error = np.zeros(len(force))
-    for fold in range(FOLDS):
+    for fold in np.unique(folds):
         out = folds == fold
-        if not out.any():
-            continue
-        normal_out, right_out = normal_equations(fit.basis, position[out], force[out], nuisance[out])
+        normal_out, right_out = normal_equations(fit.basis, position[out], force[out], fit.nuisance[out])
         seen = normal - normal_out + fit.prior
         coefficients = np.asarray(np.linalg.solve(seen, right - right_out), dtype=np.float64)
-        error[out] = force[out] - predict(fit.basis, coefficients, position[out], nuisance[out])
-    counts = np.bincount(blocks)
-    squares = np.bincount(blocks, error**2)
+        error[out] = force[out] - predict(fit.basis, coefficients, position[out], fit.nuisance[out])
+    counts, squares = np.bincount(blocks), np.bincount(blocks, error**2)
     mean = float(squares.sum() / len(error))
     used = int(np.count_nonzero(counts))
     spread = float(np.sqrt(np.sum((squares - mean * counts) ** 2) * used / max(used - 1, 1))) / len(error)
@@ -103,11 +97,10 @@ def predict(
     basis: SplineHarmonics | None, coefficients: FloatArray, position: FloatArray, nuisance: FloatArray
 ) -> FloatArray:
     """The force (V) of coefficients as SplineFit holds them, at positions (m) with their nuisance columns."""
-    p = 0 if basis is None else basis.coefficients
-    force: FloatArray = nuisance @ coefficients[p:]
-    if basis is not None:
-        force = force + cogging_of(basis, coefficients[:p]).force(position)
-    return force
+    if basis is None:
+        return np.asarray(nuisance @ coefficients)
+    p = basis.coefficients
+    return np.asarray(nuisance @ coefficients[p:] + cogging_of(basis, coefficients[:p]).force(position))
 
 
 def cogging_of(basis: SplineHarmonics, coefficients: FloatArray) -> CoggingModel:
@@ -238,8 +231,7 @@ class HarmonicSpectrum:
         first = np.clip(np.searchsorted(free, np.arange(log_frequency.size)) - window // 2, 0, free.size - window)
         log_level = np.median(flat, axis=1)[first] - np.log(np.log(2.0)) + slope * log_frequency
         # The median of w exponential values scatters as a chi-square of 2 (ln 2)^2 w degrees of freedom does.
-        level: FloatArray = np.exp(log_level).reshape(self.frequency.shape)
-        return level, 2.0 * np.log(2.0) ** 2 * window
+        return np.exp(log_level).reshape(self.frequency.shape), 2.0 * np.log(2.0) ** 2 * window
 
     def false_alarm(self, ratio: float, degrees: float) -> float:
         """The probability that noise alone lifts any line of the spectrum to `ratio` times its level.

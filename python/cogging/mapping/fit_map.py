@@ -130,9 +130,8 @@ class MapFit(ByValue):
             f"harmonic  {f'amplitude ({v})':>13}{f'+- ({v})':>9}  phase (rad)  false alarm",
         ]
         lines += _table(self.amplitudes)
-        values = [("offset", self.offset, self.offset_standard_error, v)]
-        if self.coulomb is not None and self.coulomb_standard_error is not None:
-            values.insert(0, ("coulomb", self.coulomb, self.coulomb_standard_error, v))
+        values = [("coulomb", self.coulomb, self.coulomb_standard_error, v)] if self.coulomb is not None else []
+        values.append(("offset", self.offset, self.offset_standard_error, v))
         if self.trend_standard_error > 0.0:
             values.append(("trend", self.trend, self.trend_standard_error, self.units.of("V/m")))
         lines += [f"{name:8s}  {value:13.5g}  {error:7.1g}  {unit}" for name, value, error, unit in values]
@@ -151,11 +150,8 @@ class MapFit(ByValue):
         document = {name: getattr(self, name) for name in names[: names.index("notes")]}
         for name in ("amplitudes", "direction_amplitudes", "cross_validation"):
             document[name] = [vars(entry) for entry in document[name]]
-        return document | {
-            "cogging": cogging_to_dict(self.cogging),
-            "points": len(self.position),
-            "notes": self.notes,
-        }
+        points = {"points": len(self.position), "notes": self.notes}
+        return document | {"cogging": cogging_to_dict(self.cogging)} | points
 
     def to_frame(self) -> Any:
         """The harmonics as a pandas DataFrame (extra `frames`), a row each, with units in `attrs["units"]`."""
@@ -164,8 +160,8 @@ class MapFit(ByValue):
 
     def _repr_html_(self) -> str:
         v = self.units.command
-        rows = [[a.harmonic, a.amplitude, a.standard_error, a.phase, a.false_alarm] for a in self.amplitudes]
         headers = ["harmonic", f"amplitude ({v})", f"standard error ({v})", "phase (rad)", "false alarm"]
+        rows = [list(vars(entry).values()) for entry in self.amplitudes]
         return html_table(f"MapFit: {self._brief()}", headers, rows, self.notes)
 
     plot = plot_method(whole_map_fit, "Draw the map with its 95 % band, the residual and the spectrum.", "three axes")
@@ -243,14 +239,11 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
         covariance = np.block([[noise.covariance[a, b] for b in chosen] for a in chosen])
         amplitude = float(np.sqrt(s @ gram @ s + c @ gram @ c))
         gradient = np.concatenate([gram @ s, gram @ c]) / max(amplitude, np.finfo(float).tiny)
-        own = np.zeros_like(fit.coefficients)
+        own = np.zeros(basis.coefficients)
         for part in chosen:
             own[part] = fit.coefficients[part]
-        component = cogging_spectrum.predict(
-            basis, own, scan.position, np.zeros((len(scan.position), len(own) - basis.coefficients))
-        )
         rows = slice(harmonic, harmonic + 1)
-        power = spectrum.power(fit.residual + component, rows)
+        power = spectrum.power(fit.residual + cogging_spectrum.cogging_of(basis, own).force(scan.position), rows)
         ratio = np.max(np.where(spectrum.near[rows], power / noise.level[rows], 0.0))
         error, phase = float(np.sqrt(gradient @ covariance @ gradient)), float(np.arctan2(mean @ c, mean @ s))
         alarm = float(spectrum.false_alarm(ratio, noise.degrees))
@@ -274,15 +267,15 @@ def direction_content(
     content = direction_columns(scan, spectrum.pitch, harmonics) @ coefficients
     turned = spectrum.power((fit.residual + content) * scan.direction)
     entries, middle = [], turned.shape[1] // 2
-    for place, harmonic in zip(range(first, len(fit.coefficients), 2), harmonics, strict=False):
-        own = slice(place, place + 2)
-        amplitude = float(np.hypot(*fit.coefficients[own]))
-        gradient = fit.coefficients[own] / max(amplitude, np.finfo(float).tiny)
-        error, phase = gradient @ noise.covariance[own, own] @ gradient, np.arctan2(*fit.coefficients[own][::-1])
+    parts = dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True))
+    for place, (harmonic, (sine, cosine)) in enumerate(parts.items()):
+        own = slice(first + 2 * place, first + 2 * place + 2)
+        amplitude = float(np.hypot(sine, cosine))
+        gradient = parts[harmonic] / max(amplitude, np.finfo(float).tiny)
+        error, phase = gradient @ noise.covariance[own, own] @ gradient, np.arctan2(cosine, sine)
         alarm = spectrum.false_alarm(float(turned[harmonic, middle] / noise.turned[harmonic, middle]), noise.degrees)
         entries.append(HarmonicAmplitude(harmonic, amplitude, float(np.sqrt(error)), float(phase), alarm))
-    lag = _lag(fit, scan, spectrum.pitch, dict(zip(harmonics, coefficients.reshape(-1, 2), strict=True)))
-    return tuple(entries), float(np.sqrt(np.mean(content**2))), lag
+    return tuple(entries), float(np.sqrt(np.mean(content**2))), _lag(fit, scan, spectrum.pitch, parts)
 
 
 def direction_columns(scan: Scan, pitch: float, harmonics: list[int]) -> FloatArray:
@@ -336,14 +329,7 @@ def nuisance_columns(scan: Scan, pitch: float, odd: list[int], trend: bool) -> F
     return np.stack([np.ones_like(x), *ways, *([x] if trend else [])], axis=1)
 
 
-def _remarks(
-    found: MapFit,
-    spectrum: HarmonicSpectrum,
-    scan: Scan,
-    fit: SplineFit,
-    nuisance: FloatArray,
-    false_alarm: float,
-) -> list[str]:
+def _remarks(found: MapFit, spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, false_alarm: float) -> list[str]:
     """Remarks on a fit: what the map does not contain, and what speaks against it."""
     notes, of, v = [], scan.units.of, scan.units.command
     terms = [entry.harmonic for entry in found.amplitudes]
@@ -353,13 +339,12 @@ def _remarks(
     lines: list[Line] = []
     if np.std(fit.residual) > FLOOR * np.std(scan.force):
         taken = spectrum.taken_by(terms, modulated=found.order > 0)
-        lines = spectrum.find(fit.residual, nuisance, false_alarm, taken)
+        lines = spectrum.find(fit.residual, fit.nuisance, false_alarm, taken)
     for line in sorted((line for line in lines if line.harmonic not in terms), key=lambda line: -line.amplitude)[:3]:
         times = f"{line.frequency * spectrum.pitch:.3g} times a pitch"
         which = times if line.harmonic is None else f"harmonic {line.harmonic}"
-        notes.append(
-            f"not in the map: {line.amplitude:.2g} {v} with period {1.0 / line.frequency:.4g} {of('m')} ({which})"
-        )
+        period = f"period {1.0 / line.frequency:.4g} {of('m')}"
+        notes.append(f"not in the map: {line.amplitude:.2g} {v} with {period} ({which})")
     if changing := [str(line.harmonic) for line in lines if line.harmonic in terms]:
         notes.append(f"harmonics {', '.join(changing)} change along the travel in a way that the map does not follow")
     if found.direction_amplitudes:
@@ -509,19 +494,15 @@ def fit_map(
     slope, slope_error = (float(values[-1] / scan.travel) for values in (fit.coefficients, noise.standard_errors))
     if not (trend and abs(slope) > SIGNIFICANT * slope_error):
         slope = slope_error = 0.0
-        nuisance = nuisance_columns(scan, pitch, odd, trend=False)
-        fit = fit_splines(fit.basis, scan.position, scan.force, nuisance)
+        fit = fit_splines(fit.basis, scan.position, scan.force, nuisance_columns(scan, pitch, odd, trend=False))
         noise = Noise.of(spectrum, scan, fit, terms, chosen, odd)
-    p, unexcited = 0, list[int]()
-    if fit.basis is not None:  # control points that the scan determines by less than half on average
-        p = fit.basis.coefficients
-        decided = fit.determined[:p].reshape(fit.basis.spline.control_points, -1).mean(axis=1)
-        unexcited = np.flatnonzero(decided < 0.5).tolist()
-    basis = fit.basis or SplineHarmonics(pitch=pitch, harmonics=[1])  # no harmonic: the map is zero
+    basis, p = fit.basis or SplineHarmonics(pitch=pitch, harmonics=[1]), len(fit.coefficients) - fit.nuisance.shape[1]
+    # Without a harmonic, p = 0, the map is zero.
     values, errors = (a[:p] if p else np.zeros(2) for a in (fit.coefficients, noise.standard_errors))
+    decided = fit.determined[:p].reshape(basis.spline.control_points, -1).mean(axis=1) if p else np.ones(1)
     sine_error, cosine_error = rows_of(basis, errors)
     direction_amplitudes, direction_rms, direction_lag = direction_content(spectrum, scan, fit, noise, odd)
-    shown, power = spectrum.present, spectrum.power(scan.force - nuisance @ fit.coefficients[p:])
+    shown, power = spectrum.present, spectrum.power(scan.force - fit.nuisance @ fit.coefficients[p:])
     result = MapFit(
         cogging=cogging_spectrum.cogging_of(basis, values),
         order=chosen,
@@ -540,7 +521,7 @@ def fit_map(
         residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
         noise=float(np.sqrt(np.median(noise.level[shown]))),
         cross_validation=tuple(scores),
-        unexcited=tuple(unexcited),
+        unexcited=tuple(np.flatnonzero(decided < 0.5).tolist()),  # determined by less than half on average
         notes=(),
         position=scan.position,
         force=scan.force,
@@ -551,8 +532,7 @@ def fit_map(
         line_threshold=spectrum.amplitude(noise.level[shown] * spectrum.threshold(false_alarm, noise.degrees)),
         units=scan.units,
     )
-    remarks = _remarks(result, spectrum, scan, fit, nuisance, false_alarm)
-    return replace(result, notes=(*notes, *said, *remarks))
+    return replace(result, notes=(*notes, *said, *_remarks(result, spectrum, scan, fit, false_alarm)))
 
 
 def _choose(
@@ -575,17 +555,16 @@ def _choose(
             continue
         elif tried and points == 1:
             continue  # one span and one control point: the periodic map once more
-        basis = SplineHarmonics(
-            pitch=pitch, harmonics=terms, order=max(tried, 1), origin=first_knot, control_points=points
-        )
+        form = {"order": max(tried, 1), "origin": first_knot, "control_points": points}
+        basis = SplineHarmonics(pitch=pitch, harmonics=terms, **form)
         fits[tried] = fit_splines(basis, scan.position, scan.force, nuisance)
         # Long enough that noise of neighbours does not leak, short enough that a spline is held from both sides.
         block = min(pitch / 8.0, scan.travel / (8.0 * cogging_spectrum.FOLDS))
-        rms, error = cogging_spectrum.cross_validate(fits[tried], scan.position, scan.force, nuisance, block)
+        rms, error = cogging_spectrum.cross_validate(fits[tried], scan.position, scan.force, block)
         scores.append(CrossValidation(tried, size, rms, error))
-    best = min(scores, key=lambda score: score.rms, default=None)
-    if best is None:
+    if not scores:
         return 0, fit_splines(None, scan.position, scan.force, nuisance), scores, notes
+    best = min(scores, key=lambda score: score.rms)
     good = [score for score in scores if score.rms <= best.rms + best.standard_error]
     chosen = min(good, key=lambda score: score.coefficients).order
     return chosen, fits[chosen], scores, notes

@@ -54,22 +54,19 @@ def read_scan(
     yet changed its sign. Rows of one pass within a cell of pitch / (20 highest harmonics) are averaged.
     """
     x, y = finite_column("position", position), finite_column("force", force)
-    if y.size != x.size:
-        raise ValueError(f"force: must have one value for each of the {x.size} positions, got {y.size}")
-    if x.size < FEWEST_POINTS:
-        raise ValueError(f"position: must hold at least {FEWEST_POINTS} points of a scan, got {x.size}")
-    if isinstance(force_sign, bool) or force_sign not in (1, -1):
-        raise ValueError(f"force_sign: must be 1 or -1, got {force_sign!r}")
+    require(y.size == x.size, "force", f"must have one value for each of the {x.size} positions", y.size)
+    require(x.size >= FEWEST_POINTS, "position", f"must hold at least {FEWEST_POINTS} points of a scan", x.size)
+    is_sign = not isinstance(force_sign, bool) and force_sign in (1, -1)
+    require(is_sign, "force_sign", "must be 1 or -1", repr(force_sign))
     travel, m = float(np.ptp(x)), units.position
     # The distance of neighbours below which half of the travel lies: jitter and rests do not shorten it.
     gaps = np.sort(np.diff(np.unique(x)))
     spacing = float(gaps[np.searchsorted(np.cumsum(gaps), 0.5 * gaps.sum())]) if travel > 0.0 else 0.0
-    if travel < pitch - OPEN_END * min(spacing, pitch / FEWEST_POINTS):
-        raise ValueError(f"position: must travel at least one pitch ({pitch:g} {m}), got {travel:g} {m}")
+    is_whole = travel >= pitch - OPEN_END * min(spacing, pitch / FEWEST_POINTS)
+    require(is_whole, "position", f"must travel at least one pitch ({pitch:g} {m})", f"{travel:g} {m}")
     resolvable = int(pitch / (POINTS_PER_PERIOD * spacing) - 0.5)
-    if resolvable < 1:
-        rule = f"must have a point every {pitch / 3.75:.3g} {m} or less"
-        raise ValueError(f"position: {rule}, got one every {spacing:.3g} {m}")
+    rule = f"must have a point every {pitch / 3.75:.3g} {m} or less"
+    require(resolvable >= 1, "position", rule, f"one every {spacing:.3g} {m}")
     highest = min(highest_harmonic, resolvable)
     y = force_sign * y
     passes, direction, turns = _passes(x)
@@ -78,9 +75,8 @@ def read_scan(
     ways = [direction == way for way in (1.0, -1.0)]
     both_ways = all(way.any() and np.ptp(np.append(x[way], turns[way])) >= WAY_BACK * pitch for way in ways)
     kept = ~turned if both_ways else max(ways, key=np.count_nonzero)
-    notes = []
-    if not both_ways:
-        notes.append("the scan goes one way only: friction and offset cannot be told apart, `offset` holds both")
+    one_way = "the scan goes one way only: friction and offset cannot be told apart, `offset` holds both"
+    notes = [] if both_ways else [one_way]
     if not kept.all():
         which = "just after a reversal" if both_ways else "of a short way back"
         notes.append(f"{int(np.sum(~kept))} rows {which} left out")
@@ -91,8 +87,8 @@ def read_scan(
     if counts.size < kept.sum():
         notes.append(f"{int(kept.sum())} rows averaged to {counts.size} points, one a {cell:.3g} {m} and pass")
     position, force, way = (np.bincount(members, v[kept]) / counts for v in (x, y, direction))
-    if position.size < FEWEST_POINTS:
-        raise ValueError(f"position: must hold at least {FEWEST_POINTS} points that differ, got {position.size}")
+    rule = f"must hold at least {FEWEST_POINTS} points that differ"
+    require(position.size >= FEWEST_POINTS, "position", rule, position.size)
     return Scan(position, force, np.sign(way), spacing, both_ways, resolvable, highest, tuple(notes), units)
 
 
@@ -110,14 +106,14 @@ def is_number(value: object) -> bool:
 def finite_column(name: str, values: npt.ArrayLike) -> FloatArray:
     """Return finite numbers (n,) of usual size; ValueError names the rule."""
     array = real_array(name, values)
-    if array.ndim != 1 or not array.size:
-        raise ValueError(f"{name}: must be one-dimensional and not empty, got shape {array.shape}")
+    is_column = array.ndim == 1 and array.size > 0
+    require(is_column, name, "must be one-dimensional and not empty", f"shape {array.shape}")
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
     size = float(np.abs(array).max())
-    if size > LARGEST or 0.0 < size < SMALLEST:
-        raise ValueError(f"{name}: must be 0 or between {SMALLEST:g} and {LARGEST:g} in size, got {size:g}")
+    is_usual = size == 0.0 or SMALLEST <= size <= LARGEST
+    require(is_usual, name, f"must be 0 or between {SMALLEST:g} and {LARGEST:g} in size", f"{size:g}")
     return array
 
 
