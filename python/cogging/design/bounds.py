@@ -77,12 +77,11 @@ def disturbance_range(model: Model, intervals: Intervals, velocity_max: float) -
         low, high = low + forces.min(), high + forces.max()
         guess += float(forces[0])
         for path in (p for p in known if p.startswith(f"{prefix}.")):
-            changes = [0.0]
+            changes = [np.zeros(1)]
             for end in intervals.of(path) or ():
                 value = valid_end(known[path].value, end, partial(is_valid, path))
-                change = _forces(model, with_values(model, {path: value}).effects[place], points) - forces
-                changes += [float(change.min()), float(change.max())]
-            low, high = low + min(changes), high + max(changes)
+                changes.append(_forces(model, with_values(model, {path: value}).effects[place], points) - forces)
+            low, high = low + np.concatenate(changes).min(), high + np.concatenate(changes).max()
     noise = SIGMAS_95 * model.noise.force
     return (float(low - noise), float(high + noise)), guess, left_out
 
@@ -131,6 +130,7 @@ def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
 
 BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
 SAMPLES_A_RADIAN = 25.0  # its sample rate over its k_1
+SPLINE = ("order", "origin", "control_points")
 NO_DISTURBANCE = (
     "disturbance: no interval says how uncertain a constant force is; the largest Coulomb level counts, which friction "
     "at rest can hide (give default={'disturbance': (low, high)} otherwise)"
@@ -196,8 +196,7 @@ class Bounds(ByValue):
             ValueError: mass, viscous, coulomb, a cogging amplitude or an effect's field has no finite interval and no
                 default, an interval that does not hold the model's value, a path that the model has not.
         """
-        intervals = Intervals(model, default, beside=("disturbance",))
-        axis = {}
+        intervals, axis = Intervals(model, default, beside=("disturbance",)), {}
         for name in ("mass", "viscous", "coulomb"):
             interval = intervals.of(f"axis.{name}")
             if interval is None:
@@ -240,8 +239,7 @@ class Bounds(ByValue):
         Raises:
             ValueError: periods of the cogging that are no whole fractions of one pitch.
         """
-        axis, rate = self.model.axis, self._sample_rate(AdaptiveRobustParameters, overrides)
-        w = _bandwidth(bandwidth, rate)
+        axis, (rate, w) = self.model.axis, self._speeds(AdaptiveRobustParameters, bandwidth, overrides)
         # k_s1 at which (29) without slopes turns positive everywhere: k_s1 - k M + B = B^2 / (2 k M).
         smallest = max(w * m - b + b * b / (2.0 * w * m) for m in self.mass for b in self.viscous)
         feedback = max(2.0 * w * axis.mass, 1.1 * smallest)
@@ -253,7 +251,7 @@ class Bounds(ByValue):
         if self.model.cogging is not None and self.cogging is not None:
             spline = self.model.cogging.basis.spline
             pitch, harmonics = pitch_and_harmonics(self.model.cogging.basis)
-            fields |= {f"cogging_{name}": getattr(spline, name) for name in ("order", "origin", "control_points")}
+            fields |= {f"cogging_{name}": getattr(spline, name) for name in SPLINE}
             fields |= {
                 "cogging_pitch": pitch,
                 "cogging_harmonics": harmonics,
@@ -271,7 +269,7 @@ class Bounds(ByValue):
         """
         amplitude, slope = max(map(abs, parameters.cogging_bounds)), 0.0
         if parameters.cogging_harmonics:
-            names = ("pitch", "harmonics", "order", "origin", "control_points")
+            names = ("pitch", "harmonics", *SPLINE)
             basis = SplineHarmonics(**{name: getattr(parameters, f"cogging_{name}") for name in names})
             slope = _core.cogging_slope_max(basis, amplitude)
         if parameters.coulomb_width == 0.0 and parameters.coulomb_bounds[1] > 0.0:
@@ -297,14 +295,11 @@ class Bounds(ByValue):
         """
         if self.model.cogging is None:
             raise ValueError("cogging: must be in the model to design an observer for its periods, got none")
-        w = _bandwidth(bandwidth, self._sample_rate(ObserverBasedParameters, {}))
+        _, w = self._speeds(ObserverBasedParameters, bandwidth, {})
         periods = [2.0 * math.pi / wavenumber for wavenumber in self.model.cogging.basis.wavenumbers]
-        fields: dict[str, Any] = {
-            "periods": periods,
-            "viscous": self.model.axis.viscous / self.model.axis.mass,
-            "omega": w,
-            "pole_radius": max(1.5 * w, 2.4 * 2.0 * math.pi * velocity_max / min(periods)),
-        }
+        radius = max(1.5 * w, 2.4 * 2.0 * math.pi * velocity_max / min(periods))
+        fields: dict[str, Any] = {"periods": periods, "omega": w, "pole_radius": radius}
+        fields["viscous"] = self.model.axis.viscous / self.model.axis.mass
         return ObserverProblem(velocity_min=velocity_min, velocity_max=velocity_max, **{**fields, **overrides})
 
     def observer_based(
@@ -316,12 +311,10 @@ class Bounds(ByValue):
             problem: what was designed for.
             design: by design_observer.
         """
-        fields: dict[str, Any] = {
-            "sample_rate": self._sample_rate(ObserverBasedParameters, overrides),
-            "observer_gain_slope": design.observer_gain_slope.tolist(),
-            "mass": self.model.axis.mass,
-        }
-        return problem.controller_parameters(design.observer_gain.tolist(), **{**fields, **overrides})
+        rate, _ = self._speeds(ObserverBasedParameters, None, overrides)
+        slope, mass = design.observer_gain_slope.tolist(), self.model.axis.mass
+        fields: dict[str, Any] = {"sample_rate": rate, "observer_gain_slope": slope, "mass": mass, **overrides}
+        return problem.controller_parameters(design.observer_gain.tolist(), **fields)
 
     def output_feedback(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.OutputFeedbackArcParameters:
         """Parameters of OutputFeedbackArc: theta = [1/M, B/M, d_n/M] with its bounds, gains scaled from the paper's.
@@ -330,8 +323,8 @@ class Bounds(ByValue):
         gain says how it goes with r = w / 300 and c = 1 / (30 M): observer 400 r, 4e4 r^2; g_1 = 600 r, g_2 = 850 r;
         Gamma 5e5 c^2, 3e5 r^2, 20e5 r^4; w_2 = 0.1 c^2 / r^2. Robust terms are off (see papers/xu2001/epoxy_motor.py).
         """
-        axis, rate = self.model.axis, self._sample_rate(_core.OutputFeedbackArcParameters, overrides)
-        r, c = _bandwidth(bandwidth, rate) / 300.0, 1.0 / (30.0 * axis.mass)
+        axis, (rate, w) = self.model.axis, self._speeds(_core.OutputFeedbackArcParameters, bandwidth, overrides)
+        r, c = w / 300.0, 1.0 / (30.0 * axis.mass)
         # Every quotient by a mass in the bounds lies between these.
         corners = np.array([[1.0, b, d] for b in self.viscous for d in self.disturbance])
         with np.errstate(over="ignore"):  # the controller refuses a bound that is infinite
@@ -355,8 +348,8 @@ class Bounds(ByValue):
 
     def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.PidParameters:
         """Parameters of Pid: three poles at -w for the smallest mass (Xu and Yao 2001, eq. 56), and feedforward."""
-        rate = self._sample_rate(_core.PidParameters, overrides)
-        kp, ki, kd = pid_gains([-_bandwidth(bandwidth, rate)] * 3, self.mass[0])
+        rate, w = self._speeds(_core.PidParameters, bandwidth, overrides)
+        kp, ki, kd = pid_gains([-w] * 3, self.mass[0])
         fields = {"sample_rate": rate, "kp": kp, "ki": ki, "kd": kd, **self._feedforward}
         return _core.PidParameters(**{**fields, **overrides})
 
@@ -366,8 +359,7 @@ class Bounds(ByValue):
         A smaller mass makes the velocity loop faster, so no mass in the bounds is underdamped. `viscous` is B + kv:
         with kv of it the velocity loop sees the error of velocity, without which the axis would lag by v / kp.
         """
-        rate = self._sample_rate(_core.CascadeParameters, overrides)
-        w = _bandwidth(bandwidth, rate)
+        rate, w = self._speeds(_core.CascadeParameters, bandwidth, overrides)
         gain = 2.0 * w * self.mass[1]
         fields = {"sample_rate": rate, "kp": 0.5 * w, "kv": gain, **self._feedforward}
         fields["viscous"] += overrides.get("kv", gain)
@@ -382,14 +374,12 @@ class Bounds(ByValue):
     def _disturbance_within(self) -> float:
         return min(max(self.disturbance_estimate, self.disturbance[0]), self.disturbance[1])
 
-    def _sample_rate(self, struct: Any, overrides: Mapping[str, Any]) -> float:
+    def _speeds(self, struct: Any, bandwidth: float | None, overrides: Mapping[str, Any]) -> tuple[float, float]:
+        """Sample rate, Hz, and bandwidth, 1/s, checked."""
         own = struct() if self.model.controller is None else self.model.controller
-        return float(overrides.get("sample_rate", own.sample_rate))
-
-
-def _bandwidth(bandwidth: float | None, sample_rate: float) -> float:
-    if bandwidth is None:
-        return min(BANDWIDTH_MAX, sample_rate / SAMPLES_A_RADIAN)
-    if not (math.isfinite(bandwidth) and bandwidth > 0):
-        raise ValueError(f"bandwidth: must be finite and above 0, got {bandwidth!r}")
-    return float(bandwidth)
+        rate = float(overrides.get("sample_rate", own.sample_rate))
+        if bandwidth is None:
+            return rate, min(BANDWIDTH_MAX, rate / SAMPLES_A_RADIAN)
+        if not (math.isfinite(bandwidth) and bandwidth > 0):
+            raise ValueError(f"bandwidth: must be finite and above 0, got {bandwidth!r}")
+        return rate, float(bandwidth)

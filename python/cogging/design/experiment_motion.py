@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import count, cycle
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,14 +44,13 @@ class Track:
         self.jerk = SHARE * scale * (limits.jerk or np.inf)
         self.rows = self.end = max(3, int(limits.duration * rate) + 1)  # of the motion, and last of its present part
         require_table("duration", self.rows, LOG_COLUMNS)
-        self.used = 0
-        self.pieces: list[tuple[FloatArray, ...]] = []
+        self.used, self.pieces = 0, list[tuple[FloatArray, ...]]()
         self.rest(0.1)
 
-    def add(self, position: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> None:
-        """Append rows."""
-        self.pieces.append((position, velocity, acceleration))
-        self.used += len(position)
+    def add(self, *columns: FloatArray) -> None:
+        """Append rows of position, velocity and acceleration."""
+        self.pieces.append(columns)
+        self.used += len(columns[0])
 
     def rest(self, seconds: float) -> None:
         """Stay, at most to the end of the motion."""
@@ -63,15 +62,9 @@ class Track:
         goal = min(max(goal, self.low), self.high)
         if abs(goal - self.place) < 1e-9 * (self.high - self.low):
             return self.used < self.end
-        motion = PointToPoint(
-            PointToPointParameters(
-                start=self.place,
-                distance=goal - self.place,
-                velocity=speed * self.velocity,
-                acceleration=acceleration * self.acceleration,
-                jerk=self.jerk,
-            )
-        )
+        way: dict[str, Any] = {"start": self.place, "distance": goal - self.place, "jerk": self.jerk}
+        way |= {"velocity": speed * self.velocity, "acceleration": acceleration * self.acceleration}
+        motion = PointToPoint(PointToPointParameters(**way))
         rows = int(np.ceil(0.5 * motion.period * self.rate))
         if self.used + rows > self.end:
             return False

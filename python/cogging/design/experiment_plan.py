@@ -153,11 +153,10 @@ class ExperimentPlan(ByValue):
         """The files of the plan by path: reference, samples and plan."""
         samples, columns = beside(path, ".csv"), self.motion.samples
         names = ("time", "reference", "reference_velocity", "reference_acceleration")
-        table = np.column_stack([columns[name] for name in names]).tolist()
+        table = zip(*(columns[name].tolist() for name in names), strict=True)
         rows = "\n".join([",".join(names), *(",".join(f"{value:.12g}" for value in row) for row in table)])
-        reference = {"type": "sampled", "file": Path(samples).name, "duration": self.motion.end}
-        plan = to_json(self.to_dict())
-        return {os.fspath(path): to_toml(reference), samples: rows + "\n", beside(path, ".plan.json"): plan}
+        reference = to_toml({"type": "sampled", "file": Path(samples).name, "duration": self.motion.end})
+        return {os.fspath(path): reference, samples: f"{rows}\n", beside(path, ".plan.json"): to_json(self.to_dict())}
 
 
 def beside(path: str | os.PathLike[str], ending: str) -> str:
@@ -325,16 +324,15 @@ def _intervals(evidence: Evidence, model: Model) -> list[Expectation]:
     size = np.sqrt(np.diag(information))
     size[size == 0.0] = 1.0
     scaled = np.linalg.inv(information / np.outer(size, size) + UNKNOWN**-2.0 * np.eye(len(size)))
-    spread = np.sqrt(np.diag(scaled))
+    spread = dict(zip(evidence.paths, np.sqrt(np.diag(scaled)), strict=True))
+    sigma = dict(zip(evidence.paths, np.sqrt(np.diag(scaled)) / size, strict=True))
     expected = []
-    for number, path in enumerate(evidence.paths):
-        if path not in known:
-            continue
-        is_shown = spread[number] < 0.3 * UNKNOWN
-        half = float(f"{SIGMAS_95 * spread[number] / size[number]:.4g}") if is_shown else None
-        today = float(f"{halves[path]:.4g}") if halves[path] < np.inf else None
+    for path, today in halves.items():
+        is_shown = spread[path] < 0.3 * UNKNOWN
+        half = float(f"{SIGMAS_95 * sigma[path]:.4g}") if is_shown else None
         why = "" if is_shown else "its effect cannot be distinguished from that of other parameters"
-        expected.append(Expectation(path, "", known[path].unit, half, today, why))
+        before = float(f"{today:.4g}") if today < np.inf else None
+        expected.append(Expectation(path, "", known[path].unit, half, before, why))
     return expected
 
 

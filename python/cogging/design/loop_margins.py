@@ -115,11 +115,9 @@ def push_of(motion: Reference, sample_rate: float, duration: float, command_max:
     every = max(1, rows // ROWS)
     time = np.arange(0, rows, every) / sample_rate
     speed = np.abs(motion.sample(time)[1])
-    first = int(np.argmax(speed >= 0.5 * speed.max()))
-    start = float(time[first])
-    length = min(PUSH_SAMPLES / sample_rate, 0.05 * end)
-    moving = speed >= MOVING * speed.max()
-    return Push(PUSH_SHARE * command_max, start, start + length, duration, every, moving)
+    start = float(time[np.argmax(speed >= 0.5 * speed.max())])
+    stop = start + min(PUSH_SAMPLES / sample_rate, 0.05 * end)
+    return Push(PUSH_SHARE * command_max, start, stop, duration, every, speed >= MOVING * speed.max())
 
 
 class Loops:
@@ -135,7 +133,6 @@ class Loops:
         self._machines, self._controller, self._push, self._threads = machines, controller, push, threads
         self._behind = int(push.start * controller.sample_rate / push.every)
         counts = np.array([COUNTS * machine.setup.model.encoder.resolution for machine in machines])
-        self._holds_as_it_is = False
         for quantity, rounding in (("true_position", counts), ("true_velocity", counts / (push.stop - push.start))):
             self._quantity, self._rounding = quantity, rounding
             as_it_is = self._traces(0.0, 1.0)
@@ -201,13 +198,12 @@ class Loops:
     def _held(self, traces: Sequence[FloatArray | None]) -> FloatArray:
         held = np.zeros(len(traces))
         for place, (trace, size) in enumerate(zip(traces, self._size, strict=True)):
-            if trace is None or not math.isfinite(size):
+            if trace is None or not math.isfinite(size) or np.abs(trace).max(initial=0.0) > GROWN * size:
                 continue
             rows = np.flatnonzero(self._push.moving[: len(trace)])
             rows = rows[rows > self._behind]
             middle = rows[len(rows) // 2] if len(rows) else len(trace)
             early, late = np.abs(trace[self._behind : middle]).max(initial=0.0), trace[rows[len(rows) // 2 :]]
             left = float(np.sqrt(np.mean(late**2))) if late.size else 0.0
-            grown = np.abs(trace).max(initial=0.0) > GROWN * size
-            held[place] = not grown and left <= FORGOTTEN * max(min(early, size), self._rounding[place])
+            held[place] = left <= FORGOTTEN * max(min(early, size), self._rounding[place])
         return held

@@ -113,10 +113,9 @@ class ObserverProblem(ByValue):
         for name, value, holds, rule in rules:
             if not (holds and np.isfinite(value)):
                 raise ValueError(f"{name}: {rule}, got {value}")
-        if not self.decay_rate >= 0:
-            raise ValueError(f"decay_rate: must be at least 0, got {self.decay_rate}")
-        if not self.decay_rate < self.slowest:
-            rule = f"must be below {self.slowest:g} 1/s, the position loop's slowest pole"
+        if not 0 <= self.decay_rate < self.slowest:
+            below = f"must be below {self.slowest:g} 1/s, the position loop's slowest pole"
+            rule = below if self.decay_rate >= 0 else "must be at least 0"
             raise ValueError(f"decay_rate: {rule}, got {self.decay_rate}")
 
     @property
@@ -140,15 +139,9 @@ class ObserverProblem(ByValue):
 
         fields: further ones, as `sample_rate` (Hz) and `mass` (V/(m/s^2)), or others in place of these.
         """
-        own: dict[str, Any] = {
-            "periods": list(self.periods),
-            "observer_gain": list(observer_gain),
-            "position_gain": self.omega**2,
-            "velocity_gain": self.velocity_gain,
-            "viscous": self.viscous,
-            "velocity_min": 0.01 * self.velocity_max,
-        }
-        return ObserverBasedParameters(**{**own, **fields})
+        lists: dict[str, Any] = {"periods": list(self.periods), "observer_gain": list(observer_gain)}
+        gains = {"position_gain": self.omega**2, "velocity_gain": self.velocity_gain, "viscous": self.viscous}
+        return ObserverBasedParameters(**{**lists, **gains, "velocity_min": 0.01 * self.velocity_max, **fields})
 
     def closed_loop_norm(self) -> float:
         """gamma_c = ||H(s - alpha)||_infinity, H(s) = s / (s^2 + 2 damping omega s + omega^2) (section IV.C), s."""
@@ -208,10 +201,8 @@ def largest_decay_rate(problem: ObserverProblem) -> float:
     low, high = 0.0, 0.999 * problem.slowest
     while high - low > max(0.02 * high, 1e-3):
         middle = 0.5 * (low + high)
-        if _solve(replace(problem, decay_rate=middle)) is None:
-            high = middle
-        else:
-            low = middle
+        is_found = _solve(replace(problem, decay_rate=middle)) is not None
+        low, high = (middle, high) if is_found else (low, middle)
     return low
 
 
@@ -234,8 +225,9 @@ def _solve(problem: ObserverProblem) -> ObserverDesign | None:
                 cp.Problem(cp.Minimize(gamma_square), constraints).solve(solver=cp.CLARABEL)
             except cp.error.SolverError:
                 continue
-        if p.value is not None and q[0].value is not None and q[1].value is not None:
-            design = _certify(problem, p.value, [gain.value for gain in q], float(gamma_square.value))
+        values = [variable.value for variable in (p, *q)]
+        if all(value is not None for value in values):
+            design = _check(problem, values[0], values[1:], float(gamma_square.value))
             if design is not None:
                 return design
     return None
@@ -257,9 +249,7 @@ def inequalities(problem: ObserverProblem, p: Any, gains: Sequence[Any], gamma_s
     return found
 
 
-def _certify(
-    problem: ObserverProblem, p: FloatArray, q: list[FloatArray], gamma_square: float
-) -> ObserverDesign | None:
+def _check(problem: ObserverProblem, p: FloatArray, q: list[FloatArray], gamma_square: float) -> ObserverDesign | None:
     """Check a solution by eigenvalues; None if one inequality or the frozen poles fail."""
     if np.linalg.eigvalsh(p).min() <= 0 or gamma_square <= 0:
         return None

@@ -7,6 +7,7 @@ run, so that noise in the measured motion and command does not bias the estimate
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +18,7 @@ import numpy as np
 from cogging._core import DivergedError, Predictor
 from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.effects.effect import laws_of
-from cogging.estimation.residuals import START, quiet_plant
+from cogging.estimation.residuals import HALVES, START, quiet_plant, scales_of
 from cogging.estimation.statistics import shares_of_blocks, spread_of
 from cogging.logs.log import Log
 from cogging.logs.pauses import running_time
@@ -105,17 +106,8 @@ class ForceBalance:
         if self.pauses:
             for first, last in self._gaps(2.0 / self.cutoff):
                 moved[first:last] = False
-        if not moved.any():
-            moved[:] = True
-        log, motion = self.log, self.motion
-        return Scales(
-            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
-            position=float(np.ptp(log.position)) or 1.0,
-            velocity=float(np.abs(motion.middle_velocity[moved]).max()) or 1.0,
-            acceleration=float(np.quantile(np.abs(motion.acceleration[moved]), 0.99)) or 1.0,
-            time=float(log.time[-1] - log.time[0]),
-            sample_time=self.sample_time,
-        )
+        moved |= not moved.any()
+        return scales_of(self.log, self.motion.middle_velocity[moved], self.motion.acceleration[moved])
 
     @property
     def rest(self) -> float:
@@ -185,8 +177,6 @@ class ForceBalance:
                 row -= models[i].axis.mass * motion.acceleration
                 row -= self._hidden
             tables.append(force)
-        if not tables:
-            return np.empty((0, len(self.even)))
         order = np.argsort([i for _, members in groups.values() for i in members])
         return tables[0] if len(tables) == 1 else np.concatenate(tables)[order]
 
@@ -326,19 +316,15 @@ def fit_force_balance(
             if "axis.coulomb_width" in lowest:
                 lowest["axis.coulomb_width"] = max(lowest["axis.coulomb_width"], narrow)
             step = bounded_step(bread, right, np.array(list(lowest.values())) - values)
-            length, moved = 1.0, None
-            while length > 1e-3 and moved is None:
-                try:
+            for length in HALVES:
+                with contextlib.suppress(ValueError):
                     trial = with_values(model, dict(zip(paths, values + length * step, strict=True)))
                     trial_cost = cost(trial)
                     if trial_cost <= 1.02 * now:  # instruments may leave a little more than least squares
-                        moved, now = trial, trial_cost
-                except ValueError:
-                    pass
-                length *= 0.5
-            if moved is None:
+                        break
+            else:
                 break
-            model = moved
+            model, now = trial, trial_cost
             small = np.array([scales.of(known[path].dimension) for path in paths])
             if np.all(np.abs(step) <= TOLERANCE * (np.abs(values) + 1e-3 * small)):
                 break

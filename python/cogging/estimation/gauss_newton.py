@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.residuals import Residuals, whitened
+from cogging.estimation.residuals import HALVES, Residuals, whitened
 from cogging.estimation.statistics import SINGULAR, jackknife
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
@@ -32,9 +33,10 @@ def columns_of(
     model: Model, parameters: Sequence[Parameter], logs: Sequence[Residuals], scales: Scales
 ) -> tuple[list[FloatArray], list[FloatArray]]:
     """Residuals (n,) and their derivatives (p, n), one of each a log, by prediction or central differences of runs."""
-    if all(isinstance(log, Innovations) for log in logs):
-        pairs = [log.columns(model, parameters, scales) for log in logs if isinstance(log, Innovations)]
-        return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+    predicted = [log for log in logs if isinstance(log, Innovations)]
+    if len(predicted) == len(logs):
+        pairs = [log.columns(model, parameters, scales) for log in predicted]
+        return [residual for residual, _ in pairs], [columns for _, columns in pairs]
     steps = [central(model, parameter, scales.step(parameter)) for parameter in parameters]
     models = [model, *(side for step in steps for side in (step.above, step.below))]
     spans = np.array([step.span for step in steps])
@@ -100,15 +102,11 @@ def _move(
         return total
 
     before = cost(residuals)
-    length = 1.0
-    while length > 1e-3:
+    for length in HALVES:
         values = {p.path: p.clipped(p.value + length * s) for p, s in zip(parameters, step, strict=True)}
-        try:
+        with contextlib.suppress(ValueError, DivergedError):
             moved = with_values(model, values)
             after = cost([log.of([moved])[0] for log in logs])
             if np.isfinite(after) and after <= before:
                 return moved, length
-        except (ValueError, DivergedError):
-            pass
-        length *= 0.5
     return model, 0.0

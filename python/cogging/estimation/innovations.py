@@ -9,7 +9,7 @@ import numpy as np
 from cogging._core import Plant, Prediction, Predictor
 from cogging.arrays import FloatArray
 from cogging.effects.effect import Wave, kind_of, laws_of
-from cogging.estimation.residuals import START, quiet_plant, since, steps_needed
+from cogging.estimation.residuals import START, quiet_plant, scales_of, since, steps_needed
 from cogging.estimation.statistics import moving_average
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -52,8 +52,10 @@ class Innovations:
         self._predicted = ((model, self.predictor.predict(quiet_plant(model))),) * 2
         self.along, self.velocity = self._predicted[0][1], self._predicted[0][1].velocity
         smooth = max(1, round(0.1 / BANDWIDTH / sample_time))
-        speed_max = float(np.abs(moving_average(self.velocity, smooth)).max())
-        self.rest = max(model.axis.coulomb_width, 3e-3 * speed_max) if rest is None else rest
+        speed = moving_average(self.velocity, smooth)
+        acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
+        self.scales = scales_of(log, speed, acceleration)
+        self.rest = max(model.axis.coulomb_width, 3e-3 * float(np.abs(speed).max())) if rest is None else rest
         # Rows after long enough motion without a gap.
         turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
         still = (np.abs(self.velocity) < self.rest) | turned
@@ -61,15 +63,6 @@ class Innovations:
         settle = SETTLED / (2.0 * np.pi * BANDWIDTH)
         moves = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
         self.mask = moves.astype(float)
-        acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
-        self.scales = Scales(
-            force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
-            position=float(np.ptp(log.position)) or 1.0,
-            velocity=speed_max or 1.0,
-            acceleration=float(np.quantile(np.abs(acceleration), 0.99)) or 1.0,
-            time=float(log.time[-1] - log.time[0]),
-            sample_time=sample_time,
-        )
 
     def prediction(self, model: Model) -> Prediction:
         """The prediction of a model along this log; cached for the first model and the last. DivergedError."""

@@ -42,6 +42,21 @@ def quiet_plant(model: Model) -> Plant:
     return quiet(model).plant()
 
 
+HALVES = (0.5 ** np.arange(10.0)).tolist()  # lengths of a step that are tried
+
+
+def scales_of(log: Log, velocity: FloatArray, acceleration: FloatArray) -> Scales:
+    """Typical sizes of the quantities of a log with these velocities (m/s) and accelerations (m/s^2)."""
+    return Scales(
+        force=float(np.sqrt(np.mean(log.command**2))) or 1.0,
+        position=float(np.ptp(log.position)) or 1.0,
+        velocity=float(np.abs(velocity).max()) or 1.0,
+        acceleration=float(np.quantile(np.abs(acceleration), 0.99)) or 1.0,
+        time=float(log.time[-1] - log.time[0]),
+        sample_time=float(np.median(np.diff(log.time))),
+    )
+
+
 def steps_needed(model: Model, sample_time: float) -> int:
     """Runge-Kutta steps a sample so that the friction's slope at rest stays well inside the stable region."""
     width = model.axis.coulomb_width

@@ -130,22 +130,21 @@ def _meant(path: str | os.PathLike[str], label: str, headers: Mapping[str, Heade
     raise InputError(f"{path}: column {label}: must be in the header, which has {listed(known)}{nearest(label, known)}")
 
 
+@dataclass
 class FileColumns:
     """The columns of a file: time, position, command, and the reference and its derivatives if it is followed."""
 
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        headers: Mapping[str, Header],
-        table: Table,
-        scale: Mapping[str, float],
-        units: Units | None,
-        own: Mapping[str, str],
-    ) -> None:
-        self.path, self.headers, self.table, self.scale, self.units = path, headers, table, scale, units
+    path: str | os.PathLike[str]
+    headers: Mapping[str, Header]  # by label
+    table: Table
+    scale: Mapping[str, float]
+    units: Units | None
+    own: Mapping[str, str]  # labels that are given, by name
+
+    def __post_init__(self) -> None:
         self.notes: list[str] = []
         #: Label, reason and certainty by name.
-        self.found = {name: (label, "as stated", STATED) for name, label in own.items()}
+        self.found = {name: (label, "as stated", STATED) for name, label in self.own.items()}
         for name in ("time", "position", "command"):
             if name not in self.found:
                 self.found[name] = self._identified(name)
@@ -193,11 +192,9 @@ class FileColumns:
     def _by_behaviour(self, name: str, free: Sequence[str]) -> tuple[str, str, str] | None:
         """The column without a known name that behaves like a time, a position or a command."""
         if name == "time":
-            for label in free:
-                steps = np.diff(self.table[label])
-                if _rises(self.table[label]) and np.std(steps) < EVEN * float(np.median(steps)):
-                    return label, "its numbers rise evenly", LIKELY
-            return None
+            steps = {label: np.diff(self.table[label]) for label in free if _rises(self.table[label])}
+            even = [label for label, one in steps.items() if np.std(one) < EVEN * float(np.median(one))]
+            return (even[0], "its numbers rise evenly", LIKELY) if even else None
         moving = [label for label in free if np.ptp(self.table[label]) > 0.0]
         rough = sorted(moving, key=lambda label: _roughness(self.table[label]))
         if len(rough) == 1 and (name == "command" or "command" not in self.found):
@@ -266,9 +263,7 @@ class FileColumns:
             self.notes.append(f"{header.label!r} {said}")
         else:
             return
-        reference, time = self.used["reference"], self.used["time"]
-        t = time.unit.factor * self.table[time.label]
-        x = reference.unit.factor * self.table[reference.label]
+        t, x = (guess.unit.factor * self.table[guess.label] for guess in (self.used["time"], self.used["reference"]))
         for name in ("reference_velocity", "reference_acceleration"):
             x = np.gradient(x, t)
             for header in self.of_kind(name)[:1]:

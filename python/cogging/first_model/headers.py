@@ -29,6 +29,7 @@ COMMANDS |= {"Arms": (1.0, "Arms"), "Apk": (1.0, "Apk"), "amp": (1.0, "A"), "lbf
 TORQUES = ("Nm", "mNm")
 #: A unit after a name without brackets: `x_mm`, `x / mm`, `x, mm`, `x in mm`, `x mm`.
 BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+)")
+REFERENCE_OF = {"position": "reference"} | {one: f"reference_{one}" for one in ("velocity", "acceleration")}
 LONGEST = 200  # characters of a name that is searched for a unit, in quadratic time
 #: Parts of a name that mean a rotary axis: a torque, an angle.
 TORQUE, ANGLE = (
@@ -113,24 +114,20 @@ def _kind(bare: str) -> tuple[str, int]:
     """The quantity of a name, and its rank."""
     plain = _plain(bare)
     for kind, words in WORDS.items():
-        if plain in words or plain.replace("_", "") in words:
-            place = words.index(plain) if plain in words else words.index(plain.replace("_", ""))
-            return kind, place
-    parts = set(plain.split("_"))
-    best = ("", 0)
+        for form in (plain, plain.replace("_", "")):
+            if form in words:
+                return kind, words.index(form)
+    parts, longest = set(plain.split("_")), dict[str, int]()  # known words that the name holds
     for kind, words in WORDS.items():
         inside = [w for w in words if len(w) > 3 and (w in plain or set(w.split("_")) <= parts)]
-        longest = max(map(len, inside), default=0)
-        if longest > best[1]:
-            best = (kind, longest)
-    if best[0] and parts & {"ref", "reference", "soll", "setpoint", "demand", "target", "cmd", "sollwert"}:
-        kind = {"position": "reference", "velocity": "reference_velocity"}.get(best[0], best[0])
-        best = ({"acceleration": "reference_acceleration"}.get(kind, kind), best[1])
-    if not best[0]:  # the first part of a short name: `x_axis1`, `iq_filtered`
+        longest[kind] = max(map(len, inside), default=0)
+    best = max(longest, key=lambda kind: longest[kind])
+    if not longest[best]:  # the first part of a short name: `x_axis1`, `iq_filtered`
         first = plain.split("_")[0]
-        short = [(kind, words.index(first)) for kind, words in WORDS.items() if first in words]
-        return (short[0][0], 60 + short[0][1]) if short and len(parts) > 1 else ("", 0)
-    return best[0], 100 - best[1]
+        short = [(kind, 60 + words.index(first)) for kind, words in WORDS.items() if first in words]
+        return short[0] if short and len(parts) > 1 else ("", 0)
+    is_reference = parts & {"ref", "reference", "soll", "setpoint", "demand", "target", "cmd", "sollwert"}
+    return (REFERENCE_OF.get(best, best) if is_reference else best), 100 - longest[best]
 
 
 STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
@@ -232,7 +229,6 @@ def motion_of(time: FloatArray, position: FloatArray) -> tuple[float, float, flo
     span = max(1, len(time) // 500)
     t, x = time[::span], position[::span]
     speed = np.diff(x) / np.diff(t)
-    middle = 0.5 * (t[1:] + t[:-1])
-    acceleration = np.diff(speed) / np.diff(middle) if len(speed) > 2 else np.zeros(1)
-    sizes = [float(np.quantile(np.abs(values), 0.98)) for values in (speed, acceleration)]
-    return float(np.ptp(position)), sizes[0], sizes[1]
+    acceleration = np.diff(speed) / np.diff(0.5 * (t[1:] + t[:-1]))
+    speed_most, acceleration_most = (float(np.quantile(np.abs(one), 0.98)) for one in (speed, acceleration))
+    return float(np.ptp(position)), speed_most, acceleration_most

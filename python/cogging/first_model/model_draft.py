@@ -61,25 +61,24 @@ def _axis(units: Units, sizes: Sizes, travel: tuple[float, float], audit: Audit)
 
 
 def _cogging(units: Units, wave: Wave | None, travel: tuple[float, float]) -> list[str]:
-    lines = ["# [cogging]                 # opposes the command"]
+    head, m, v = "# [cogging]                 # opposes the command", units.position, units.command
     if wave is None:
-        pitch = number(0.1 * (travel[1] - travel[0]), 2)
         return [
-            *lines,
+            head,
             "## no period over position stands out of this log: fill in the magnets' pitch",
-            f"# pitch = {pitch:<18} # {units.of('m')}; to be filled in",
+            f"# pitch = {number(0.1 * (travel[1] - travel[0]), 2):<18} # {m}; to be filled in",
             "# harmonics = [1, 2]",
-            f"# sine = [[0.0], [0.0]]     # {units.command}",
+            f"# sine = [[0.0], [0.0]]     # {v}",
             "# cosine = [[0.0], [0.0]]",
         ]
     share = f"{100.0 * wave.share:.0f} % of what mass and friction leave"
     return [
-        *lines,
-        f"# pitch = {number(wave.period):<18} # {units.of('m')}; found: the strongest wave over position, {share};",
+        head,
+        f"# pitch = {number(wave.period):<18} # {m}; found: the strongest wave over position, {share};",
         "##                           it may as well be a harmonic of the magnets' pitch: compare with the data sheet",
         "# harmonics = [1]",
-        f"# sine = [[{number(wave.sine)}]]          # {units.of('V')}; found",
-        f"# cosine = [[{number(wave.cosine)}]]        # {units.of('V')}; found",
+        f"# sine = [[{number(wave.sine)}]]          # {v}; found",
+        f"# cosine = [[{number(wave.cosine)}]]        # {v}; found",
     ]
 
 
@@ -91,17 +90,16 @@ def _controller(units: Units, sizes: Sizes, audit: Audit, found: RecoveredContro
         shown = {key: number(one, 6) if isinstance(one, float) else json.dumps(one) for key, one in fields.items()}
         return [*lines, f"## {reason}", *(f"# {key} = {text}" for key, text in shown.items())]
     rate, mass = float(f"{audit.rate:.3g}"), sizes.sizes["mass"].value
-    pole = 2.0 * math.pi * CROSSOVER * rate
-    gains = {"kp": 3.0 * mass * pole**2, "ki": mass * pole**3, "kd": 3.0 * mass * pole}
-    lines += [
+    w = 2.0 * math.pi * CROSSOVER * rate
+    gains = {"kp": (3.0 * mass * w**2, "V/m"), "ki": (mass * w**3, "V/(m s)"), "kd": (3.0 * mass * w, "V/(m/s)")}
+    return [
+        *lines,
         "## not identifiable from this log: fill in yours. The gains below are a first proposal, from the mass alone:",
         f"## three poles at {CROSSOVER:g} of the sample rate.",
         '# type = "pid"',
         f"# sample_rate = {rate:g}",
+        *(f"# {key} = {number(value, 3):<20} # {units.of(unit)}; assumed" for key, (value, unit) in gains.items()),
     ]
-    for (key, value), unit in zip(gains.items(), ("V/m", "V/(m s)", "V/(m/s)"), strict=True):
-        lines.append(f"# {key} = {number(value, 3):<20} # {units.of(unit)}; assumed")
-    return lines
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -186,9 +184,8 @@ class ModelDraft(ByValue):
 
     def model_text(self) -> str:
         """The model file: TOML with a comment on each number."""
-        known = ("not known: edit it", "not known: edit it")
-        if self.columns is not None:
-            known = (self.columns.used["command"].unit.reason, self.columns.used["position"].unit.reason)
+        used = {} if self.columns is None else self.columns.used
+        known = {name: used[name].unit.reason if used else "not known: edit it" for name in UNIT_KEYS}
         units, quantum = self.units, self.audit.encoder_quantum
         both = np.append(self.audit.travel, [] if self.log.reference is None else self.log.reference)
         margin = MARGIN * float(np.ptp(both)) or 1e-3
@@ -207,8 +204,7 @@ class ModelDraft(ByValue):
             _line("resolution", number(quantum), f"{units.of('m')}; {step}"),
             "",
             "[units]                     # labels only: no number is converted by them",
-            _line("command", json.dumps(units.command), known[0]),
-            _line("position", json.dumps(units.position), known[1]),
+            *(_line(name, json.dumps(getattr(units, name)), known[name]) for name in UNIT_KEYS),
         ]
         if units.command == "%":
             lines.append("## % of what? The scale of the drive makes newtons or amperes of it: --scale command=...")
@@ -322,15 +318,13 @@ class ModelDraft(ByValue):
 
     def _samples(self) -> dict[str, FloatArray]:
         every = -(-len(self.log) // ROWS_OF_REFERENCE)
-        time = (self.log.time - self.log.time[0])[::every]
-        if self.log.reference is not None:
-            return {"time": time, "reference": self.log.reference[::every]}
         window = 2 * max(2, round(0.5 * SMOOTHED * len(self.log))) + 1
-        if len(self.log) <= window:
-            return {"time": time, "reference": self.log.position[::every]}
-        from scipy.signal import savgol_filter  # local parabolas
+        path = self.log.position if self.log.reference is None else self.log.reference
+        if self.log.reference is None and len(self.log) > window:
+            from scipy.signal import savgol_filter  # local parabolas
 
-        return {"time": time, "reference": np.asarray(savgol_filter(self.log.position, window, 2))[::every]}
+            path = np.asarray(savgol_filter(path, window, 2))
+        return {"time": (self.log.time - self.log.time[0])[::every], "reference": path[::every]}
 
 
 def require_new(paths: Iterable[str | os.PathLike[str]]) -> None:
@@ -382,26 +376,23 @@ def draft_model(
         True
     """
     if isinstance(log, Log):
-        return _drafted("log", log, None, {}, rows)
+        return _drafted("log", log, None, rows)
     guesses = guess_columns(log, columns or {}, scale or {}, rows, units_beside(log))
     read = read_log(log, columns=guesses.columns, scale=guesses.scale, rows=rows)
     with errors_of(log):
-        return _drafted(os.fspath(log), read, guesses, guesses.scale, rows)
+        return _drafted(os.fspath(log), read, guesses, rows)
 
 
-def _drafted(
-    source: str, log: Log, guesses: ColumnGuesses | None, scale: Mapping[str, float], rows: slice | None
-) -> ModelDraft:
+def _drafted(source: str, log: Log, guesses: ColumnGuesses | None, rows: slice | None) -> ModelDraft:
     """The draft of a log that was read."""
     if len(log) < FEWEST:
         raise ValueError(f"rows: must be at least {FEWEST} to draft a model from, got {len(log)}")
     require_sizes(log)
-    units = log.units
-    if guesses is not None:
-        units = Units(**{name: guesses.used[name].unit.label for name in UNIT_KEYS})
+    known = guesses or ColumnGuesses({}, (), ())
+    units = Units(**{name: known.used[name].unit.label for name in UNIT_KEYS}) if known.used else log.units
     stamps, (log, clock) = log.time, on_its_clock(log)
-    sizes = sizes_of(log, units)
-    unsure = [*_guessed(guesses, UNKNOWN), *(guesses.notes if guesses is not None else ())]
+    sizes, scale = sizes_of(log, units), known.scale
+    unsure = [*_guessed(known, UNKNOWN), *known.notes]
     if sizes.reversed:
         log = Log.of({**log.columns(), "command": -log.command}, log.metadata)
         scale = {**scale, "command": -scale.get("command", 1.0)}
@@ -423,9 +414,9 @@ def _drafted(
         wave=next(filter(None, waves), None),
         controller=controller and controller._replace(units=units),
         units=units,
-        scale=dict(scale),
+        scale=scale,
         rows=rows,
-        likely=(*_guessed(guesses, LIKELY), *([clock] if clock else ())),
+        likely=(*_guessed(known, LIKELY), *([clock] if clock else ())),
         unsure=(),
     )
     unsure += [f"{name}: {size.reason}" for name, size in sizes.sizes.items() if size.uncertainty is None]
@@ -433,9 +424,7 @@ def _drafted(
     return replace(draft, unsure=tuple(unsure))
 
 
-def _guessed(guesses: ColumnGuesses | None, sure: str) -> list[str]:
+def _guessed(guesses: ColumnGuesses, sure: str) -> list[str]:
     """Guesses of columns and units of this certainty."""
-    if guesses is None:
-        return []
     said = [f"{g.name}: {g.unit.reason}" for g in guesses.used.values() if g.unit.sure == sure]
     return said + [f"{g.name}: it is {g.label!r}, {g.reason}" for g in guesses.used.values() if g.sure == sure]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ class Reading:
 
     column: str  # that is read differently
     kind: str  # sign, scale, swap, derivative, shift, or reference
-    said: str  # what is wrong, a clause with the column as its subject
+    said: str = field(compare=False)  # what is wrong, a clause with the column as its subject
     factors: Mapping[str, float] = field(default_factory=dict)  # by column
     # the column that takes the place of another, by the name of that place
     renamed: Mapping[str, str] = field(default_factory=dict)
@@ -76,30 +77,24 @@ class Reading:
     def of(self, log: Log) -> Log:
         """The log read this way."""
         columns = log.columns()
-        columns.update({place: log.columns()[column] for place, column in self.renamed.items()})
+        columns |= {place: columns[column] for place, column in self.renamed.items()}
         if self.kind == "derivative":
             steps = np.diff(log.time, append=log.time[-1])
             moved = 0.5 * (log.position + np.append(log.position[1:], log.position[-1])) * steps
             columns["position"] = np.concatenate([[0.0], np.cumsum(moved)[:-1]])
-        for name, factor in self.factors.items():
-            if name in columns:
-                columns[name] = factor * columns[name]
+        columns |= {name: factor * columns[name] for name, factor in self.factors.items() if name in columns}
         if self.shift:
-            late, rows = abs(self.shift), len(log)
-            early, last = slice(0, rows - late), slice(late, rows)
+            early, last = slice(0, len(log) - abs(self.shift)), slice(abs(self.shift), len(log))
             kept, command = (early, last) if self.shift > 0 else (last, early)
             columns = {name: column[command if name == "command" else kept] for name, column in columns.items()}
         return Log.of(columns)
 
-    def option(self, log: Log, prefixes: Sequence[str] = ("",)) -> str:
+    def option(self, log: Log, prefixes: Sequence[str]) -> str:
         """The command-line option, for the logs with these prefixes; "" where no option does it."""
-        if self.factors:
-            pairs = [f"{column}={factor:.6g}" for column, factor in self.factors.items() if column in log.columns()]
-            return "--scale " + ",".join(prefix + pair for prefix in prefixes for pair in pairs)
-        if self.renamed:
-            pairs = [f"{place}={column}" for place, column in self.renamed.items()]
-            return "--columns " + ",".join(prefix + pair for prefix in prefixes for pair in pairs)
-        return ""
+        pairs = [f"{column}={factor:.6g}" for column, factor in self.factors.items() if column in log.columns()]
+        pairs += [f"{place}={column}" for place, column in self.renamed.items()]
+        word = "--scale " if self.factors else "--columns " if self.renamed else ""
+        return word + ",".join(prefix + pair for prefix in prefixes for pair in pairs)
 
     def advice(self, option: str) -> str:
         """What to do."""
@@ -155,9 +150,6 @@ def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = 
         return None
     readings, log = judged[first], clean[first]
 
-    def identity(reading: Reading) -> tuple[str, str, dict[str, float], int]:
-        return reading.column, reading.kind, dict(reading.factors), reading.shift
-
     def share(log: Log) -> float | None:
         try:
             explained = explained_share([log], model)
@@ -168,11 +160,11 @@ def misreading(logs: Sequence[Log], model: Model, names: Sequence[str] | None = 
     def percent(share: float) -> str:
         return f"{100.0 * max(share, 0.0):.0f} %" if share < 0.995 else f"{100.0 * share:.3g} %"
 
-    same = [i for i, found in enumerate(judged) if found and identity(found[0]) == identity(readings[0])]
-    concerned = [called[i] for i in same]
     best = readings[0]
+    concerned = [name for name, found in zip(called, judged, strict=True) if found[:1] == [best]]
     explained, otherwise = share(log), None if best.kind == "reference" else share(best.of(log))
-    options = [one.option(log, [""] if len(same) == len(logs) else [f"{n}:" for n in concerned]) for one in readings]
+    prefixes = [""] if len(concerned) == len(logs) else [f"{name}:" for name in concerned]
+    options = [one.option(log, prefixes) for one in readings]
     text = f"{', '.join(concerned)}: {best.column} {best.said}"
     if explained is not None and otherwise is not None:
         text += f"; the model explains {percent(explained)} of the command's power in motion as it was read, "
@@ -203,14 +195,14 @@ def readings_of(log: Log, model: Model) -> list[Reading]:
         return misread_by_controller(log, model)
     found = misread_columns(log, model)
     if not found:
+        by_controller = misread_by_controller(log, model)
         try:
             case = BalanceCase(log, model)
         except ValueError:  # the log hardly moves
-            case = None
-        by_controller = misread_by_controller(log, model)
+            return by_controller
         if by_controller:
-            return by_controller if case is None else case.likeliest(by_controller)
-        found = [] if case is None else case.readings()
+            return case.likeliest(by_controller)
+        found = case.readings()
     # A controller of unknown gains that made the log excludes all misreadings but units.
     made = found and found[0].kind != "scale" and log.reference is not None and recover_controller(log) is not None
     return [] if made else found
@@ -222,8 +214,7 @@ def readings_of(log: Log, model: Model) -> list[Reading]:
 def _following(column: FloatArray, leader: FloatArray) -> tuple[float, float]:
     """Slope of a column over another, and rms of the difference over that of the column, both without their means."""
     column, leader = column - np.mean(column), leader - np.mean(leader)
-    power = float(np.mean(leader**2))
-    size = float(np.sqrt(np.mean(column**2)))
+    power, size = float(np.mean(leader**2)), float(np.sqrt(np.mean(column**2)))
     if power == 0.0 or size == 0.0:
         return 0.0, 1.0
     slope = float(np.mean(column * leader)) / power
@@ -279,12 +270,9 @@ def _exchanged(one: str, other: str) -> Reading:
 
 def _is_too_smooth(position: FloatArray, resolution: float) -> bool:
     """Whether readings are far smoother than an encoder of this resolution (m) gives, and on no grid."""
-    if resolution <= 0.0 or position.size < 50:
-        return False
     moving = np.abs(np.diff(position, 6))[np.diff(position)[5:] != 0.0]
-    if moving.size < 50 or float(np.median(moving)) > SMOOTH * resolution:
-        return False
-    return encoder_quantum(position) == 0.0
+    is_smooth = resolution > 0.0 and moving.size >= 50 and float(np.median(moving)) <= SMOOTH * resolution
+    return is_smooth and encoder_quantum(position) == 0.0
 
 
 def _is_whole(position: FloatArray) -> bool:
@@ -323,7 +311,7 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
                 said = f"is in {lengths[known] if near else f'a unit of {factor:g} {model.units.position}'}"
                 yield _in_unit(said, factor, REFERENCES)
         # The rows by which the logged command may be later than that of the controller, the likeliest first.
-        both = compared(log, model, model.controller_type or "")
+        both = compared(log, model)
         if len(both.computed) == len(both.samples.command):
             logged, given = (
                 np.where(both.judged, command - np.mean(command[both.judged]), 0.0)
@@ -336,16 +324,12 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
 
     found: list[Reading] = []
     for reading in candidates():
-        if found and reading.kind != "scale":
+        if found and {found[0].kind, reading.kind} != {"scale"}:
             break
-        try:
+        with contextlib.suppress(ValueError):
             other = check_controller(reading.of(log), model)
-        except ValueError:
-            continue
-        if other is not None and other.reproduces and (other.relative or 0.0) < IMPROVED * min(check.relative, 1.0):
-            found.append(reading)
-            if reading.kind != "scale":
-                break
+            if other is not None and other.reproduces and (other.relative or 0.0) < IMPROVED * min(check.relative, 1.0):
+                found.append(reading)
     return found
 
 
@@ -405,6 +389,7 @@ class BalanceCase:
 
     def __init__(self, log: Log, model: Model) -> None:
         self.whole, self.log, self.model = log, thinned(log), model
+        self.axis = {name: getattr(model.axis, name) for name in AXIS}
         balance = AxisBalance.of(self.log, model)
         if balance is None:
             raise ValueError("position: must move, got an axis that hardly does")
@@ -412,8 +397,7 @@ class BalanceCase:
 
     def within(self, factor: float) -> Bounds:
         """Mass and friction within a factor of the model's, either way; free where the model has 0."""
-        values = {name: getattr(self.model.axis, name) for name in AXIS}
-        return {name: (v / factor, v * factor) if v > 0.0 else (0.0, np.inf) for name, v in values.items()}
+        return {name: (v / factor, v * factor) if v > 0.0 else (0.0, np.inf) for name, v in self.axis.items()}
 
     @cached_property
     def any_size(self) -> AxisFit:
@@ -433,21 +417,18 @@ class BalanceCase:
             return None
         return None if balance is None else (balance, balance.fit(bounds or self.within(WIDE)))
 
-    def best(
-        self, readings: Sequence[Reading], before: AxisFit, evidence: Evidence, bounds: Bounds | None = None
-    ) -> Winners:
+    def best(self, tried: list[Reading], before: AxisFit, evidence: Evidence, bounds: Bounds | None = None) -> Winners:
         """Readings that are clearly better, and as good as the best; smallest change of mass and friction first."""
         winners = []
-        for reading in readings:
+        for reading in tried:
             other = self.other(reading, bounds)
             if other is not None and evidence.favours(other[1], before):
-                values, axis = other[1].values, self.model.axis
-                pairs = [(values[name], getattr(axis, name)) for name in AXIS[:2]]
+                pairs = [(other[1].values[name], self.axis[name]) for name in AXIS[:2]]
                 decades = math.hypot(*(math.log10(new / old) for new, old in pairs if old > 0.0 < new))
-                winners.append((other[1].ratio, round(decades, 1), reading))
-        least = min((ratio for ratio, _, _ in winners), default=np.inf)
-        alike = [winner for winner in winners if winner[0] <= AS_WELL * least + SLIGHT]
-        return [reading for _, _, reading in sorted(alike, key=lambda winner: winner[1])], least
+                winners.append((round(decades, 1), other[1].ratio, reading))
+        least = min((ratio for _, ratio, _ in winners), default=np.inf)
+        winners.sort(key=lambda winner: winner[0])
+        return [reading for _, ratio, reading in winners if ratio <= AS_WELL * least + SLIGHT], least
 
     def if_shown(self, winners: Winners, bounds: Bounds | None = None) -> Winners:
         """Winners of which one needs two of mass, viscous and Coulomb friction, whose ratio is evidence; else none."""
@@ -507,16 +488,14 @@ class BalanceCase:
         """Other units, also together with the other sign of the command."""
         if self.near.ratio < SCALE.unexplained:
             return [], np.inf
-        axis = self.model.axis
-        mass = self.any_size.values["mass"] / axis.mass
-        gain = math.copysign(self.balance.gain({name: getattr(axis, name) for name in AXIS}), self.balance.work)
-        low, high = axis.travel
+        mass = self.any_size.values["mass"] / self.model.axis.mass
+        gain = math.copysign(self.balance.gain(self.axis), self.balance.work)
+        low, high = self.model.axis.travel
         margin = 0.05 * (high - low)
-        readings = [
+        readings = [  # on the model's travel
             reading
             for reading in self._units(gain, mass)
-            if not math.isfinite(margin)
-            or low - margin <= np.median(reading.of(self.log).position) <= high + margin  # on the model's travel
+            if margin == np.inf or low - margin <= np.median(reading.of(self.log).position) <= high + margin
         ]
         return self.if_shown(self.best(readings, self.near, SCALE))
 
@@ -557,12 +536,10 @@ class BalanceCase:
         alone = self.balance.one_wave < ONE_WAVE and before.free > FREE * before.whole
         if not alone or before.ratio < SHIFT.unexplained:
             return [], np.inf
-        tried: dict[int, float] = {}
 
+        @cache
         def left(shift: int) -> float:
-            if shift not in tried:
-                tried[shift] = self.balance.fit(bounds, shift=shift).ratio
-            return tried[shift]
+            return self.balance.fit(bounds, shift=shift).ratio
 
         most = max(2, int(self.balance.quarter_period / self.balance.step))
         steps = np.unique(np.geomspace(1, most, SHIFTS).astype(int)).tolist()

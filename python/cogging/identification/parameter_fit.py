@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -46,20 +48,18 @@ def answer_of(paths: Sequence[str], values: FloatArray, covariance: FloatArray, 
     return {path: (float(v), float(s), float(s * student(float(f)))) for path, v, s, f in rows}
 
 
+@dataclass
 class ParameterFit:
     """Fit the parameters `paths` of a model to logs; of the `cutoffs` (Hz) the first with small noise is used."""
 
-    def __init__(
-        self,
-        model: Model,
-        runs: Sequence[LoggedRun],
-        paths: Sequence[str],
-        cutoffs: Sequence[float],
-        rest: float | None,
-    ) -> None:
-        self.model, self.runs, self.paths, self.cutoffs, self.rest = model, runs, paths, cutoffs, rest
-        self.prior = parameters_of(model)
-        self.simulate = [run.simulator() for run in runs]
+    model: Model
+    runs: Sequence[LoggedRun]
+    paths: Sequence[str]
+    cutoffs: Sequence[float]
+    rest: float | None  # m/s, below which rows do not count
+
+    def __post_init__(self) -> None:
+        self.prior, self.simulate = parameters_of(self.model), [run.simulator() for run in self.runs]
 
     def run(self, progress: Progress) -> Identification:
         """Fit stage by stage and report each stage."""
@@ -97,8 +97,8 @@ class ParameterFit:
     # The estimators ---------------------------------------------------------------------------------------------------
 
     def _determine(self, model: Model) -> Determinability:
-        sources = partial(self._sources, model)
-        return determinability(model, self.paths, self.balances, self.scales, self.simulate, sources)
+        where = self.balances, self.scales, self.simulate, partial(self._sources, model)
+        return determinability(model, self.paths, *where)
 
     def _sources(self, model: Model) -> list[Residuals]:
         return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
@@ -110,28 +110,23 @@ class ParameterFit:
         shaped = [p for p in sigmas if role_of(self.model, p) == "amplitude" or sigmas[p] < SHAPELESS]
         return [path for path in shaped if self.seen.seen_by_balance(path)]
 
-    def _loose(
-        self, paths: Sequence[str], seen: Determinability | None = None, model: Model | None = None
-    ) -> FloatArray:
+    def _loose(self, paths: Sequence[str], seen: Determinability, model: Model) -> FloatArray:
         """1-sigma of the prior about the start, (p,): the size of a parameter that is not determined, else infinite."""
-        sizes = [size_of(model or self.model, self.prior[path], self.scales) for path in paths]
-        seen = seen or self.seen
-        return np.array([np.inf if seen.determined(p) else size for p, size in zip(paths, sizes, strict=True)])
+        sizes = {path: size_of(model, self.prior[path], self.scales) for path in paths}
+        return np.array([np.inf if seen.determined(path) else size for path, size in sizes.items()])
 
     def _fit_balance(self, start: Model) -> BalanceEstimate:
         """Fit the force balance, from the best of several starts where the law is nonlinear."""
         paths, known = self.moving, parameters_of(start)
-        loose = self._loose(paths)
+        loose = self._loose(paths, self.seen, self.model)
         nonlinear = [path for path in paths if self.seen.determined(path) and path != "axis.coulomb_width"]
         nonlinear = [path for path in nonlinear if role_of(self.model, path) != "amplitude"]
         starts, random = [start], np.random.default_rng(0)
         for _ in range(STARTS if nonlinear else 0):
             sizes = {path: size_of(start, known[path], self.scales) for path in nonlinear}
             moved = {path: known[path].value + SPREAD * random.normal() * sizes[path] for path in nonlinear}
-            try:
+            with contextlib.suppress(ValueError):
                 starts.append(with_values(start, moved))
-            except ValueError:
-                continue
         fits = [fit_force_balance(s, paths, self.balances, self.scales, self.simulate, loose=loose) for s in starts]
         return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
 
@@ -147,10 +142,8 @@ class ParameterFit:
             starts, iterations = starts[:1], FEW_ITERATIONS
         fits: list[Estimate] = []
         for model in starts:
-            try:
+            with contextlib.suppress(DivergedError, ValueError):
                 fits.append(fit(model, paths, self._sources(start), iterations=iterations))
-            except (DivergedError, ValueError):
-                continue
         return min(fits, key=lambda found: found.cost, default=None)
 
     def _one_by_one(self, model: Model) -> dict[str, tuple[float, float]]:
@@ -177,21 +170,16 @@ class ParameterFit:
         paths = self.moving
         if not paths:
             return {}
-        model, known, loose = self.estimate.model, parameters_of(self.estimate.model), self._loose(paths)
+        model, values, loose = self.estimate.model, self.estimate.values, self._loose(paths, self.seen, self.model)
+        known, found = parameters_of(model), dict[str, Answer]()
         parameters = [known[path] for path in paths]
         moved, halves, bent = other_answers(model, parameters, self.balances, self.left, self.scales, loose)
-        values = self.estimate.values
-        found: dict[str, Answer] = {}
 
         def add(way: str, values: FloatArray, halves: Sequence[float] | FloatArray) -> None:
             rows = [(path, float(v), float(h)) for path, v, h in zip(paths, values, halves, strict=True)]
             found[way] = {path: (v, np.nan, h) for path, v, h in rows if np.isfinite([v, h]).all()}
 
-        def refit(
-            way: str, logs: Sequence[tuple[Log, float | None]], cutoff: float, runs: Sequence[Simulator | None]
-        ) -> None:
-            both = zip(logs, self.balances, strict=True)
-            others = [ForceBalance(log, cutoff=cutoff, hold=hold, rest=own.rest) for (log, hold), own in both]
+        def refit(way: str, others: Sequence[ForceBalance], runs: Sequence[Simulator | None]) -> None:
             if any(int(balance.mask.sum()) < 4 * len(paths) + 50 for balance in others):
                 return
             again = fit_force_balance(model, paths, others, self.scales, runs, loose=loose, iterations=OTHER_ITERATIONS)
@@ -200,15 +188,18 @@ class ParameterFit:
 
         add(WITH_FORCES, values + moved, halves)
         add(AS_NOISE, values, bent)
-        cutoff = self.balances[0].cutoff
-        step = max(balance.sample_time for balance in self.balances)
+        balances, cutoff = self.balances, self.balances[0].cutoff
+        step = max(balance.sample_time for balance in balances)
         for other in (FURTHER * cutoff, cutoff / FURTHER):
             if LEAST_CUTOFF <= other <= 0.2 / step:
-                refit(f"below {other:g} Hz", [(run.log, run.hold) for run in self.runs], other, self.simulate)
+                again = [ForceBalance(b.log, cutoff=other, hold=b.hold, rest=b.rest) for b in balances]
+                refit(f"below {other:g} Hz", again, self.simulate)
         if cutoff <= 0.2 / (FURTHER * step):
-            logs = [(thinned(r.log), r.hold or b.sample_time) for r, b in zip(self.runs, self.balances, strict=True)]
+            again = [
+                ForceBalance(thinned(b.log), cutoff=cutoff, hold=b.hold or b.sample_time, rest=b.rest) for b in balances
+            ]
             fewer = [run and (lambda model, run=run: thinned(run(model))) for run in self.simulate]
-            refit("with every second row", logs, cutoff, fewer)
+            refit("with every second row", again, fewer)
         return found
 
     # The result -------------------------------------------------------------------------------------------------------
@@ -227,10 +218,8 @@ class ParameterFit:
             name, reported, full, order = "inverse_dynamics", self.by_balance, estimate.covariance, inside
         strong = is_whole and any(left.is_strong for left in self.left)
         missing = is_whole and any(left.is_missing for left in self.left)
-        entries = [
-            self._entry(self.prior[path], note, reported, strong=strong, missing=missing)
-            for path, note in zip(seen.paths, seen.notes, strict=True)
-        ]
+        notes = zip(seen.paths, seen.notes, strict=True)
+        entries = [self._entry(self.prior[path], note, reported, strong, missing) for path, note in notes]
         fitted = {entry.path: entry.value for entry in entries if entry.determined and entry.value != entry.prior}
         model = with_values(prior, fitted)
         models = {"prior": prior, "model": model, "free": with_values(estimate.model, fitted)}
@@ -263,13 +252,10 @@ class ParameterFit:
             warnings=(*sparse, *warnings_of(logs, entries, held, prior.units.command)),
         )
 
-    def _entry(
-        self, prior: Parameter, note: str, reported: Answer, *, strong: bool, missing: bool
-    ) -> ParameterEstimate:
+    def _entry(self, prior: Parameter, note: str, reported: Answer, strong: bool, missing: bool) -> ParameterEstimate:
         """One parameter of the result; `strong`, `missing`: see Unmodelled."""
         path, balance, output = prior.path, self.by_balance, self.by_output
-        spread, seen = self.spread.get(path, (None, None)), self.seen.determined(path)
-        difference = None
+        spread, seen, difference = self.spread.get(path, (None, None)), self.seen.determined(path), None
         if path in balance and path in output:
             (one, one_sigma, _), (other, other_sigma, _) = balance[path], output[path]
             sigma = float(np.hypot(one_sigma, other_sigma))

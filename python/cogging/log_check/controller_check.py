@@ -39,7 +39,7 @@ class Compared:
     shifts: Mapping[int, float]  # rms difference by the shift of the command, V
 
 
-def compared(log: Log, model: Model, kind: str) -> Compared:
+def compared(log: Log, model: Model) -> Compared:
     """Compare a log with its controller, without spikes where these explain the difference."""
     reference = log.reference
     if reference is None:
@@ -47,39 +47,35 @@ def compared(log: Log, model: Model, kind: str) -> Compared:
         velocity = log.reference_velocity
         moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
         reference = log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
-    found = _compared_with(log, model, kind, reference, np.zeros(len(log), dtype=bool), cleaned=False)
+    found = _compared_with(log, model, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * root_mean_square(log.command):
         return found
     readings, commands = spikes(log.position - reference), spikes(log.command)
     for unseen, cleaned in ((readings, False), (readings, True), (np.zeros(len(log), dtype=bool), True)):
         if (unseen.any() or cleaned) and (commands.any() or not cleaned):
-            other = _compared_with(log, model, kind, reference, unseen, cleaned=cleaned)
+            other = _compared_with(log, model, reference, unseen, cleaned)
             if other.judged.any() and other.shifts[0] < EXPLAINS * found.shifts[0]:
                 found = other
     return found
 
 
-def _compared_with(
-    log: Log, model: Model, kind: str, reference: FloatArray, unseen: Mask, *, cleaned: bool
-) -> Compared:
+def _compared_with(log: Log, model: Model, reference: FloatArray, unseen: Mask, cleaned: bool) -> Compared:
     controller: Any = model.controller
     samples = Samples.of(log, reference, controller.sample_rate, unseen)
     lags: tuple[int, ...] = (0, 1)  # samples ago, of the readings that a command depends on
-    if kind == "speed":
+    if model.controller_type == "speed":
         whole = int(controller.delay * controller.sample_rate + 1e-9)
         lags = (0, whole, whole + 1, whole + 2)
-    judged = samples.judged(lags)
-    applied = samples.command
+    judged, applied, limit = samples.judged(lags), samples.command, controller.command_limit
     if cleaned:
         applied = between(applied, samples.time, spikes(applied))
-    computed, integral, limited = _recompute(samples, applied, judged, model, kind)
+    computed, integral, limited = _recompute(samples, applied, judged, model)
     start = np.zeros(len(computed))
     if integral:
-        free = judged & (np.abs(samples.command) < controller.command_limit * (1.0 - 1e-6)) if limited else judged
+        free = judged & (np.abs(samples.command) < limit * (1.0 - 1e-6)) if limited else judged
         start = samples.medians(samples.command - computed, free)
         if limited:
             start[samples.segment == 0] = 0.0
-    limit = controller.command_limit
     computed = np.clip(computed + start, -limit, limit) if limit > 0.0 else computed + start
     doubted = doubted_commands(samples.command, computed, judged)
 
@@ -97,8 +93,7 @@ def _compared_with(
     if doubted.any() and min(shifts.values()) < 0.5 * shifts[0]:  # the timing is wrong instead
         doubted = np.zeros(len(computed), dtype=bool)
         shifts = by_shift(doubted)
-    judged = judged & ~doubted
-    return Compared(samples, computed, start, judged, doubted, unseen, shifts)
+    return Compared(samples, computed, start, judged & ~doubted, doubted, unseen, shifts)
 
 
 def doubted_commands(command: FloatArray, computed: FloatArray, rows: Mask) -> Mask:
@@ -113,12 +108,10 @@ def doubted_commands(command: FloatArray, computed: FloatArray, rows: Mask) -> M
     return found if found.sum() <= FEW * rows.sum() else np.zeros(len(rows), dtype=bool)
 
 
-def _recompute(
-    samples: Samples, applied: FloatArray, judged: Mask, model: Model, kind: str
-) -> tuple[FloatArray, bool, bool]:
+def _recompute(samples: Samples, applied: FloatArray, judged: Mask, model: Model) -> tuple[FloatArray, bool, bool]:
     """The stated controller's command, whether its integral may start elsewhere, and whether it reaches its limit."""
     controller: Any = model.controller
-    limit = controller.command_limit
+    kind, limit = model.controller_type, controller.command_limit
     limited = limit > 0.0 and np.abs(samples.command).max() >= limit * (1 - 1e-6)
     arguments = {**samples.motion, "position": samples.position}
     integral = kind == "pid" and controller.ki > 0.0
@@ -145,9 +138,7 @@ def root_mean_square(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2))) if values.size else float("inf")
 
 
-def linear_regressors(
-    kind: str, controller: Any, motion: Mapping[str, FloatArray], position: FloatArray
-) -> dict[str, FloatArray]:
+def linear_regressors(kind: str, controller: Any, samples: Samples) -> dict[str, FloatArray]:
     """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
 
     A `cascade` has kv and `kp kv`, in which it is linear.
@@ -157,7 +148,7 @@ def linear_regressors(
     bare = controller.replace(**dict.fromkeys(gains, 0.0), command_limit=0.0)
 
     def command(**gain: float) -> FloatArray:
-        return np.asarray(replay_controller(make(bare.replace(**gain)), **motion, position=position))
+        return np.asarray(replay_controller(make(bare.replace(**gain)), **samples.motion, position=samples.position))
 
     columns = {name: command(**{name: 1.0}) for name in gains if (kind, name) != ("cascade", "kp")}
     if kind == "cascade":
@@ -201,7 +192,7 @@ def fit_gains(found: Compared, model: Model, kind: str) -> tuple[dict[str, float
     """Stated gains, those that fit the log, and the rms that these leave; only gains that are stated above zero."""
     controller: Any = model.controller
     samples, rows = found.samples, found.judged
-    regressors = linear_regressors(kind, controller, samples.motion, samples.position)
+    regressors = linear_regressors(kind, controller, samples)
     gains = {name: float(getattr(controller, name)) for name in ("kp", *regressors) if name != "kp kv"}
     if "kp kv" in regressors:
         gains["kp kv"] = controller.kp * controller.kv
@@ -214,8 +205,7 @@ def fit_gains(found: Compared, model: Model, kind: str) -> tuple[dict[str, float
     product = fitted.pop("kp kv", None)
     if product is not None:
         fitted = {"kp": product / fitted["kv"] if fitted.get("kv") else 0.0, **fitted}
-    stated = {name: gains[name] for name in fitted}
-    return stated, fitted, rms
+    return {name: gains[name] for name in fitted}, fitted, rms
 
 
 MISMATCH = 0.05  # of the rms command: beyond it the verdict is controller_mismatch (contract)
@@ -299,7 +289,7 @@ def check_controller(log: Log, model: Model) -> ControllerCheck | None:
         return None
     kind, command_rms = model.controller_type, float(np.sqrt(np.mean(log.command**2)))
     refusal = _why_not(log, model, command_rms)
-    found = None if refusal else compared(log, model, kind)
+    found = None if refusal else compared(log, model)
     if found is not None and (rows := int(found.judged.sum())) < FEWEST_ROWS:
         refusal = f"{rows} rows between gaps are too few to check the controller, which needs {FEWEST_ROWS}"
     if found is None or refusal:
@@ -319,9 +309,8 @@ def _judged(found: Compared, model: Model, kind: str, command_rms: float) -> Con
     ratio = float(np.sum(computed * logged) / power) if power > 0.0 else None
     notes = []
     if ratio and abs(ratio - 1.0) > MISMATCH:
-        left = root_mean_square(logged - ratio * computed)
-        if left <= MISMATCH * root_mean_square(logged):
-            doubt = "is the command in another unit (--scale command)?"
+        doubt = "is the command in another unit (--scale command)?"
+        if root_mean_square(logged - ratio * computed) <= MISMATCH * root_mean_square(logged):
             notes.append(f"the command is {ratio:.4g} times the controller's: {doubt}")
     if relative > MISMATCH and best:
         notes.append(f"the command fits better when moved by {best} rows: is it logged at another time?")
@@ -379,11 +368,9 @@ def _why_not(log: Log, model: Model, command_rms: float) -> str:
     step = float(np.median(steps))  # or, where some jitter, a mean of those that are one sample long
     own = steps[(steps > 0.5 * step) & (steps < LONG * step)]
     step = float(own.mean()) if own.size and np.ptp(steps) > RATE_TOLERANCE * step else step
-    rate, stated = 1.0 / step, model.controller.sample_rate
-    if abs(rate / stated - 1.0) > RATE_TOLERANCE:
-        rates = f"{rate:g} rows a second, the controller {stated:g} samples"
-        return f"the log has {rates}: the command cannot be recomputed"
-    return ""
+    rates = f"{1.0 / step:g} rows a second, the controller {model.controller.sample_rate:g} samples"
+    is_other = abs(1.0 / step / model.controller.sample_rate - 1.0) > RATE_TOLERANCE
+    return f"the log has {rates}: the command cannot be recomputed" if is_other else ""
 
 
 def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
@@ -394,7 +381,7 @@ def with_missing_rows(log: Log, model: Model) -> tuple[Log, str]:
     check = check_controller(log, model)
     if check is None or not check.reproduces or model.controller is None:
         return log, ""
-    found = compared(log, model, check.type)
+    found = compared(log, model)
     samples = found.samples
     added = np.concatenate([[False], np.diff(samples.row) == 0])
     if not added.any():

@@ -113,7 +113,7 @@ def _fit(
     kind: str, base: PidParameters | CascadeParameters, samples: Samples, rows: Mask, command_rms: float
 ) -> tuple[dict[str, float], float] | None:
     """Gains by name, with the width of S(v), and the rms residual; None if one is negative."""
-    fixed = linear_regressors(kind, base, samples.motion, samples.position)
+    fixed = linear_regressors(kind, base, samples)
     believed = fit_samples(samples, fixed, rows, "ki" in fixed)[2]
     if believed.sum() < rows.sum():
         command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))

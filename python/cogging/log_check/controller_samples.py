@@ -37,19 +37,12 @@ class Samples:
         n = len(log)
         missing = missing_samples(log.time, rate)
         segment = np.concatenate([[0], np.cumsum(missing > FILLED)])
-        filled = np.where(missing > FILLED, 0, missing)
-        if not filled.any():
-            row, at = np.arange(n), np.arange(n, dtype=float)
-            known, time, position, command = np.ones(n, dtype=bool), log.time, log.position, log.command
-        else:
-            row = np.repeat(np.arange(n), np.concatenate([filled + 1, [1]]))
-            first = np.concatenate([[0], np.cumsum(filled + 1)])
-            step = np.arange(len(row)) - first[row]
-            at = row + step / np.concatenate([filled + 1, [1]])[row]
-            known = step == 0
-            time, position, command = (np.interp(at, np.arange(n), c) for c in (log.time, log.position, log.command))
-            motion = {name: np.interp(at, np.arange(n), column) for name, column in motion.items() if name != "time"}
-            motion["time"] = time
+        parts = np.append(np.where(missing > FILLED, 0, missing), 0) + 1  # samples from each row to the next
+        row = np.repeat(np.arange(n), parts)
+        step = np.arange(len(row)) - (np.cumsum(parts) - parts)[row]
+        at, known = row + step / parts[row], step == 0
+        motion = {name: np.interp(at, np.arange(n), column) for name, column in motion.items()}
+        time, position, command = (np.interp(at, np.arange(n), c) for c in (log.time, log.position, log.command))
         if left_out is not None and left_out.any():
             known = known & ~left_out[row]
             position = np.interp(at, np.flatnonzero(~left_out), log.position[~left_out])

@@ -73,12 +73,9 @@ SPIKE = 5.0  # times the changes around it: an outlier
 
 def find_outliers(position: FloatArray) -> npt.NDArray[np.int64]:
     """Rows of single readings that deviate far more than the changes around them."""
-    if position.size < 5:
-        return np.empty(0, dtype=np.int64)
     steps = np.diff(position)
     there, back = steps[1:-2], steps[2:-1]
-    around = np.maximum(np.abs(steps[:-3]), np.abs(steps[3:]))
-    around = np.maximum(around, np.abs(there + back))
+    around = np.max(np.abs([steps[:-3], steps[3:], there + back]), axis=0)
     moved = np.abs(steps[steps != 0.0])
     floor = float(np.median(moved)) if moved.size else 0.0  # toggling of the last digit at rest is no outlier
     height = np.minimum(np.abs(there), np.abs(back))

@@ -113,13 +113,11 @@ class Audit(ByValue):
         if self.begins_at < 0.0:
             lines.append(f"time begins at {self.begins_at:.6g} s: times of effects count from the first row")
         lines += [f"read with {', '.join(self.read_with)}"] * bool(self.read_with)
-        return "\n".join(lines + _controller_lines(self.controller, self.units.command))
+        return "\n".join([*lines, *(() if self.controller is None else _controller_lines(self.controller))])
 
 
-def _controller_lines(check: ControllerCheck | None, unit: str) -> list[str]:
-    if check is None:
-        return []
-    lines = []
+def _controller_lines(check: ControllerCheck) -> list[str]:
+    lines, unit = [], check.units.command
     if check.difference_rms is not None and check.relative is not None:
         size = f"{check.difference_rms:.3g} {unit} rms, {100 * check.relative:.3g} % of it"
         lines.append(f"the stated {check.type} {VERDICTS[check.reproduces]} the command: difference {size}")
@@ -164,8 +162,7 @@ def audit(log: Log, model: Model | None = None) -> Audit:
     is_gap = steps > GAP * step
     regular = steps[~is_gap]
     outliers = find_outliers(log.position)
-    position = np.delete(log.position, outliers)
-    time = np.delete(log.time, outliers)
+    time, position = (np.delete(column, outliers) for column in (log.time, log.position))
     quantum = encoder_quantum(position)
     half = max(2, min(round(0.5 * SMOOTHING / step), (time.size - 1) // 8)) if step > 0.0 else 2
     speed, middle = _slope(time, position, half, step)
@@ -212,15 +209,13 @@ def _slope(time: FloatArray, values: FloatArray, half: int, step: float) -> tupl
 
 def _plateau_share(command: FloatArray) -> float:
     low, high = _range(command)
-    if high <= low or command.size < PLATEAU:
-        return 0.0
-    share = 0
-    for level in (low, high):
+    rows = 0
+    for level in (low, high) if high > low else ():
         at_level = np.abs(command - level) <= 1e-6 * (high - low)
         edges = np.flatnonzero(np.diff(np.concatenate([[False], at_level, [False]]).astype(np.int8)))
         lengths = edges[1::2] - edges[::2]
-        share += int(lengths[lengths >= PLATEAU].sum())
-    return share / command.size
+        rows += int(lengths[lengths >= PLATEAU].sum())
+    return rows / command.size
 
 
 def _range(values: FloatArray) -> tuple[float, float]:

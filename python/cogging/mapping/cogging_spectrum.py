@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,11 +17,14 @@ FOLDS = 8
 LEAST_PRIOR = 1e-8  # of the mean diagonal of the normal matrix: keeps it regular without noise
 
 
+Basis = SplineHarmonics | None  # S_r(x); None: no cogging
+
+
 @dataclass(frozen=True)
 class SplineFit:
     """force = A_r^T S_r(x) + nuisance columns, fitted."""
 
-    basis: SplineHarmonics | None  # S_r(x), p coefficients; None = the nuisance columns alone, p = 0
+    basis: Basis  # p coefficients; None = the nuisance columns alone, p = 0
     nuisance: FloatArray  # (n, q)
     coefficients: FloatArray  # (p + q,), V: A_r as CoggingModel stores it, then those of the nuisance columns
     residual: FloatArray  # V, (n,)
@@ -40,9 +44,7 @@ class SplineFit:
         return np.asarray(self._inverse @ noise @ self._inverse)
 
 
-def fit_splines(
-    basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
-) -> SplineFit:
+def fit_splines(basis: Basis, position: FloatArray, force: FloatArray, nuisance: FloatArray) -> SplineFit:
     """Fit the coefficients of the cogging model (None: none) and of the nuisance columns (n, q), the first constant.
 
     The prior: neighbouring control points differ by 0 +- the standard deviation of the force, so that its weight is the
@@ -93,9 +95,7 @@ def cross_validate(fit: SplineFit, position: FloatArray, force: FloatArray, bloc
     return rms, 0.5 * spread / rms if rms > 0.0 else 0.0
 
 
-def predict(
-    basis: SplineHarmonics | None, coefficients: FloatArray, position: FloatArray, nuisance: FloatArray
-) -> FloatArray:
+def predict(basis: Basis, coefficients: FloatArray, position: FloatArray, nuisance: FloatArray) -> FloatArray:
     """The force (V) of coefficients as SplineFit holds them, at positions (m) with their nuisance columns."""
     if basis is None:
         return np.asarray(nuisance @ coefficients)
@@ -115,7 +115,7 @@ def rows_of(basis: SplineHarmonics, coefficients: FloatArray) -> tuple[FloatArra
 
 
 def normal_equations(
-    basis: SplineHarmonics | None, position: FloatArray, force: FloatArray, nuisance: FloatArray
+    basis: Basis, position: FloatArray, force: FloatArray, nuisance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """A^T A (p + q, p + q) and A^T force (p + q,) of the columns A = [S_r(x), nuisance (n, q)].
 
@@ -251,10 +251,10 @@ class HarmonicSpectrum:
         the start.
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
+        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
+        form: dict[str, Any] = {"order": 3, "origin": float(self.position.min()), "control_points": points}
         rest = force - nuisance @ np.linalg.lstsq(nuisance, force, rcond=None)[0]
         arithmetic = FLOOR**2 * float(np.mean(rest**2)) or 1.0
-        points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
-        origin = float(self.position.min())
         for _ in range(ROUNDS):
             power = self.power(rest)
             level, degrees = self.level(power, taken, float(np.mean(rest**2)))
@@ -268,9 +268,7 @@ class HarmonicSpectrum:
                 amplitude = float(self.amplitude(power)[h, s])
                 found.append(Line(frequency, int(h) if own else None, amplitude))
             # Less the least-squares part at this frequency (spline of order 3, or constant) and the nuisances.
-            basis = SplineHarmonics(
-                pitch=self.pitch, periods=[1.0 / frequency], order=3, origin=origin, control_points=points
-            )
+            basis = SplineHarmonics(pitch=self.pitch, periods=[1.0 / frequency], **form)
             normal, right = normal_equations(basis, self.position, rest, nuisance)
             p = basis.coefficients
             normal[np.arange(p), np.arange(p)] += 1e-12 * float(np.max(np.diag(normal)[:p]))

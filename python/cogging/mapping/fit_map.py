@@ -184,10 +184,7 @@ class MapFit(ByValue):
 
 
 def _table(entries: tuple[HarmonicAmplitude, ...]) -> list[str]:
-    return [
-        f"{a.harmonic:8d}  {a.amplitude:13.5g}  {a.standard_error:7.1g}  {a.phase:11.3f}  {a.false_alarm:11.1g}"
-        for a in entries
-    ]
+    return ["{:8d}  {:13.5g}  {:7.1g}  {:11.3f}  {:11.1g}".format(*vars(entry).values()) for entry in entries]
 
 
 @dataclass(frozen=True)
@@ -285,14 +282,12 @@ def direction_columns(scan: Scan, pitch: float, harmonics: list[int]) -> FloatAr
     return np.asarray(scan.direction[:, None] * waves)
 
 
-def find_direction_lines(
-    spectrum: HarmonicSpectrum, scan: Scan, residual: FloatArray, false_alarm: float
-) -> list[Line]:
+def find_direction_lines(spectrum: HarmonicSpectrum, scan: Scan, left: FloatArray, false_alarm: float) -> list[Line]:
     """Find the significant lines of direction times residual; none in a scan that goes one way only."""
-    if not scan.both_ways or np.std(residual) <= FLOOR * np.std(scan.force):
+    if not scan.both_ways or np.std(left) <= FLOOR * np.std(scan.force):
         return []
-    steady = np.stack([np.ones_like(residual), scan.direction], axis=1)
-    return spectrum.find(residual * scan.direction, steady, false_alarm)
+    steady = np.stack([np.ones_like(left), scan.direction], axis=1)
+    return spectrum.find(left * scan.direction, steady, false_alarm)
 
 
 def _lag(fit: SplineFit, scan: Scan, pitch: float, odd: dict[int, FloatArray]) -> float | None:
@@ -555,7 +550,7 @@ def _choose(
             continue
         elif tried and points == 1:
             continue  # one span and one control point: the periodic map once more
-        form = {"order": max(tried, 1), "origin": first_knot, "control_points": points}
+        form: dict[str, Any] = {"order": max(tried, 1), "origin": first_knot, "control_points": points}
         basis = SplineHarmonics(pitch=pitch, harmonics=terms, **form)
         fits[tried] = fit_splines(basis, scan.position, scan.force, nuisance)
         # Long enough that noise of neighbours does not leak, short enough that a spline is held from both sides.
