@@ -124,8 +124,7 @@ def _points(model: Model, effect: Effect, velocity_max: float) -> FloatArray:
     # Two or three coordinates at once: fewer points of each.
     step = {0: 1, 1: 1, 2: 4, 3: 16}[sum(used)]
     chosen = [values[::step] if u else rest[i : i + 1] for i, (values, u) in enumerate(zip(axes, used, strict=True))]
-    grid = np.stack([mesh.ravel() for mesh in np.meshgrid(*chosen, indexing="ij")], axis=1)
-    return np.vstack([rest, grid])
+    return np.vstack([rest, np.stack([mesh.ravel() for mesh in np.meshgrid(*chosen, indexing="ij")], axis=1)])
 
 
 BANDWIDTH_MAX = 200.0  # 1/s: k_1 of the X axis of Lu et al. 2008, at 5 kHz
@@ -208,12 +207,11 @@ class Bounds(ByValue):
                 raise ValueError(f"axis.mass: {rule}, got [{low:g}, {high:g}]")
             axis[name] = max(low, 0.0), high
         disturbance, guess, notes = disturbance_range(model, intervals, velocity_max)
-        width = disturbance[1] - disturbance[0]
         amplitudes = [path for path in intervals.paths if path.startswith("cogging.")]
         ends = [intervals.of(path) or (intervals.value(path),) * 2 for path in amplitudes]
         if default and "disturbance" in default:
             disturbance = (disturbance[0] + default["disturbance"][0], disturbance[1] + default["disturbance"][1])
-        elif width <= (1.0 + 1e-9) * 2.0 * SIGMAS_95 * model.noise.force:
+        elif disturbance[1] - disturbance[0] <= (1.0 + 1e-9) * 2.0 * SIGMAS_95 * model.noise.force:
             # A set of one point would leave a controller without integral action.
             disturbance = (disturbance[0] - axis["coulomb"][1], disturbance[1] + axis["coulomb"][1])
             notes.append(NO_DISTURBANCE)
@@ -249,9 +247,8 @@ class Bounds(ByValue):
         for name, share in (("mass", 1e-3), ("viscous", 1e-2), ("coulomb", 1e-2), ("disturbance", 1.0)):
             fields |= {f"{name}_bounds": list(getattr(self, name)), f"{name}_adaptation": share * adaptation}
         if self.model.cogging is not None and self.cogging is not None:
-            spline = self.model.cogging.basis.spline
             pitch, harmonics = pitch_and_harmonics(self.model.cogging.basis)
-            fields |= {f"cogging_{name}": getattr(spline, name) for name in SPLINE}
+            fields |= {f"cogging_{name}": getattr(self.model.cogging.basis.spline, name) for name in SPLINE}
             fields |= {
                 "cogging_pitch": pitch,
                 "cogging_harmonics": harmonics,
@@ -367,8 +364,7 @@ class Bounds(ByValue):
 
     @property
     def _feedforward(self) -> dict[str, float]:
-        axis = self.model.axis
-        return {name: getattr(axis, name) for name in ("mass", "viscous", "coulomb", "coulomb_width")}
+        return {name: getattr(self.model.axis, name) for name in ("mass", "viscous", "coulomb", "coulomb_width")}
 
     @property
     def _disturbance_within(self) -> float:

@@ -371,18 +371,18 @@ def predict_error(
     if not np.isfinite(duration):
         raise ValueError("duration: must be given for a motion without an end, got none")
     period, last = motion.period, min(duration, motion.end)
-    repeats = np.isfinite(period) and last >= 1.999 * period
-    window = (last - period if repeats else 0.0, duration)
+    window = (last - period if np.isfinite(period) and last >= 1.999 * period else 0.0, duration)
     intervals = Intervals(model, default, beside=("disturbance",))
     machines, held = drawn_machines(intervals, samples, int(seed), covariance)
     chosen, left_out = chosen_controllers(model, motion, duration, controllers, bandwidth, default)
     found = _errors(machines, list(chosen.values()), motion, window, int(threads) or os.cpu_count() or 1)
+    predictions = []
+    for name, values in zip(chosen, found, strict=True):
+        indexes = {index: PredictedIndex.of(column) for index, column in zip(INDEXES, values.T, strict=True)}
+        predictions.append(ControllerPrediction(name, diverged=float(np.isinf(values[:, 0]).mean()), **indexes))
     drawn = {path: np.array([one.values[path] for one in machines]) for path in machines[0].values}
     return ErrorPrediction(
-        controllers=tuple(
-            ControllerPrediction(name, *map(PredictedIndex.of, values.T), diverged=float(np.isinf(values[:, 0]).mean()))
-            for name, values in zip(chosen, found, strict=True)
-        ),
+        controllers=tuple(predictions),
         window=window,
         samples=int(samples),
         seed=int(seed),

@@ -230,15 +230,13 @@ def plan_experiment(
     notes: list[str] = []
     if controller is None and model.controller is None:
         model = model.replace(controller=assumed_pid(model.axis))
-        warning = f"planned with {ASSUMED}; the motion under yours may exceed the limits"
-        notes.append(f"the model states no controller: {warning}")
+        assumed = f"planned with {ASSUMED}; the motion under yours may exceed the limits"
+        notes.append(f"the model states no controller: {assumed}")
     if model.noise.force == model.encoder.resolution == model.encoder.noise == 0.0:
         force = QUIET * model.axis.mass * limits.acceleration
         model = model.replace(noise=model.noise.replace(force=force))
-        notes.append(
-            f"the model states neither noise nor the encoder's resolution: {force:.3g} {model.units.of('V')} rms "
-            "assumed, 1 % of the force of the largest acceleration"
-        )
+        assumed = f"{force:.3g} {model.units.command} rms assumed, 1 % of the force of the largest acceleration"
+        notes.append(f"the model states neither noise nor the encoder's resolution: {assumed}")
     seed += len(logs)
     with steps(progress, "experiment") as begin:
         begin("simulating the motion")
@@ -254,9 +252,8 @@ def plan_experiment(
             expected = _intervals(evidence, model)
         else:
             # The detection limits that `diagnose` states for a log in which nothing is hidden.
-            found = detection_limits(Outcome(evidence, evidence, evidence, [], [], []), vocabulary)
             expected = []
-            for name, limit in found.items():
+            for name, limit in detection_limits(Outcome(evidence, evidence, evidence, [], [], []), vocabulary).items():
                 known = (document.get("limits") or {}).get(name) or {}
                 before = known.get("value") if known.get("parameter") == limit.parameter else None
                 value = None if limit.value is None else float(f"{limit.value:.4g}")
@@ -345,10 +342,9 @@ def read_result(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{what}, got lists or tables nested without end") from None
     except ValueError as error:
         raise InputError(f"{what} (JSON): {error}") from None
-    if not isinstance(document, dict):
-        raise InputError(f"{what}, got a {type(document).__name__}")
-    if "verdict" not in document or "effects" not in document:
-        raise InputError(f"{what}, got no verdict and effects")
+    if not isinstance(document, dict) or not {"verdict", "effects"} <= set(document):
+        got = "no verdict and effects" if isinstance(document, dict) else f"a {type(document).__name__}"
+        raise InputError(f"{what}, got {got}")
     return document
 
 

@@ -29,9 +29,7 @@ OF_SPEED = (effects.StribeckFriction, effects.CoulombAsymmetry, effects.ViscousA
 class LinearPlant(NamedTuple):
     """x' = a x + b u(t - delay), reading = c x: deviations from the place and the speed."""
 
-    # (n, n); states: position m, velocity m/s, of a flexible mode its deflection m and rate m/s, of each current loop
-    # its command V
-    a: FloatArray
+    a: FloatArray  # (n, n); states: position m, velocity m/s, of a mode its deflection m and rate m/s, of a lag its V
     b: FloatArray  # (n, 1)
     c: FloatArray  # (1, n)
     delay: float  # s
@@ -206,8 +204,7 @@ def linear_controller(model: Model, *, speed: float | None = None) -> Polynomial
         derivative = (of["kd"] + measured) * np.polymul(difference, [1.0, -1.0])
         return np.polyadd(np.polyadd(proportional, integral), derivative), np.array([1.0, -1.0, 0.0])
     if model.controller_type == "cascade":
-        damping = (of["kv"] + measured) * difference
-        return np.polyadd([of["kv"] * of["kp"], 0.0], damping), np.array([1.0, 0.0])
+        return np.polyadd([of["kv"] * of["kp"], 0.0], (of["kv"] + measured) * difference), np.array([1.0, 0.0])
     if model.controller_type == "speed":
         whole, part = divmod(of["delay"] / ts, 1.0)
         later = np.zeros(int(whole) + 3)

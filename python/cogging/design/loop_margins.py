@@ -57,8 +57,7 @@ def variations_of(setup: Setup, vary: Mapping[str, Any] | str) -> tuple[list[Var
 def machines_of(setup: Setup, variations: list[Variation], count: int, seed: int, stream: int) -> list[Machine]:
     """Draw machines on a Latin hypercube; values that break a rule are drawn again. Deterministic.
 
-    Machines of different `stream`s of a seed are independent. ValueError: the distributions have hardly a valid
-    machine.
+    Machines of different `stream`s of a seed are independent. ValueError: there is hardly a valid machine.
     """
     from scipy.stats import qmc
 

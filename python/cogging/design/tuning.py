@@ -322,8 +322,7 @@ class Judge:
         """Run the present gains, which set the push that measures margins, and the limits relative to them."""
         reached, setup = self.run(present), self.machines[0].setup
         command = reached.command_max if math.isfinite(reached.command_max) else 0.0
-        # A loop that fails has no command of its own: that of 1 m/s^2 is used.
-        command = command or setup.model.axis.mass
+        command = command or setup.model.axis.mass  # that of 1 m/s^2: a loop that fails has no command of its own
         self.push = push_of(setup.reference, self.make(present).sample_rate, self.duration, command)
         reached = self.with_margins(present, reached)
         self.limits: dict[str, float] = {}

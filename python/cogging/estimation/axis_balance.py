@@ -42,8 +42,9 @@ def cutoff_share(log: Log) -> float:
     spectrum = np.abs(np.fft.rfft(rest * np.hanning(n))) ** 2
     frequency = np.fft.rfftfreq(n)
     top = (frequency > 0.3) & (frequency < 0.49)
-    quantum = encoder_quantum(position[:ROWS])
-    floor = max(float(np.median(spectrum[top])) / math.log(2.0), quantum**2 / 12.0 * 0.375 * n)
+    floor = max(
+        float(np.median(spectrum[top])) / math.log(2.0), encoder_quantum(position[:ROWS]) ** 2 / 12.0 * 0.375 * n
+    )
     step = float(np.median(np.diff(log.time)))
     for share in CUTOFFS:
         below = frequency <= share
@@ -61,13 +62,9 @@ def thinned(log: Log) -> Log:
     if every < 2 or len(log) < ROWS:
         return log
     first = np.arange(0, len(log) - every, every)
-    kept = {
-        name: uniform_filter1d(column, every + 1 - every % 2, mode="nearest")[first]
-        for name, column in log.columns().items()
-        if name not in ("time", "command")
-    }
+    smooth = {n: uniform_filter1d(c, every + 1 - every % 2, mode="nearest")[first] for n, c in log.columns().items()}
     command = np.add.reduceat(log.command, np.append(first, len(log) - every))[:-1] / every
-    return Log.of({**kept, "time": log.time[first], "command": command})
+    return Log.of({**smooth, "time": log.time[first], "command": command})
 
 
 @dataclass(frozen=True)
@@ -93,8 +90,7 @@ class AxisBalance:
     command: FloatArray  # as logged, V, one entry an even row, (n,)
     known: FloatArray  # contribution of the model's cogging and effects, V, (n,)
     taken: IntArray  # rows in motion that are used, (m,)
-    # force that a unit of mass, viscous and Coulomb friction needs in these, by name, (m,)
-    needs: Mapping[str, FloatArray]
+    needs: Mapping[str, FloatArray]  # force for a unit of mass, viscous and Coulomb friction in these, by name, (m,)
     position: FloatArray  # m, (m,); speed: m/s, (m,)
     speed: FloatArray
     block: IntArray  # number of the block of each, (m,)
@@ -112,7 +108,6 @@ class AxisBalance:
         width = model.axis.coulomb_width
         sign = smooth_sign(speed, width) if width > 0.0 else np.sign(speed)
         command, *needs = balance.filtered(np.array([balance.command, acceleration, speed, sign]))
-        known = balance.of([free])[0] + model.axis.mass * needs[0] - command
         fast = np.abs(needs[1])
         rows = balance.away_from_gaps(1.0 / balance.cutoff, 1.0 / balance.cutoff)
         rows &= fast > REST * float(np.quantile(fast, 0.99))
@@ -122,7 +117,7 @@ class AxisBalance:
         block = np.floor((balance.even[taken] - balance.even[0]) * balance.cutoff / BLOCK)
         return cls(
             command=command,
-            known=known,
+            known=balance.of([free])[0] + model.axis.mass * needs[0] - command,
             taken=taken,
             needs={name: need[taken] for name, need in zip(AXIS, needs, strict=True)},
             position=balance.motion.middle_position[taken],
@@ -136,11 +131,9 @@ class AxisBalance:
     def fit(self, bounds: Bounds, *, shift: int = 0) -> AxisFit:
         """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
 
-        Free beside them: forces of position and of slow time, friction that differs with direction, and drag, if not
-        bounded.
+        Free beside them: forces of position and of slow time, friction that differs with direction, unbounded drag.
         """
-        at = np.clip(self.taken + shift, 0, len(self.command) - 1)
-        command = self.command[at]
+        command = self.command[np.clip(self.taken + shift, 0, len(self.command) - 1)]
         target = self.freed((command + self.known[self.taken])[None])[0]
         limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
         weights = bounded(self._columns, target, limits)
@@ -174,8 +167,7 @@ class AxisBalance:
     @property
     def one_wave(self) -> float:
         """Largest share, within one frequency band, of the cross-power of command and acceleration."""
-        signals = (self._acceleration, self.command)
-        spectra = [np.fft.rfft(signal - np.mean(signal)) for signal in signals]
+        spectra = [np.fft.rfft(signal - np.mean(signal)) for signal in (self._acceleration, self.command)]
         power = np.abs(spectra[0] * spectra[1])
         total = np.concatenate([[0.0], np.cumsum(power)])
         frequency = np.arange(len(power))
@@ -263,5 +255,5 @@ def explained_share(logs: Sequence[Log], model: Model) -> float | None:
         value, sigma = getattr(model.axis, name), model.uncertainty.get(name)
         exact = None if sigma is None else (value * max(1.0 - SIGMAS * sigma, 0.0), value * (1.0 + SIGMAS * sigma))
         bounds.append(exact or (value / FACTOR, value * FACTOR))
-    found = bounded(columns, target, np.array(bounds))
-    return 1.0 - float(np.mean((target - found @ columns) ** 2)) / power
+    left = target - bounded(columns, target, np.array(bounds)) @ columns
+    return 1.0 - float(np.mean(left**2)) / power

@@ -57,6 +57,7 @@ class ForceBalance:
         cutoff: of the filter, Hz; magnitude of a fourth-order Butterworth filter, zero phase.
         hold: s, for which a command was held where the rows are further apart; None: from row to row.
         rest: m/s; slower rows do not count. None: 2 % of the largest speed.
+        simulate: the noise-free run of a model, for instruments; None: there is none.
 
     Raises:
         ValueError: the rows of the log cover too little of its time.
@@ -68,8 +69,16 @@ class ForceBalance:
     motion: Motion  # smoothed through the readings
     pauses: bool  # whether pauses were shortened
 
-    def __init__(self, log: Log, *, cutoff: float, hold: float | None = None, rest: float | None = None) -> None:
-        self.log, self.cutoff, self.hold, self._rest = log, cutoff, hold, rest
+    def __init__(
+        self,
+        log: Log,
+        *,
+        cutoff: float,
+        hold: float | None = None,
+        rest: float | None = None,
+        simulate: Simulator | None = None,
+    ) -> None:
+        self.log, self.cutoff, self.hold, self._rest, self.simulate = log, cutoff, hold, rest, simulate
         steps, running = np.diff(log.time), running_time(log.time)
         self.sample_time = float(np.median(steps))
         rows = int(np.floor((running[-1] - running[0]) / self.sample_time + 1e-6)) + 1
@@ -144,21 +153,19 @@ class ForceBalance:
         filtered = self.filtered(table[: len(steps) + 1])
         return filtered[0], filtered[1:]
 
-    def along(self, model: Model, run: Simulator | None) -> ForceBalance | None:
+    def along(self, model: Model) -> ForceBalance | None:
         """The force balance along a simulated run; None without a simulator, or if the model cannot be simulated."""
-        if run is None:
+        if self.simulate is None:
             return None
         try:
-            simulated = run(model)
+            simulated = self.simulate(model)
         except (DivergedError, ValueError):  # for example a friction slope too steep for a nearly vanishing mass
             return None
         return ForceBalance(simulated, cutoff=self.cutoff, hold=self.hold)
 
-    def instruments(
-        self, model: Model, parameters: Sequence[Parameter], scales: Scales, run: Simulator | None
-    ) -> FloatArray | None:
+    def instruments(self, model: Model, parameters: Sequence[Parameter], scales: Scales) -> FloatArray | None:
         """Derivatives (p, n) along a simulated run, V; None as for `along`."""
-        simulated = self.along(model, run)
+        simulated = self.along(model)
         return None if simulated is None else simulated.columns(model, parameters, scales)[1]
 
     def _unfiltered(self, models: Sequence[Model]) -> FloatArray:
@@ -214,8 +221,7 @@ class ForceBalance:
             return self.motion
         position = self.readings
         for _ in range(3):  # fixed point of x = reading - error(x): the slope of the error is far below 1
-            error = sum(laws_of(effect).reading_at(position) - position for effect in falsifying)
-            position = self.readings - error
+            position = self.readings - sum(laws_of(effect).reading_at(position) - position for effect in falsifying)
         return self._smooth(position)
 
     def _smooth(self, position: FloatArray) -> Motion:
@@ -263,9 +269,7 @@ def fit_force_balance(
     paths: Sequence[str],
     balances: Sequence[ForceBalance],
     scales: Scales,
-    simulate: Sequence[Simulator | None],
-    *,
-    loose: FloatArray | None = None,
+    loose: FloatArray,
     iterations: int = 12,
 ) -> BalanceEstimate:
     """Solve Z^T r = 0 by Newton steps, Z the instruments; least squares where no run can be simulated.
@@ -276,8 +280,7 @@ def fit_force_balance(
     if not paths:
         rms = tuple(balance.residual_rms(model) for balance in balances)
         return BalanceEstimate(np.empty(0), np.empty((0, 0)), np.empty(0), model, rms, False)
-    prior = np.array([parameters_of(model)[path].value for path in paths])
-    weight = np.zeros(len(paths)) if loose is None else 1.0 / np.asarray(loose) ** 2
+    prior, weight = np.array([parameters_of(model)[path].value for path in paths]), 1.0 / loose**2
     rows = [int(balance.mask.sum()) for balance in balances]
 
     def cost(model: Model) -> float:
@@ -285,16 +288,15 @@ def fit_force_balance(
         logs = [np.log(max(balance.residual_rms(model), 1e-300)) for balance in balances]
         return float(np.exp(np.dot(rows, logs) / sum(rows)))
 
-    def equations(model: Model, simulate: Sequence[Simulator | None]) -> tuple[FloatArray, FloatArray, list[Any], bool]:
+    def equations(model: Model, instrumental: bool) -> tuple[FloatArray, FloatArray, list[Any], bool]:
         """Z^T d r / d parameter (p, p) and Z^T r (p,) with the prior; Z, columns, residual and weight of each log."""
         known = parameters_of(model)
         parameters = [known[path] for path in paths]
-        values = np.array([parameter.value for parameter in parameters])
-        bread, right = np.diag(weight), weight * (values - prior)
+        bread, right = np.diag(weight), weight * (np.array([one.value for one in parameters]) - prior)
         parts, has_instruments = [], True
-        for balance, run in zip(balances, simulate, strict=True):
+        for balance in balances:
             residual, columns = balance.columns(model, parameters, scales)
-            simulated = balance.instruments(model, parameters, scales, run)
+            simulated = balance.instruments(model, parameters, scales) if instrumental else None
             has_instruments &= simulated is not None
             z = (columns if simulated is None else simulated)[:, balance.mask]
             columns, residual = columns[:, balance.mask], residual[balance.mask]
@@ -305,13 +307,13 @@ def fit_force_balance(
         return bread, right, parts, has_instruments
 
     # Without instruments first: a simulated run far from the log could lead the steps astray.
-    for stage in ([None] * len(balances), simulate) if any(simulate) else (simulate,):
+    for instrumental in (False, True) if any(balance.simulate for balance in balances) else (False,):
         now = cost(model)
         narrow = min(model.axis.coulomb_width, NARROW * min(balance.rest for balance in balances))
         for _ in range(iterations):
             known = parameters_of(model)
             values = np.array([known[path].value for path in paths])
-            bread, right, _, _ = equations(model, stage)
+            bread, right, _, _ = equations(model, instrumental)
             lowest = {path: known[path].clipped(-np.inf) for path in paths}
             if "axis.coulomb_width" in lowest:
                 lowest["axis.coulomb_width"] = max(lowest["axis.coulomb_width"], narrow)
@@ -328,7 +330,7 @@ def fit_force_balance(
             small = np.array([scales.of(known[path].dimension) for path in paths])
             if np.all(np.abs(step) <= TOLERANCE * (np.abs(values) + 1e-3 * small)):
                 break
-    bread, _, parts, has_instruments = equations(model, simulate)
+    bread, _, parts, has_instruments = equations(model, instrumental=True)
     # Leave out one block after the other: a sandwich estimate is too optimistic for a parameter that few blocks show.
     shifts = [
         solve_scaled(bread - own, right, bread)

@@ -74,8 +74,7 @@ def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterat
         scaled = curvature / np.outer(size, size)
         step = -np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True) @ (gradient / size) / size
         done += 1
-        filters = [s.coefficients for s in seen]
-        model, length = _move(model, parameters, step, logs, residuals, filters)
+        model, length = _move(model, parameters, step, logs, residuals, [s.coefficients for s in seen])
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < TOLERANCE * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more evaluation, at the final values

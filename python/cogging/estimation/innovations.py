@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cogging._core import Plant, Prediction, Predictor
+from cogging._core import Prediction, Predictor
 from cogging.arrays import FloatArray
 from cogging.effects.effect import Wave, kind_of, laws_of
 from cogging.estimation.residuals import START, quiet_plant, scales_of, since, steps_needed
@@ -38,14 +38,13 @@ class Innovations:
         self.log = log
         sample_time = float(np.median(np.diff(log.time)))
         self.gap = max(5.0 * sample_time, 0.1 / BANDWIDTH)
-        self.initial_velocity = initial_velocity(log)
         self.predictor = Predictor(
             log.time - log.time[0],  # time counts from the first row
             log.position,
             log.command,
             bandwidth=BANDWIDTH,
             gap=self.gap,
-            initial_velocity=self.initial_velocity,
+            initial_velocity=initial_velocity(log),
             steps_per_sample=steps_needed(model, sample_time),
         )
         self.scale = model.axis.mass * (2.0 * np.pi * BANDWIDTH) ** 2
@@ -53,8 +52,7 @@ class Innovations:
         self.along, self.velocity = self._predicted[0][1], self._predicted[0][1].velocity
         smooth = max(1, round(0.1 / BANDWIDTH / sample_time))
         speed = moving_average(self.velocity, smooth)
-        acceleration = np.gradient(moving_average(self.velocity, 4 * smooth), log.time)
-        self.scales = scales_of(log, speed, acceleration)
+        self.scales = scales_of(log, speed, np.gradient(moving_average(self.velocity, 4 * smooth), log.time))
         self.rest = max(model.axis.coulomb_width, 3e-3 * float(np.abs(speed).max())) if rest is None else rest
         # Rows after long enough motion without a gap.
         turned = np.concatenate([[False], self.velocity[1:] * self.velocity[:-1] < 0.0])  # between two rows
@@ -93,8 +91,14 @@ class Innovations:
         )
         if forces:
             steps = [one_sided(model, parameters[i], scales.step(parameters[i])) for i in forces]
-            plants = [quiet_plant(step.above) for step in steps]
-            columns[forces] = self.rows_of_plants(along, plant, plants, [step.span for step in steps])
+            plants = [plant, *(quiet_plant(step.above) for step in steps)]
+            force = self.predictor.net_force(plants, along.middle_position, along.middle_velocity)
+            # The same acceleration, as a force on the plant's own mass.
+            force *= (plant.axis.mass / np.array([one.axis.mass for one in plants]))[:, None]
+            force[1:] -= force[0]
+            force = force[1:]
+            force /= np.array([step.span for step in steps])[:, None]
+            columns[forces] = self.scale * self.predictor.propagate(along, plant.axis.mass, force)
         if readings:
             errors = np.zeros((len(readings), len(self.log)))
             for row, i in zip(errors, readings, strict=True):
@@ -115,21 +119,6 @@ class Innovations:
             table = self.of([side for step in steps for side in (step.above, step.below)])
             columns[others] = (table[0::2] - table[1::2]) / np.array([step.span for step in steps])[:, None]
         return self.scale * along.innovation, columns
-
-    def rows_of_plants(
-        self, along: Prediction, plant: Plant, others: Sequence[Plant], spans: Sequence[float]
-    ) -> FloatArray:
-        """First-order change of residuals from a plant to others that differ in forces and mass, over `spans`, (p, n).
-
-        `along` is the prediction of `plant`, all without quantiser and noise.
-        """
-        force = self.predictor.net_force([plant, *others], along.middle_position, along.middle_velocity)
-        # The same acceleration, as a force on the plant's own mass.
-        force *= (plant.axis.mass / np.array([p.axis.mass for p in (plant, *others)]))[:, None]
-        force[1:] -= force[0]
-        force = force[1:]
-        force /= np.asarray(spans)[:, None]
-        return np.asarray(self.scale * self.predictor.propagate(along, plant.axis.mass, force))
 
 
 def _kind(model: Model, path: str) -> str:

@@ -118,6 +118,5 @@ def place_of_reading(reading: float, effects: Sequence[Effect]) -> float:
     erring = [laws_of(effect) for effect in effects if "reading" in effect.HOOKS]
     place = reading
     for _ in range(INVERSIONS if erring else 0):
-        errors = [float(np.ravel(effect.reading_at(position=[place]))[0]) - place for effect in erring]
-        place = reading - sum(errors)
+        place = reading - sum([float(np.ravel(effect.reading_at(position=[place]))[0]) - place for effect in erring])
     return place

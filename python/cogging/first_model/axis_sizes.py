@@ -54,12 +54,11 @@ class Sizes:
 
 
 class _Fit(NamedTuple):
-    """Least squares of the command: values and sigmas of AXIS, share that each explains alone, and the residual."""
+    """Least squares of the command: values and sigmas of AXIS (and offset), what each explains alone, the residual."""
 
     values: FloatArray
     sigmas: FloatArray
     alone: FloatArray
-    offset: float
     explained: float
     residual: FloatArray
 
@@ -97,7 +96,7 @@ def sizes_of(log: Log, units: Units) -> Sizes:
         residuals.insert(0, (wide.position, sign * (wide.command[wide.taken] - plain.values @ columns)))
     return Sizes(
         sizes=sizes,
-        offset=sign * plain.offset,
+        offset=sign * float(plain.values[3]),
         explained=plain.explained,
         reversed=back,
         speed=float(np.quantile(np.abs(balance.speed), 0.99)),
@@ -125,17 +124,13 @@ def _fit(columns: FloatArray, command: FloatArray, block: np.ndarray) -> _Fit:
     weights = np.linalg.lstsq(normal, right, rcond=1e-9)[0]
     residual = command - weights @ scaled
     power = max(float(command @ command), 1e-300)
-    shifts = [
-        np.linalg.lstsq(normal - bread, share, rcond=1e-9)[0]
-        for bread, share in shares_of_blocks(scaled, scaled, residual, block)
-    ]
+    shares = shares_of_blocks(scaled, scaled, residual, block)
+    shifts = [np.linalg.lstsq(normal - bread, share, rcond=1e-9)[0] for bread, share in shares]
     covariance = spread_of(np.array(shifts))[0] if len(shifts) > 1 else np.full((len(size), len(size)), np.inf)
     inverse = np.diag(np.linalg.pinv(normal, rcond=1e-9, hermitian=True))
     alone = weights**2 / np.maximum(inverse, 1e-300) / power  # share of the command's power that is lost without it
-    sigmas = np.sqrt(np.abs(np.diag(covariance))) / size
-    values = weights / size
-    offset = float(values[3]) if len(values) > 3 else 0.0
-    return _Fit(values, sigmas, alone, offset, 1.0 - float(residual @ residual) / power, residual)
+    sigmas, values = np.sqrt(np.abs(np.diag(covariance))) / size, weights / size
+    return _Fit(values, sigmas, alone, 1.0 - float(residual @ residual) / power, residual)
 
 
 def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, units: Units) -> Size:
@@ -151,8 +146,7 @@ def _size(k: int, name: str, sign: float, placed: _Fit, plain: _Fit, units: Unit
     bound = abs(value) + SIGMAS * float(plain.sigmas[k])
     if not math.isfinite(bound) or name == "mass":
         return Size(0.0, None, reason)
-    unit = units.of(AxisParameters.FIELDS[name][0])
-    return Size(max(value, 0.0), None, f"{reason}; below {bound:.2g} {unit}")
+    return Size(max(value, 0.0), None, f"{reason}; below {bound:.2g} {units.of(AxisParameters.FIELDS[name][0])}")
 
 
 ROWS = 3000  # used at most

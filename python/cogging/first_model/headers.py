@@ -135,10 +135,7 @@ STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
 STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
 #: Ranges of travel, speed and acceleration of axes in m or rad, m/s, m/s^2 (assumed, from stages to gantries and from
 #: joints to spindles), and typical values.
-RANGES = {
-    "m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)),
-    "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5)),
-}
+RANGES = {"m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)), "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5))}
 USUAL = {"m": (0.2, 0.3, 5.0), "rad": (3.0, 5.0, 50.0)}
 TRIED = {"m": {"m": 1.0, "mm": 1e-3, "um": 1e-6}, "rad": {"rad": 1.0, "deg": math.pi / 180.0}}
 COUNT = 1e-6  # m or rad, assumed for an encoder count of unknown size
@@ -203,9 +200,8 @@ def unit_of_position(header: Header, time: FloatArray, position: FloatArray, tur
         reason = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
         return Unit(COUNT, label, reason, UNKNOWN)
     sizes = {unit: [max(factor * value, 1e-300) for value in motion] for unit, factor in tried.items()}
-    fitting = [
-        u for u, found in sizes.items() if all(a <= x <= b for x, (a, b) in zip(found, RANGES[label], strict=True))
-    ]
+    within = {u: [a <= x <= b for x, (a, b) in zip(one, RANGES[label], strict=True)] for u, one in sizes.items()}
+    fitting = [unit for unit, good in within.items() if all(good)]
     if header.label == "position" and label in fitting:
         beside = " beside a torque or as an angle" * turns
         return Unit(1.0, label, f"in {label}, as a log of this name has it{beside}; give a factor if it is not", LIKELY)

@@ -399,7 +399,6 @@ def _drafted(source: str, log: Log, guesses: ColumnGuesses | None, rows: slice |
         unsure.append("command or position has the wrong sign: the command is inverted here")
     found = audit(replace(log, time=stamps))
     seen, quantum = (log.position, found.encoder_quantum) if log.reference is None else (log.reference, 0.0)
-    motion = motion_of_log(log.time, seen, quantum, units)
     beginning = Log.of({name: column[:ROWS_OF_CONTROLLER] for name, column in log.columns().items()})
     controller = recover_controller(beginning)
     waves = (strongest_wave(*residual, found.command_rms) for residual in sizes.residuals)
@@ -408,7 +407,7 @@ def _drafted(source: str, log: Log, guesses: ColumnGuesses | None, rows: slice |
         log=log,
         columns=guesses,
         audit=replace(found, units=units),
-        motion=motion,
+        motion=motion_of_log(log.time, seen, quantum, units),
         seen_in="position" if log.reference is None else "reference",
         sizes=sizes,
         wave=next(filter(None, waves), None),

@@ -62,8 +62,7 @@ def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
     """Fit a sine about a center; None if it does not fit."""
     from scipy.optimize import minimize_scalar
 
-    even = np.linspace(0.0, t[-1], min(len(t), 8192))
-    y = np.interp(even, t, x)
+    y = np.interp(np.linspace(0.0, t[-1], min(len(t), 8192)), t, x)
     power = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(len(y)))) ** 2
     peak = int(np.argmax(power[1:])) + 1
     every = max(1, len(t) // 4000)
@@ -84,8 +83,7 @@ def _sine(t: FloatArray, x: FloatArray, units: Units) -> Motion | None:
     fields = {"center": _round(float(weights[0]), amplitude), "amplitude": _round(amplitude, amplitude)}
     fields["frequency"] = float(f"{frequency:.4g}")
     text = "a sine of amplitude {amplitude:.4g} {m} at {frequency:.4g} Hz about {center:.4g} {m}"
-    text = text.format(**fields, m=units.position)
-    return Motion("sine", text, fields, rms)
+    return Motion("sine", text.format(**fields, m=units.position), fields, rms)
 
 
 def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], units: Units) -> Motion | None:
@@ -122,8 +120,7 @@ def _point_to_point(t: FloatArray, x: FloatArray, moves: list[tuple[int, int]], 
     dwell = max(between - course.move_time, 0.0)
     fields = {"start": _round(levels[0], distance), "distance": _round(distance, distance)}
     fields |= {"velocity": float(f"{velocity:.3g}"), "acceleration": float(f"{acceleration:.3g}")}
-    if math.isfinite(jerk):
-        fields["jerk"] = float(f"{jerk:.2g}")
+    fields |= {"jerk": float(f"{jerk:.2g}")} if math.isfinite(jerk) else {}
     fields |= {"dwell": float(f"{dwell:.3g}"), "repeats": max(1, (len(moves) + 1) // 2)}
     of, length = units.of, f"{abs(distance):.4g} {units.position}"
     text = f"{len(moves)} moves of {length} there and back" if len(moves) > 1 else f"one move of {length}, one way"
@@ -145,8 +142,7 @@ def _shape(
     times, path = t[rows] - t[rows[0]], np.abs(x[rows] - x[rows[0]])
     began = float(t[move[0]] - t[rows[0]])
     length = float(t[move[1]] - t[move[0]])
-    slope = np.diff(path) / np.diff(times)
-    top = float(np.quantile(slope, 0.97))
+    top = float(np.quantile(np.diff(path) / np.diff(times), 0.97))
     if top <= 0.0 or length <= 0.0:
         return None
     path = path / distance
@@ -175,5 +171,4 @@ def _shape(
 
 def _round(value: float, size: float) -> float:
     """Round a value to a ten-thousandth of a size."""
-    digits = 4 - math.floor(math.log10(abs(size)))
-    return round(value, digits)
+    return round(value, 4 - math.floor(math.log10(abs(size))))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cogging import plot
-from cogging._core import EFFECTS, smooth_sign
+from cogging._core import EFFECTS, AxisParameters, smooth_sign
 from cogging._core.effects import CoulombAsymmetry, StribeckFriction, ViscousAsymmetry
 from cogging.arrays import FloatArray, IntArray, least_squares
 from cogging.calls import check_arguments, entry_named
@@ -22,15 +22,9 @@ from cogging.resources import on_one_blas_thread
 from cogging.tables import frame_of, html_table
 from cogging.values import ByValue
 
-PARAMETER_UNITS = {
-    "coulomb": "V",
-    "viscous": "V/(m/s)",
-    "coulomb_asymmetry.difference": "V",
-    "viscous_asymmetry.difference": "V/(m/s)",
-    "stribeck_friction.static_excess": "V",
-    "stribeck_friction.velocity": "m/s",
-    "stribeck_friction.exponent": "1",
-}
+PARAMETER_UNITS = {name: AxisParameters.FIELDS[name][0] for name in ("coulomb", "viscous")}
+for _law in (CoulombAsymmetry, ViscousAsymmetry, StribeckFriction):
+    PARAMETER_UNITS |= {f"{_law.NAME}.{name}": unit for name, (unit, _) in _law.FIELDS.items()}
 EXPONENTS = (0.5, 4.0)  # range searched
 STARTS = 24  # of the search, speeds on a logarithmic scale
 
@@ -166,7 +160,7 @@ class Law:
         low = np.append(linear - half[: linear.size], shape / factors)
         high = np.append(linear + half[: linear.size], shape * factors)
         rows = zip(self.paths, values.tolist(), low.tolist(), high.tolist(), strict=True)
-        return {path: FrictionParameter(*ends, units.of(PARAMETER_UNITS[path])) for path, *ends in rows}, notes
+        return {path: FrictionParameter(p, a, b, units.of(PARAMETER_UNITS[path])) for path, p, a, b in rows}, notes
 
 
 def robust_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cogging._core import DivergedError
 from cogging.arrays import FloatArray, IntArray, Mask
-from cogging.estimation.force_balance import ForceBalance, Simulator
+from cogging.estimation.force_balance import ForceBalance
 from cogging.estimation.gauss_newton import columns_of
 from cogging.estimation.residuals import Residuals, whitened
 from cogging.model.model import Model
@@ -26,8 +26,7 @@ class Determinability:
     """Which parameters the logs determine."""
 
     paths: tuple[str, ...]  # of the parameters
-    # predicted 1-sigma with all others free, relative to the parameter's size, (p,); infinite if no row depends on it
-    sigma: FloatArray
+    sigma: FloatArray  # predicted 1-sigma with all others free, over the size, (p,); infinite if no row depends on it
     in_balance: tuple[bool, ...]  # whether the force balance depends on it, else only the output error may, (p,)
     notes: tuple[str, ...]  # one sentence each
 
@@ -50,12 +49,11 @@ def determinability(
     paths: Sequence[str],
     balances: Sequence[ForceBalance],
     scales: Scales,
-    simulate: Sequence[Simulator | None],
     sources: Callable[[], Sequence[Residuals]] = tuple,
 ) -> Determinability:
     """Predict from a linearised fit which parameters the logs determine.
 
-    Where `simulate` has a run for a log its noise-free motion is used: noise in the measured motion is no excitation.
+    Where a log can be simulated its noise-free motion is used: noise in the measured motion is no excitation.
     `sources` makes the output errors of the logs, used where the force balance does not depend on a parameter.
     """
     known = parameters_of(model)
@@ -65,13 +63,12 @@ def determinability(
     def without_effect(tables: Sequence[_Table]) -> Mask:
         """Which parameters change no row, (p,)."""
         power = sum((columns**2).sum(axis=1) for columns, _, _ in tables)
-        rows = sum(columns.shape[1] for columns, _, _ in tables)
-        return np.asarray(np.sqrt(power / rows) * sizes < 1e-9)
+        return np.asarray(np.sqrt(power / sum(columns.shape[1] for columns, _, _ in tables)) * sizes < 1e-9)
 
     tables: list[_Table] = []
-    for balance, run in zip(balances, simulate, strict=True):
+    for balance in balances:
         residual, columns = balance.columns(model, parameters, scales)
-        simulated = balance.instruments(model, parameters, scales, run)
+        simulated = balance.instruments(model, parameters, scales)
         columns = columns if simulated is None else simulated
         rows = balance.mask
         weight = 1.0 / max(float(np.sqrt(np.mean(residual[rows] ** 2))), 1e-300)

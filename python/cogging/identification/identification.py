@@ -126,8 +126,7 @@ def _paths(model: Model, free: Sequence[str] | None) -> list[str]:
     if free is None:
         roles = {path: role_of(model, path) for path in known}
         nodes = {path for path, role in roles.items() if role == "shape" and path.endswith("]")}  # a choice
-        settings = {path for path, role in roles.items() if role == "setting"}
-        left_out = exact | nodes | settings
+        left_out = exact | nodes | {path for path, role in roles.items() if role == "setting"}
         free = [path for path, one in known.items() if path not in left_out and np.isfinite(one.value)]
     for path in free:
         if path not in known:

@@ -135,11 +135,8 @@ class Identification(ByValue):
         lines += ["", f"Fit ({self.estimator.replace('_', ' ')}, below {self.cutoff:g} Hz):", *self._table()]
         table = np.abs(np.tril(self.correlation, -1))
         worst = [divmod(int(k), len(table)) for k in np.argsort(-table, axis=None)[:4]]
-        pairs = [
-            f"{self.parameters[j].path} and {self.parameters[i].path} {self.correlation[i, j]:+.2f}"
-            for i, j in worst
-            if table[i, j] > CORRELATED
-        ]
+        path = [p.path for p in self.parameters]
+        pairs = [f"{path[j]} and {path[i]} {self.correlation[i, j]:+.2f}" for i, j in worst if table[i, j] > CORRELATED]
         lines += [f"  correlated: {', '.join(pairs)}"] * bool(pairs)
         lines += [f"  share of the command explained: {percent(self.explained)}", ""]
         v = self.model.units.command

@@ -60,8 +60,7 @@ class LoggedRun:
     name: str  # of the log
     log: Log  # measured
     audit: Audit  # of it
-    # the closed loop on its reference; None if controller or reference are unknown or do not fit
-    replay: LoggedReplay | None
+    replay: LoggedReplay | None  # on its reference; None if controller or reference are unknown or do not fit
     line: str  # remark on the stated controller, or ""
     repairs: str = ""  # remark on corrected time stamps and spikes
     sparse: str = ""  # remark on too few rows for the controller, or ""
@@ -114,6 +113,21 @@ class LoggedRun:
             return None
         noise_free = Log(time=self.log.time, position=reference, command=self.log.command)
         return lambda model: noise_free
+
+    def balance(self, cutoff: float, rest: float | None, *, every_second: bool = False) -> ForceBalance:
+        """The force balance of the log, or of every second row, each with the mean of the two commands in between."""
+        log, hold, simulate = self.log, self.hold, self.simulator()
+        if not every_second:
+            return ForceBalance(log, cutoff=cutoff, hold=hold, rest=rest, simulate=simulate)
+
+        def half(log: Log) -> Log:
+            first, second = log.command[::2], np.append(log.command[1::2], log.command[-1:])
+            columns = {name: column[::2] for name, column in log.columns().items()}
+            return Log.of({**columns, "command": 0.5 * (first + second[: len(first)])})
+
+        hold = hold or float(np.median(np.diff(log.time)))
+        fewer = simulate and (lambda model: half(simulate(model)))
+        return ForceBalance(half(log), cutoff=cutoff, hold=hold, rest=rest, simulate=fewer)
 
     def relative_errors(self, model: Model) -> dict[str, float]:
         """Relative error of the replay in position, velocity and command (norms); empty without a replay.

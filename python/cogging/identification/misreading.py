@@ -70,8 +70,7 @@ class Reading:
     kind: str  # sign, scale, swap, derivative, shift, or reference
     said: str = field(compare=False)  # what is wrong, a clause with the column as its subject
     factors: Mapping[str, float] = field(default_factory=dict)  # by column
-    # the column that takes the place of another, by the name of that place
-    renamed: Mapping[str, str] = field(default_factory=dict)
+    renamed: Mapping[str, str] = field(default_factory=dict)  # the column that takes the place of another, by place
     shift: int = 0  # rows by which the command is too late, negative: too early
 
     def of(self, log: Log) -> Log:
@@ -120,8 +119,7 @@ class Misreading:
     rows: int | None  # by which the command is too late, negative: too early; or None
     option: str  # to give on the command line, or "" where no option does it
     alternatives: tuple[str, ...]  # options that these logs cannot distinguish from it
-    # share of the command's power in motion that the model explains as the log was read; None: unknown
-    explained: float | None
+    explained: float | None  # share of the command's power in motion that the model explains as read; None: unknown
     explained_otherwise: float | None  # the same with the column read correctly
     logs: tuple[str, ...]  # names of the logs
     advice: str  # what to do
@@ -240,8 +238,7 @@ def misread_columns(log: Log, model: Model) -> list[Reading]:
         reference, position = log.reference, log.position
         slope, left = _following(position, reference)
         resembles = slope > 0.0 and left < UNLIKE
-        moves = np.ptp(reference) > 0.0
-        if moves and float(np.mean(np.abs(position - reference) <= 1e-9 * np.ptp(reference))) > EQUAL:
+        if np.ptp(reference) > 0.0 and float(np.mean(np.abs(position - reference) <= 1e-9 * np.ptp(reference))) > EQUAL:
             return [Reading("position", "reference", "equals the reference row by row, as no axis follows it")]
         if equals(log.command, reference) and not resembles:
             return [_exchanged("position", "command")]
@@ -363,8 +360,7 @@ class Evidence:
     unexplained: float  # of the log as read, at least, whatever mass and friction
     explained: float  # of the other reading, at most
     margin: float = 4.0  # ratio of both, at least
-    # effective number of blocks that support it, at least: (sum of gains)^2 over the sum of squares
-    stretches: float = 9.0
+    stretches: float = 9.0  # effective number of blocks that support it, at least: (sum of gains)^2 / sum of squares
 
     def favours(self, after: AxisFit, before: AxisFit) -> bool:
         """Whether the reading fitted by `after` is clearly better than the one fitted by `before`."""

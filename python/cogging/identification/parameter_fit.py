@@ -12,7 +12,7 @@ import numpy as np
 from cogging._core import AxisParameters, DivergedError
 from cogging.arrays import FloatArray
 from cogging.effects.effect import VOCABULARY
-from cogging.estimation.force_balance import BalanceEstimate, ForceBalance, Simulator, fit_force_balance
+from cogging.estimation.force_balance import BalanceEstimate, ForceBalance, fit_force_balance
 from cogging.estimation.gauss_newton import Estimate, fit
 from cogging.estimation.innovations import Innovations
 from cogging.estimation.residuals import Residuals
@@ -59,14 +59,14 @@ class ParameterFit:
     rest: float | None  # m/s, below which rows do not count
 
     def __post_init__(self) -> None:
-        self.prior, self.simulate = parameters_of(self.model), [run.simulator() for run in self.runs]
+        self.prior = parameters_of(self.model)
 
     def run(self, progress: Progress) -> Identification:
         """Fit stage by stage and report each stage."""
         with steps(progress, "identify", len(STAGES)) as begin:
             begin(STAGES[0])
             for cutoff in self.cutoffs:
-                self.balances = [ForceBalance(r.log, cutoff=cutoff, hold=r.hold, rest=self.rest) for r in self.runs]
+                self.balances = [run.balance(cutoff, self.rest) for run in self.runs]
                 needed = 4 * len(self.paths) + 50
                 for r, balance in zip(self.runs, self.balances, strict=True):
                     if (count := int(balance.mask.sum())) < needed:
@@ -84,8 +84,7 @@ class ParameterFit:
                 if max(floor / max(rms, 1e-300) for floor, rms in left) < READING_SHARE:
                     break
             model = self.estimate.model
-            pairs = zip(self.balances, self.simulate, strict=True)
-            self.left = [Unmodelled.of(balance, model, run) for balance, run in pairs]
+            self.left = [Unmodelled.of(balance, model) for balance in self.balances]
             begin(STAGES[1])
             self.output = self._fit_output(model)
             begin(STAGES[2])
@@ -97,8 +96,7 @@ class ParameterFit:
     # The estimators ---------------------------------------------------------------------------------------------------
 
     def _determine(self, model: Model) -> Determinability:
-        where = self.balances, self.scales, self.simulate, partial(self._sources, model)
-        return determinability(model, self.paths, *where)
+        return determinability(model, self.paths, self.balances, self.scales, partial(self._sources, model))
 
     def _sources(self, model: Model) -> list[Residuals]:
         return [run.replay or Innovations(run.log, model, rest=self.rest) for run in self.runs]
@@ -127,7 +125,7 @@ class ParameterFit:
             moved = {path: known[path].value + SPREAD * random.normal() * sizes[path] for path in nonlinear}
             with contextlib.suppress(ValueError):
                 starts.append(with_values(start, moved))
-        fits = [fit_force_balance(s, paths, self.balances, self.scales, self.simulate, loose=loose) for s in starts]
+        fits = [fit_force_balance(start, paths, self.balances, self.scales, loose) for start in starts]
         return min(fits, key=lambda found: float(np.sum(np.log(np.maximum(found.residual_rms, 1e-300)))))
 
     def _fit_output(self, start: Model) -> Estimate | None:
@@ -149,12 +147,11 @@ class ParameterFit:
     def _one_by_one(self, model: Model) -> dict[str, tuple[float, float]]:
         """Standard deviation of the values of logs fitted one by one, and the rms of their own, by path."""
         found: dict[str, list[tuple[float, float]]] = {}
-        logs = zip(self.balances, self.simulate, strict=True) if len(self.balances) > 1 else ()
         paths = [p for p in self.paths if self.seen.determined(p) and self.seen.seen_by_balance(p)]
-        for balance, run in logs:
-            alone = determinability(model, self.paths, [balance], self.scales, [run])
+        for balance in self.balances if len(self.balances) > 1 else ():
+            alone = determinability(model, self.paths, [balance], self.scales)
             loose = self._loose(paths, alone, model)
-            single = fit_force_balance(model, paths, [balance], self.scales, [run], loose=loose, iterations=4)
+            single = fit_force_balance(model, paths, [balance], self.scales, loose, iterations=4)
             for path, value, variance in zip(paths, single.values, np.diag(single.covariance), strict=True):
                 if alone.determined(path):
                     found.setdefault(path, []).append((float(value), float(np.sqrt(variance))))
@@ -179,27 +176,23 @@ class ParameterFit:
             rows = [(path, float(v), float(h)) for path, v, h in zip(paths, values, halves, strict=True)]
             found[way] = {path: (v, np.nan, h) for path, v, h in rows if np.isfinite([v, h]).all()}
 
-        def refit(way: str, others: Sequence[ForceBalance], runs: Sequence[Simulator | None]) -> None:
+        def refit(way: str, others: Sequence[ForceBalance]) -> None:
             if any(int(balance.mask.sum()) < 4 * len(paths) + 50 for balance in others):
                 return
-            again = fit_force_balance(model, paths, others, self.scales, runs, loose=loose, iterations=OTHER_ITERATIONS)
+            again = fit_force_balance(model, paths, others, self.scales, loose, OTHER_ITERATIONS)
             answer = answer_of(paths, again.values, again.covariance, again.freedom)
             add(way, again.values, [half for _, _, half in answer.values()])
 
         add(WITH_FORCES, values + moved, halves)
         add(AS_NOISE, values, bent)
-        balances, cutoff = self.balances, self.balances[0].cutoff
-        step = max(balance.sample_time for balance in balances)
+        cutoff = self.balances[0].cutoff
+        step = max(balance.sample_time for balance in self.balances)
+        pairs = list(zip(self.runs, self.balances, strict=True))
         for other in (FURTHER * cutoff, cutoff / FURTHER):
             if LEAST_CUTOFF <= other <= 0.2 / step:
-                again = [ForceBalance(b.log, cutoff=other, hold=b.hold, rest=b.rest) for b in balances]
-                refit(f"below {other:g} Hz", again, self.simulate)
+                refit(f"below {other:g} Hz", [run.balance(other, own.rest) for run, own in pairs])
         if cutoff <= 0.2 / (FURTHER * step):
-            again = [
-                ForceBalance(thinned(b.log), cutoff=cutoff, hold=b.hold or b.sample_time, rest=b.rest) for b in balances
-            ]
-            fewer = [run and (lambda model, run=run: thinned(run(model))) for run in self.simulate]
-            refit("with every second row", again, fewer)
+            refit("with every second row", [run.balance(cutoff, own.rest, every_second=True) for run, own in pairs])
         return found
 
     # The result -------------------------------------------------------------------------------------------------------
@@ -355,11 +348,3 @@ def noise_floor(balance: ForceBalance, model: Model) -> float:
     bare = Model(axis=AxisParameters(mass=model.axis.mass, viscous=model.axis.viscous))
     residual = ForceBalance(log, cutoff=balance.cutoff).of([bare])
     return float(np.sqrt(np.mean(residual[0, balance.mask] ** 2)))
-
-
-def thinned(log: Log) -> Log:
-    """Every second row, with the mean of the two commands that acted in between."""
-    columns = log.columns()
-    first = columns["command"][::2]
-    second = np.append(columns["command"][1::2], first[-1:])[: len(first)]
-    return Log.of({**{name: column[::2] for name, column in columns.items()}, "command": 0.5 * (first + second)})

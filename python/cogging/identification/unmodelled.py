@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cogging.arrays import FloatArray, IntArray
-from cogging.estimation.force_balance import ForceBalance, Simulator
+from cogging.estimation.force_balance import ForceBalance
 from cogging.estimation.statistics import student
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
@@ -56,12 +56,11 @@ class Unmodelled:
     @property
     def is_strong(self) -> bool:
         """Whether so much of the command is unmodelled that a block jackknife cannot tell its effect."""
-        much = self.structured > STRONG * self.command or self.residual > BURIED * self.noise
-        return self.is_missing and much
+        return self.is_missing and (self.structured > STRONG * self.command or self.residual > BURIED * self.noise)
 
     @classmethod
-    def of(cls, balance: ForceBalance, model: Model, run: Simulator | None) -> Unmodelled:
-        """Split what a fitted model leaves of a log; `run`: simulates the noise-free motion; None: use the measured."""
+    def of(cls, balance: ForceBalance, model: Model) -> Unmodelled:
+        """Split what a fitted model leaves of a log, along the noise-free motion where it can be simulated."""
         residual = balance.of([model])[0]
         command = balance.filtered(balance.command[None, :])[0]
         every = max(1, int(1.0 / (ROWS_PER_PERIOD * balance.cutoff * balance.sample_time)))
@@ -88,9 +87,8 @@ class Unmodelled:
         smooth += [*(direction * fall for fall in falls), *falls, *_hats(balance.even[coarse], TIMES)]
         forces = seen(smooth)
         # Of a mass error, of a command delay, and of a mass that differs with direction.
-        acceleration = (balance.along(model, run) or balance).motion.acceleration
-        change = np.gradient(acceleration)
-        inertial = seen([acceleration[coarse], change[coarse], acceleration[coarse] * direction])
+        acceleration = (balance.along(model) or balance).motion.acceleration
+        inertial = seen([acceleration[coarse], np.gradient(acceleration)[coarse], acceleration[coarse] * direction])
         numbers = _waves(position, rows, left, np.vstack([forces, inertial]))
         forces = np.vstack([forces, seen([wave(k * position[coarse]) for k in numbers for wave in (np.sin, np.cos)])])
         quiet, rank = _without(left, np.vstack([forces, inertial]))
@@ -170,8 +168,7 @@ def _waves(position: FloatArray, rows: IntArray, left: FloatArray, forces: Float
 
 def _without(left: FloatArray, forces: FloatArray) -> tuple[FloatArray, float]:
     """A residual (m,) with forces (q, m) projected out, and the rank of these."""
-    gram = forces @ forces.T / len(left)
-    values, vectors = np.linalg.eigh(gram)
+    values, vectors = np.linalg.eigh(forces @ forces.T / len(left))
     good = values > 1e-6 * values.max(initial=1e-300)
     basis = (vectors[:, good] / np.sqrt(values[good])).T @ forces
     return left - (basis @ left / len(left)) @ basis, float(good.sum())
@@ -180,8 +177,7 @@ def _without(left: FloatArray, forces: FloatArray) -> tuple[FloatArray, float]:
 def _memory(noise: FloatArray) -> tuple[float, float]:
     """Number of independent rows of a noise, and its density at low frequencies over that of white noise."""
     n = len(noise)
-    spectrum = np.abs(np.fft.rfft(noise, 2 * n)) ** 2
-    correlation = np.fft.irfft(spectrum)[: max(n // 4, 2)]
+    correlation = np.fft.irfft(np.abs(np.fft.rfft(noise, 2 * n)) ** 2)[: max(n // 4, 2)]
     correlation = correlation[1:] / max(correlation[0], 1e-300)
     first = np.flatnonzero(correlation <= 0.0)
     near = correlation[: int(first[0])] if len(first) else correlation

@@ -356,8 +356,7 @@ def _with_estimates(found: Compared, command_rms: float) -> tuple[bool | None, s
 
 
 def _why_not(log: Log, model: Model, command_rms: float) -> str:
-    speed_is_enough = model.controller_type == "speed" and log.reference_velocity is not None
-    if log.reference is None and not speed_is_enough:
+    if log.reference is None and (model.controller_type != "speed" or log.reference_velocity is None):
         return "the log has no reference: the controller cannot be recomputed"
     if len(log) < FEWEST_ROWS:
         return f"{len(log)} rows are too few to check the controller, which needs {FEWEST_ROWS}"

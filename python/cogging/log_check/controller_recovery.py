@@ -11,7 +11,7 @@ import numpy as np
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
 from cogging.calls import check_arguments
-from cogging.log_check.controller_check import fit_columns, fit_samples, linear_regressors
+from cogging.log_check.controller_check import fit_columns, fit_samples, linear_regressors, root_mean_square
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
@@ -84,29 +84,23 @@ def _recovered(log: Log, reference: FloatArray, unseen: Mask) -> RecoveredContro
     cut = bool((at_top[:-2] & at_top[1:-1] & at_top[2:]).any()) and float(np.ptp(log.command)) > 0.0
     limit, free = (top, ~at_top) if cut else (0.0, np.ones(len(log), dtype=bool))
     free[0] = False
-    rows = free[samples.row] & samples.judged((0, 1))
-    if rows.sum() < FEWEST_ROWS // 2:
-        return None
-    command_rms = float(np.sqrt(np.mean(samples.command[samples.known] ** 2)))
-    if command_rms == 0.0:
+    rows, command_rms = free[samples.row] & samples.judged((0, 1)), root_mean_square(samples.command[samples.known])
+    if rows.sum() < FEWEST_ROWS // 2 or command_rms == 0.0:
         return None
     found: list[tuple[int, RecoveredController]] = []
     for kind, struct in (("cascade", CascadeParameters), ("pid", PidParameters)):
         for velocity in ("reference", "measured"):
             base = struct(sample_rate=rate, feedforward_velocity=velocity)
-            fit = _fit(kind, base, samples, rows, command_rms)
-            if fit is None or fit[1] > ACCEPTED * command_rms:
+            gains, rms = _fit(kind, base, samples, rows, command_rms) or ({}, math.inf)
+            if rms > ACCEPTED * command_rms:
                 continue
-            gains, rms = fit
             if "kp kv" in gains:
                 gains["kp"] = gains.pop("kp kv") / gains["kv"]
             recovered = RecoveredController(kind, base.replace(**gains, command_limit=limit), rms, log.units)
             found.append((sum(value != 0.0 for value in gains.values()), recovered))
-    if not found:
-        return None
-    smallest = min(recovered.residual_rms for _, recovered in found)
+    smallest = min((recovered.residual_rms for _, recovered in found), default=0.0)
     alike = [entry for entry in found if entry[1].residual_rms <= 1.05 * smallest + 1e-9 * command_rms]
-    return min(alike, key=lambda entry: entry[0])[1]
+    return min(alike, key=lambda entry: entry[0])[1] if alike else None
 
 
 def _fit(
@@ -116,7 +110,7 @@ def _fit(
     fixed = linear_regressors(kind, base, samples)
     believed = fit_samples(samples, fixed, rows, "ki" in fixed)[2]
     if believed.sum() < rows.sum():
-        command_rms = float(np.sqrt(np.mean(samples.command[believed] ** 2)))
+        command_rms = root_mean_square(samples.command[believed])
     is_apart = "ki" in fixed and bool(samples.segment[-1])  # after each gap the integral is another constant
 
     def of_rows(column: FloatArray) -> FloatArray:

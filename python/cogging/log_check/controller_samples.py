@@ -36,7 +36,6 @@ class Samples:
         motion = Sampled(log.time, reference, log.reference_velocity, log.reference_acceleration).samples
         n = len(log)
         missing = missing_samples(log.time, rate)
-        segment = np.concatenate([[0], np.cumsum(missing > FILLED)])
         parts = np.append(np.where(missing > FILLED, 0, missing), 0) + 1  # samples from each row to the next
         row = np.repeat(np.arange(n), parts)
         step = np.arange(len(row)) - (np.cumsum(parts) - parts)[row]
@@ -46,7 +45,8 @@ class Samples:
         if left_out is not None and left_out.any():
             known = known & ~left_out[row]
             position = np.interp(at, np.flatnonzero(~left_out), log.position[~left_out])
-        return cls(time, motion, position, command, known, row, segment[row])
+        segment = np.concatenate([[0], np.cumsum(missing > FILLED)])[row]
+        return cls(time, motion, position, command, known, row, segment)
 
     def judged(self, lags: Sequence[int]) -> Mask:
         """Samples with a row for the command and for the readings `lags` samples ago; not the first."""
@@ -57,8 +57,7 @@ class Samples:
                 good[lag:] &= self.known[:-lag] & (self.segment[lag:] == self.segment[:-lag])
                 good[:lag] &= self.segment[:lag] == 0  # the log starts without a gap
         if self.segment[-1]:
-            counts = np.bincount(self.segment, good)
-            good &= counts[self.segment] >= SEGMENT
+            good &= np.bincount(self.segment, good)[self.segment] >= SEGMENT
         return good
 
     def without_means(self, values: FloatArray, rows: Mask) -> FloatArray:
@@ -102,9 +101,8 @@ def on_its_clock(log: Log) -> tuple[Log, str]:
         return log, ""
     step = float(np.median(np.diff(log.time)))
     missing = missing_samples(log.time, 1.0 / step)
-    row = np.concatenate([[0], np.cumsum(missing + 1)])
     segment = np.concatenate([[0], np.cumsum(missing > FILLED)])
-    clock = _even(log.time, row, segment)
+    clock = _even(log.time, np.concatenate([[0], np.cumsum(missing + 1)]), segment)
     off = log.time - clock
     if np.abs(off).max() <= EVEN * step or not (np.diff(clock) > 0.0).all():
         return log, ""

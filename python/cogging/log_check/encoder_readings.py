@@ -17,8 +17,7 @@ def encoder_quantum(position: npt.ArrayLike) -> float:
 
     It is the resolution of the file if that is coarser than the encoder.
     """
-    readings = np.asarray(position, dtype=np.float64)[:READINGS]
-    levels = np.unique(readings)
+    levels = np.unique(np.asarray(position, dtype=np.float64)[:READINGS])
     differences = np.diff(levels)
     smallest = 64.0 * np.finfo(float).eps * float(np.abs(levels).max(initial=0.0))
     differences = differences[differences > smallest]
@@ -29,8 +28,7 @@ def encoder_quantum(position: npt.ArrayLike) -> float:
         near = differences[np.abs(differences - quantum) < 0.5 * quantum]
         quantum = _refined(differences, float(np.quantile(near, 0.5, method="lower")) if near.size > 10 else quantum)
         multiples = np.maximum(np.round(differences / quantum), 1.0)
-        off = np.abs(differences - multiples * quantum)
-        if np.mean(off > OFF_GRID * quantum) <= 0.01:
+        if np.mean(np.abs(differences - multiples * quantum) > OFF_GRID * quantum) <= 0.01:
             quantum = _refined(levels - levels[0], quantum * _common_factor(multiples))
             counts = (levels - levels[0]) / quantum
             on_grid = np.abs(counts - np.round(counts)) < 2.5 * OFF_GRID
@@ -55,7 +53,6 @@ def _common_factor(multiples: FloatArray) -> int:
 
 def _refined(distance: FloatArray, quantum: float) -> float:
     """The quantum by least squares over increasing distances, so that the count of multiples stays certain."""
-    longest = float(distance.max())
     reach = 10.0 * quantum
     while True:
         near = distance[distance <= reach]
@@ -63,7 +60,7 @@ def _refined(distance: FloatArray, quantum: float) -> float:
         sure = (np.abs(near / quantum - multiples) < 2.5 * OFF_GRID) & (multiples > 0.0)
         if sure.any():
             quantum = float(np.sum(near[sure] * multiples[sure]) / np.sum(multiples[sure] ** 2))
-        if reach >= longest:
+        if reach >= float(distance.max()):
             return quantum
         reach *= 3.0
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.calls import check_arguments
-from cogging.files import InputError
+from cogging.files import InputError, errors_of
 from cogging.log_check.controller_check import VERDICTS, ControllerCheck, check_controller
 from cogging.log_check.encoder_readings import encoder_quantum, find_outliers
 from cogging.logs.log import READ_WITH, Log, require_sizes
@@ -203,8 +203,7 @@ def _slope(time: FloatArray, values: FloatArray, half: int, step: float) -> tupl
     run = np.convolve(time - time[0], weights, mode="valid")
     rise = np.convolve(values - values[0], weights, mode="valid")
     whole = time[2 * half :] - time[: time.size - 2 * half] < (2 * half + 1) * GAP * step
-    middle = time[half : time.size - half]
-    return (rise / run)[whole], middle[whole]
+    return (rise / run)[whole], time[half : time.size - half][whole]
 
 
 def _plateau_share(command: FloatArray) -> float:
@@ -282,12 +281,9 @@ def check_against_model(log: Log, model: Model, name: str = "log") -> None:
             ...
         cogging.files.InputError: log: position: spans ... but the model's travel is 0.51 m: give ...
     """
-    try:
+    with errors_of(name):
         require_sizes(log)
-    except ValueError as error:
-        raise InputError(f"{name}: {error}") from None
-    inside = np.delete(log.position, find_outliers(log.position))
-    low, high = _range(inside)
+    low, high = _range(np.delete(log.position, find_outliers(log.position)))
     span, (start, end), unit, others = high - low, model.axis.travel, model.units.position, position_units(model.units)
     length = end - start
     if math.isfinite(length) and span > 1.5 * length:

@@ -84,8 +84,7 @@ def cross_validate(fit: SplineFit, position: FloatArray, force: FloatArray, bloc
     for fold in np.unique(folds):
         out = folds == fold
         normal_out, right_out = normal_equations(fit.basis, position[out], force[out], fit.nuisance[out])
-        seen = normal - normal_out + fit.prior
-        coefficients = np.asarray(np.linalg.solve(seen, right - right_out), dtype=np.float64)
+        coefficients = np.asarray(np.linalg.solve(normal - normal_out + fit.prior, right - right_out), dtype=np.float64)
         error[out] = force[out] - predict(fit.basis, coefficients, position[out], fit.nuisance[out])
     counts, squares = np.bincount(blocks), np.bincount(blocks, error**2)
     mean = float(squares.sum() / len(error))
@@ -210,8 +209,7 @@ class HarmonicSpectrum:
 
     def around(self, frequency: float, modulated: bool) -> Lines:
         """The lines that a component at a frequency (1/m) occupies, in the shape of `frequency`."""
-        reach = 0.5 / self.pitch if modulated else 1e-6 / self.pitch
-        return np.abs(self.frequency - frequency) <= reach
+        return np.abs(self.frequency - frequency) <= (0.5 if modulated else 1e-6) / self.pitch
 
     def level(self, power: FloatArray, taken: Lines, mean_square: float) -> tuple[FloatArray, float]:
         """The noise level (V^2, in the shape of `frequency`) and its degrees of freedom.
@@ -265,8 +263,7 @@ class HarmonicSpectrum:
             own = bool(self.near[h, s])
             frequency = float(h / self.pitch if own else self.frequency[h, s])
             if all(line.frequency != frequency for line in found):
-                amplitude = float(self.amplitude(power)[h, s])
-                found.append(Line(frequency, int(h) if own else None, amplitude))
+                found.append(Line(frequency, int(h) if own else None, float(self.amplitude(power)[h, s])))
             # Less the least-squares part at this frequency (spline of order 3, or constant) and the nuisances.
             basis = SplineHarmonics(pitch=self.pitch, periods=[1.0 / frequency], **form)
             normal, right = normal_equations(basis, self.position, rest, nuisance)

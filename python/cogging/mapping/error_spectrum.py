@@ -94,8 +94,8 @@ def tracking_spectrum(
         rule, unit = "must hold a stretch of constant speed of", log.units.position
         raise ValueError(f"log: {rule} {3 * shortest_period:g} {unit} or more, got {travel:g} {unit}")
     stretches = [(x, e) for x, e in stretches if np.ptp(x) > 0.5 * travel]
-    frequency = np.arange(1.0 / travel, 1.0 / shortest_period, 1.0 / (OVERSAMPLING * travel))
-    rest = [e for _, e in stretches]
+    step, rest = 1.0 / (OVERSAMPLING * travel), [e for _, e in stretches]
+    frequency = np.arange(1.0 / travel, 1.0 / shortest_period, step)
     angles = [2 * np.pi * np.outer(frequency, x - x.mean()) for x, _ in stretches]
     bases = [(np.sin(angle), np.cos(angle)) for angle in angles]
     first = amplitude = _amplitude(bases, rest)
@@ -105,13 +105,12 @@ def tracking_spectrum(
         strongest = found[0][1] if found else 0.0
         if amplitude[peak] < max(THRESHOLD * float(np.median(amplitude)), share * strongest):
             break
-        step, middle = 1.0 / (OVERSAMPLING * travel), float(frequency[peak])
 
         def left(line: float, rest: list[FloatArray] = rest) -> float:
             return sum(float(np.sum(_without(x, e, [line]) ** 2)) for (x, _), e in zip(stretches, rest, strict=True))
 
-        ends, options = (middle - step, middle + step), {"xatol": 1e-6 * step}
-        line = float(minimize_scalar(left, bounds=ends, method="bounded", options=options).x)
+        ends = float(frequency[peak]) - step, float(frequency[peak]) + step
+        line = float(minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": 1e-6 * step}).x)
         found.append((1.0 / line, float(amplitude[peak])))
         # All lines together, anew: those found first were shifted by those still hidden.
         rest = [_without(x, e, [1.0 / period for period, _ in found]) for x, e in stretches]
@@ -131,14 +130,10 @@ def _stretches(log: Log, shortest_period: float) -> list[tuple[FloatArray, Float
     """Position and error of each stretch of constant speed, thinned to what the shortest period needs."""
     if log.reference is None:
         raise ValueError("reference: must be in the log to know the error, got none")
-    velocity = log.reference_velocity
-    if velocity is None:
-        velocity = np.gradient(log.reference, log.time)
-    fast = np.abs(velocity) >= CONSTANT * np.abs(velocity).max()
-    sign = np.where(fast, np.sign(velocity), 0.0)
-    cuts = np.flatnonzero(np.diff(sign)) + 1
+    velocity = np.gradient(log.reference, log.time) if log.reference_velocity is None else log.reference_velocity
+    sign = np.where(np.abs(velocity) >= CONSTANT * np.abs(velocity).max(), np.sign(velocity), 0.0)
     parts = []
-    for rows in np.split(np.arange(len(log)), cuts):
+    for rows in np.split(np.arange(len(log)), np.flatnonzero(np.diff(sign)) + 1):
         if sign[rows[0]] == 0.0 or rows.size < 32:
             continue
         rows = rows[rows.size // 20 :]  # the transient after the ramp

@@ -174,13 +174,12 @@ class MapFit(ByValue):
         Raises:
             InputError: a file cannot be written, or both are one: a model called `.png`.
         """
-        picture = png(self.plot(ax=grid_to_write(3, 1, WHOLE_MAP)))
         labels = {} if self.units == Units() else {"units": self.units.to_dict()}
         text = to_toml({"cogging": cogging_to_dict(self.cogging), **labels})
         figure = os.fspath(Path(path).with_suffix(".png"))
         if same_file(path, figure):
             raise InputError(f"{path}: must not be where its figure is written, got {figure}")
-        write_files({os.fspath(path): [text.encode()], figure: [picture]})
+        write_files({os.fspath(path): [text.encode()], figure: [png(self.plot(ax=grid_to_write(3, 1, WHOLE_MAP)))]})
 
 
 def _table(entries: tuple[HarmonicAmplitude, ...]) -> list[str]:
@@ -209,10 +208,9 @@ class Noise:
         turned, _ = spectrum.level(spectrum.power(fit.residual * scan.direction), gone, fit.variance)
         slowest, middle = level[spectrum.present][0], level.shape[1] // 2
         of_directions = [turned[spectrum.present][0], *np.repeat(turned[odd, middle], 2)] if scan.both_ways else []
-        nuisance = [slowest, *of_directions, slowest]
         points = 0 if fit.basis is None else fit.basis.spline.control_points
         columns = np.tile(np.repeat(level[terms, middle], 2), points)
-        columns = np.concatenate([columns, nuisance])[: len(fit.coefficients)]
+        columns = np.concatenate([columns, [slowest, *of_directions, slowest]])[: len(fit.coefficients)]
         least = fit.variance
         if spectrum.few:  # too few lines for a level of slow noise: use the correlation of neighbours
             squares = max(float(fit.residual @ fit.residual), np.finfo(float).tiny)
@@ -229,9 +227,8 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
     basis, entries = fit.basis, []
     weights = basis.spline.design_matrix(scan.position)
     gram, mean = weights.T @ weights / len(weights), weights.mean(axis=0)
-    step = 2 * basis.terms
     for i, harmonic in enumerate(basis.harmonics):
-        chosen = [slice(2 * i + part, basis.coefficients, step) for part in (0, 1)]
+        chosen = [slice(2 * i + part, basis.coefficients, 2 * basis.terms) for part in (0, 1)]
         s, c = (fit.coefficients[part] for part in chosen)
         covariance = np.block([[noise.covariance[a, b] for b in chosen] for a in chosen])
         amplitude = float(np.sqrt(s @ gram @ s + c @ gram @ c))
@@ -306,8 +303,7 @@ def _lag(fit: SplineFit, scan: Scan, pitch: float, odd: dict[int, FloatArray]) -
     seen = np.array([odd.get(h, np.zeros(2)) for h in harmonics])
     wave_numbers = 2.0 * np.pi * np.array(harmonics) / pitch
     lags = np.linspace(-0.5, 0.5, LAGS)[1:-1] * pitch / (2.0 * max(odd))
-    angles = np.outer(lags, wave_numbers)
-    moved = np.tan(angles)[:, :, None] * np.stack([even[:, 1], -even[:, 0]], axis=1)
+    moved = np.tan(np.outer(lags, wave_numbers))[:, :, None] * np.stack([even[:, 1], -even[:, 0]], axis=1)
     left = ((seen - moved) ** 2).sum(axis=(1, 2))
     best = int(np.argmin(left))
     return float(lags[best]) if left[best] <= (1.0 - LAG_SHARE) * float((seen**2).sum()) else None

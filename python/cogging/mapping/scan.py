@@ -129,7 +129,5 @@ def _passes(position: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray, Fl
         elif way >= 0.0 and x[high] - here > limit:
             starts, directions, way, low = [*starts, high + 1], [*directions, -1.0], -1.0, i
     starts, directions = [0, *starts[2:]], directions[1:]  # what lies before the first motion belongs to it
-    lengths = np.diff([*starts, len(x)])
-    passes = np.repeat(np.arange(len(starts)), lengths)
-    turns = position[np.maximum(np.array(starts) - 1, 0)]
-    return passes, np.array(directions)[passes], turns[passes]
+    passes = np.repeat(np.arange(len(starts)), np.diff([*starts, len(x)]))
+    return passes, np.array(directions)[passes], position[np.maximum(np.array(starts) - 1, 0)][passes]
