@@ -249,13 +249,9 @@ class Bounds(ByValue):
         if self.model.cogging is not None and self.cogging is not None:
             pitch, harmonics = pitch_and_harmonics(self.model.cogging.basis)
             fields |= {f"cogging_{name}": getattr(self.model.cogging.basis.spline, name) for name in SPLINE}
-            fields |= {
-                "cogging_pitch": pitch,
-                "cogging_harmonics": harmonics,
-                "cogging_bounds": list(self.cogging),
-                "cogging_adaptation": 0.1 * adaptation,
-                "cogging_estimates": self.model.cogging.coefficients.tolist(),
-            }
+            fields |= {"cogging_pitch": pitch, "cogging_harmonics": harmonics, "cogging_bounds": list(self.cogging)}
+            fields["cogging_estimates"] = self.model.cogging.coefficients.tolist()
+            fields["cogging_adaptation"] = 0.1 * adaptation
         return AdaptiveRobustParameters(**{**fields, **overrides})
 
     def condition(self, parameters: AdaptiveRobustParameters) -> tuple[float, float]:
@@ -326,21 +322,13 @@ class Bounds(ByValue):
         corners = np.array([[1.0, b, d] for b in self.viscous for d in self.disturbance])
         with np.errstate(over="ignore"):  # the controller refuses a bound that is infinite
             quotients = np.vstack([corners / mass for mass in self.mass])
-        fields: dict[str, Any] = {
-            "sample_rate": rate,
-            "observer_gain_1": 400.0 * r,
-            "observer_gain_2": 4e4 * r**2,
-            "theta": [1.0 / axis.mass, axis.viscous / axis.mass, self._disturbance_within / axis.mass],
-            "theta_min": quotients.min(axis=0).tolist(),
-            "theta_max": quotients.max(axis=0).tolist(),
-            "adaptation": [5e5 * c**2, 3e5 * r**2, 20e5 * r**4],
-            "weight_1": 1.0,
-            "weight_2": 0.1 * c**2 / r**2,
-            "gain_1": 600.0 * r,
-            "gain_2": 850.0 * r,
-            "coulomb": axis.coulomb,
-            "coulomb_width": axis.coulomb_width,
-        }
+        fields: dict[str, Any] = {name: getattr(axis, name) for name in ("coulomb", "coulomb_width")}
+        fields |= {"sample_rate": rate, "gain_1": 600.0 * r, "gain_2": 850.0 * r}
+        fields |= {"observer_gain_1": 400.0 * r, "observer_gain_2": 4e4 * r**2}
+        fields["theta"] = [1.0 / axis.mass, axis.viscous / axis.mass, self._disturbance_within / axis.mass]
+        fields |= {"theta_min": quotients.min(axis=0).tolist(), "theta_max": quotients.max(axis=0).tolist()}
+        fields |= {"weight_1": 1.0, "weight_2": 0.1 * c**2 / r**2}
+        fields["adaptation"] = [5e5 * c**2, 3e5 * r**2, 20e5 * r**4]
         return _core.OutputFeedbackArcParameters(**{**fields, **overrides})
 
     def pid(self, *, bandwidth: float | None = None, **overrides: Any) -> _core.PidParameters:

@@ -22,6 +22,7 @@ from cogging.model.intervals import SIGMAS_95, Interval, Intervals
 from cogging.model.model import Model, is_number
 from cogging.model.parameters import with_values
 from cogging.model.units import Units
+from cogging.outputs import finite
 from cogging.resources import on_one_blas_thread, require_machines
 from cogging.shown import not_one_of
 from cogging.simulation.arguments import MODEL, REFERENCE
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DRAWS_MAX = 1000  # of one machine, until its values are valid
+Covariance = tuple[Sequence[str], npt.ArrayLike]  # paths (p) and matrix (p, p)
 
 
 class DrawnMachine(NamedTuple):
@@ -47,7 +49,7 @@ class DrawnMachine(NamedTuple):
 
 
 def drawn_machines(
-    intervals: Intervals, samples: int, seed: int, covariance: tuple[Sequence[str], npt.ArrayLike] | None = None
+    intervals: Intervals, samples: int, seed: int, covariance: Covariance | None = None
 ) -> tuple[list[DrawnMachine], list[str]]:
     """Draw machines from the intervals of a model, and return them with the parameters that are held, in words.
 
@@ -89,9 +91,7 @@ def drawn_machines(
     return machines, held
 
 
-def covariance_root(
-    covariance: tuple[Sequence[str], npt.ArrayLike], paths: tuple[str, ...]
-) -> tuple[list[str], FloatArray]:
+def covariance_root(covariance: Covariance, paths: tuple[str, ...]) -> tuple[list[str], FloatArray]:
     """The paths and a matrix R with R R^T the covariance; ValueError where paths or matrix are invalid."""
     names, matrix = list(covariance[0]), real_array("covariance", covariance[1])
     for name in names:
@@ -291,22 +291,14 @@ class ErrorPrediction(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging predict --json` writes; null stands for infinite, of runs that diverged."""
-
-        def entry_of(index: PredictedIndex) -> dict[str, Any]:
-            median, *interval = (value if np.isfinite(value) else None for value in (index.median, *index.interval))
-            return {"unit": self.units.of("m"), "median": median, "interval": interval}
-
-        return {
-            "controllers": [
-                {"controller": one.name, "diverged": one.diverged, **{n: entry_of(getattr(one, n)) for n in INDEXES}}
-                for one in self.controllers
-            ],
-            "window": list(self.window),
-            "samples": self.samples,
-            "seed": self.seed,
-            "coverage": self.coverage,
-            "notes": list(self.notes),
-        }
+        unit, controllers = self.units.of("m"), []
+        for one in self.controllers:
+            indexes = {name: getattr(one, name) for name in INDEXES}
+            entries = {n: {"unit": unit, "median": i.median, "interval": i.interval} for n, i in indexes.items()}
+            controllers.append({"controller": one.name, "diverged": one.diverged, **entries})
+        names = ("window", "samples", "seed", "coverage", "notes")
+        document: dict[str, Any] = finite({"controllers": controllers, **{n: getattr(self, n) for n in names}})
+        return document
 
 
 ROWS_MOST = 8e6  # of two columns that are held at a time: 128 MB
@@ -394,11 +386,7 @@ def predict_error(
 
 
 def _errors(
-    machines: Sequence[DrawnMachine],
-    controllers: Sequence[AnyController],
-    motion: Reference,
-    window: Interval,
-    threads: int,
+    machines: list[DrawnMachine], controllers: list[AnyController], motion: Reference, window: Interval, threads: int
 ) -> FloatArray:
     """The indexes of each controller on each machine, (controllers, machines, 3), m; infinite where a run diverged."""
     plants = [machine.model.plant() for machine in machines]

@@ -75,8 +75,7 @@ class Track:
 
     def approach(self, goal: float) -> bool:
         """Move to a position, or only a part of the way where time is short."""
-        way = goal - self.place
-        return any(self.move(self.place + part * way) for part in (1.0, 0.3, 0.1))
+        return any(self.move(self.place + part * (goal - self.place)) for part in (1.0, 0.3, 0.1))
 
 
 def strokes(track: Track, random: np.random.Generator) -> None:

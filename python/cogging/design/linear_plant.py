@@ -70,8 +70,7 @@ def linear_plant(model: Model, *, speed: float | None = None, position: float | 
     damping = axis.viscous
     if speed is not None:
         there = [one for one in known if position is not None or isinstance(one, OF_SPEED)]
-        step = STEP * max(abs(speed), width)
-        damping = _slope(lambda v: friction(there, position or 0.0, v), speed, step)
+        damping = _slope(lambda v: friction(there, position or 0.0, v), speed, STEP * max(abs(speed), width))
     gain, reading = 1.0 / axis.mass, 1.0
     for one in known:
         if isinstance(one, effects.EncoderScaleError):
@@ -152,8 +151,7 @@ def modulus_margin(model: Model) -> float | None:
     """min over the frequency of |1 + L|, L = C(z) P(z) the loop of the model's own controller; 0 where it is unstable.
 
     P is M x'' = u - B x' with the model's delays and current loop, its command held over a sample, exactly; friction
-    but the viscous, cogging and flexibility are left out. C is the part of the controller that is linear in the error
-    (see linear_controller).
+    but the viscous, cogging and flexibility are left out. C is the part that is linear in the error: linear_controller.
 
     Returns:
         1, from 0 to 1, or None where the controller has no such part.

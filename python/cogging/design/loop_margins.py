@@ -7,10 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import Reference, effects
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, Mask
 from cogging.design.error_prediction import DRAWS_MAX
 from cogging.effects.effect import Effect
 from cogging.files import FieldError
@@ -104,7 +103,7 @@ class Push(NamedTuple):
     stop: float
     duration: float  # of the run, s; 0 = the motion's own end
     every: int  # rows per kept row
-    moving: npt.NDArray[np.bool_]  # kept rows in which the reference moves
+    moving: Mask  # kept rows in which the reference moves
 
 
 def push_of(motion: Reference, sample_rate: float, duration: float, command_max: float) -> Push:

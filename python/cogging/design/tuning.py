@@ -149,9 +149,9 @@ class Tuning(ByValue):
         """
         if what not in ("trials", "front"):
             raise ValueError(f"what: must be trials or front, got {what!r}")
-        units = {"error_rms": "m", **{name: one["unit"] for name, one in TUNE_INDEXES.items() if one["unit"] != "1"}}
-        labels = {name: self.units.of(unit) for name, unit in units.items()}
-        return frame_of(self.trials if what == "trials" else self.front, labels)
+        labels = {name: self.units.of(one["unit"]) for name, one in TUNE_INDEXES.items()}
+        table = self.trials if what == "trials" else self.front
+        return frame_of(table, labels | {"error_rms": self.units.position})
 
     def to_dict(self) -> dict[str, Any]:
         """What `cogging tune --json` writes; null stands for infinite and for not measured."""
@@ -571,9 +571,7 @@ def tune(
         raise FieldError("", "gains", "must name at least one, got none")
     given = checked_limits(limits or {})
     variations, notes = variations_of(setup, vary)
-    drawn, fresh = (
-        machines_of(setup, variations, count, seed, stream) for stream, count in enumerate((machines, held_out))
-    )
+    drawn, fresh = (machines_of(setup, variations, n, seed, stream) for stream, n in enumerate((machines, held_out)))
 
     def with_gains(values: Mapping[str, float]) -> Model:
         return with_numbers(setup, values).model

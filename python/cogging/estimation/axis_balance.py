@@ -38,13 +38,11 @@ Bounds = Mapping[str, tuple[float, float]]
 def cutoff_share(log: Log) -> float:
     """Highest cut-off, relative to the row rate, below which noise of the readings is small in the acceleration."""
     position, n = log.position, len(log)
-    rest = position - np.linspace(position[0], position[-1], n)
-    spectrum = np.abs(np.fft.rfft(rest * np.hanning(n))) ** 2
+    spectrum = np.abs(np.fft.rfft((position - np.linspace(position[0], position[-1], n)) * np.hanning(n))) ** 2
     frequency = np.fft.rfftfreq(n)
     top = (frequency > 0.3) & (frequency < 0.49)
-    floor = max(
-        float(np.median(spectrum[top])) / math.log(2.0), encoder_quantum(position[:ROWS]) ** 2 / 12.0 * 0.375 * n
-    )
+    quantum = encoder_quantum(position[:ROWS])
+    floor = max(float(np.median(spectrum[top])) / math.log(2.0), quantum**2 / 12.0 * 0.375 * n)
     step = float(np.median(np.diff(log.time)))
     for share in CUTOFFS:
         below = frequency <= share

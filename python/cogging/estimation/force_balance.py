@@ -25,7 +25,7 @@ from cogging.logs.pauses import running_time
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
 
-Simulator = Callable[[Model], Log]  # the noise-free run of a model, at a log's times
+Simulator = Callable[[Model], Log] | None  # the noise-free run of a model, at a log's times
 
 JITTER = 0.01  # of the median step: rows that are more even than this are used as logged
 REST = 0.02  # of the largest speed: slower rows do not count, since friction at rest can take any value
@@ -57,7 +57,7 @@ class ForceBalance:
         cutoff: of the filter, Hz; magnitude of a fourth-order Butterworth filter, zero phase.
         hold: s, for which a command was held where the rows are further apart; None: from row to row.
         rest: m/s; slower rows do not count. None: 2 % of the largest speed.
-        simulate: the noise-free run of a model, for instruments; None: there is none.
+        run: the noise-free run of a model, for instruments; None: there is none.
 
     Raises:
         ValueError: the rows of the log cover too little of its time.
@@ -70,15 +70,9 @@ class ForceBalance:
     pauses: bool  # whether pauses were shortened
 
     def __init__(
-        self,
-        log: Log,
-        *,
-        cutoff: float,
-        hold: float | None = None,
-        rest: float | None = None,
-        simulate: Simulator | None = None,
+        self, log: Log, *, cutoff: float, hold: float | None = None, rest: float | None = None, run: Simulator = None
     ) -> None:
-        self.log, self.cutoff, self.hold, self._rest, self.simulate = log, cutoff, hold, rest, simulate
+        self.log, self.cutoff, self.hold, self._rest, self.run = log, cutoff, hold, rest, run
         steps, running = np.diff(log.time), running_time(log.time)
         self.sample_time = float(np.median(steps))
         rows = int(np.floor((running[-1] - running[0]) / self.sample_time + 1e-6)) + 1
@@ -155,10 +149,10 @@ class ForceBalance:
 
     def along(self, model: Model) -> ForceBalance | None:
         """The force balance along a simulated run; None without a simulator, or if the model cannot be simulated."""
-        if self.simulate is None:
+        if self.run is None:
             return None
         try:
-            simulated = self.simulate(model)
+            simulated = self.run(model)
         except (DivergedError, ValueError):  # for example a friction slope too steep for a nearly vanishing mass
             return None
         return ForceBalance(simulated, cutoff=self.cutoff, hold=self.hold)
@@ -265,12 +259,7 @@ class BalanceEstimate:
 
 
 def fit_force_balance(
-    model: Model,
-    paths: Sequence[str],
-    balances: Sequence[ForceBalance],
-    scales: Scales,
-    loose: FloatArray,
-    iterations: int = 12,
+    model: Model, paths: list[str], balances: Sequence[ForceBalance], scales: Scales, loose: FloatArray, steps: int = 12
 ) -> BalanceEstimate:
     """Solve Z^T r = 0 by Newton steps, Z the instruments; least squares where no run can be simulated.
 
@@ -307,10 +296,10 @@ def fit_force_balance(
         return bread, right, parts, has_instruments
 
     # Without instruments first: a simulated run far from the log could lead the steps astray.
-    for instrumental in (False, True) if any(balance.simulate for balance in balances) else (False,):
+    for instrumental in (False, True) if any(balance.run for balance in balances) else (False,):
         now = cost(model)
         narrow = min(model.axis.coulomb_width, NARROW * min(balance.rest for balance in balances))
-        for _ in range(iterations):
+        for _ in range(steps):
             known = parameters_of(model)
             values = np.array([known[path].value for path in paths])
             bread, right, _, _ = equations(model, instrumental)

@@ -11,7 +11,7 @@ import numpy as np
 from cogging._core import DivergedError, whiten
 from cogging.arrays import FloatArray
 from cogging.estimation.innovations import Innovations
-from cogging.estimation.residuals import HALVES, Residuals, whitened
+from cogging.estimation.residuals import HALVES, Residuals, Whitened, whitened
 from cogging.estimation.statistics import SINGULAR, jackknife
 from cogging.model.model import Model
 from cogging.model.parameters import Parameter, Scales, central, parameters_of, with_values
@@ -74,7 +74,17 @@ def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterat
         scaled = curvature / np.outer(size, size)
         step = -np.linalg.pinv(scaled, rcond=SINGULAR, hermitian=True) @ (gradient / size) / size
         done += 1
-        model, length = _move(model, parameters, step, logs, residuals, [s.coefficients for s in seen])
+        before = _cost(logs, residuals, seen)
+        for length in HALVES:  # the longest step that lowers the cost under the same filters
+            moves = {p.path: p.clipped(p.value + length * s) for p, s in zip(parameters, step, strict=True)}
+            with contextlib.suppress(ValueError, DivergedError):
+                moved = with_values(model, moves)
+                after = _cost(logs, [log.of([moved])[0] for log in logs], seen)
+                if np.isfinite(after) and after <= before:
+                    model = moved
+                    break
+        else:
+            length = 0.0
         deviation = np.sqrt(np.diag(np.linalg.pinv(scaled, hermitian=True))) / size
         if length == 0.0 or np.all(np.abs(length * step) < TOLERANCE * deviation + 1e-12 * np.abs(values)):
             iterations = done  # one more evaluation, at the final values
@@ -82,30 +92,11 @@ def fit(model: Model, paths: Sequence[str], logs: Sequence[Residuals], *, iterat
     return Estimate(tuple(paths), values, *jackknife(seen), cost)
 
 
-def _move(
-    model: Model,
-    parameters: Sequence[Parameter],
-    step: FloatArray,
-    logs: Sequence[Residuals],
-    residuals: Sequence[FloatArray],
-    filters: Sequence[FloatArray],
-) -> tuple[Model, float]:
-    """The model after the longest of the steps 1, 1/2, 1/4, ... that lowers the cost under the same filters."""
-
-    def cost(values: Sequence[FloatArray]) -> float:
-        total = 0.0
-        for log, residual, a in zip(logs, values, filters, strict=True):
-            white = np.asarray(whiten(residual[None, :], list(a)))[0, log.mask > 0]
-            with np.errstate(over="ignore", invalid="ignore"):  # a step too long has infinite cost
-                total += len(white) * float(np.log(np.mean(white**2)))
-        return total
-
-    before = cost(residuals)
-    for length in HALVES:
-        values = {p.path: p.clipped(p.value + length * s) for p, s in zip(parameters, step, strict=True)}
-        with contextlib.suppress(ValueError, DivergedError):
-            moved = with_values(model, values)
-            after = cost([log.of([moved])[0] for log in logs])
-            if np.isfinite(after) and after <= before:
-                return moved, length
-    return model, 0.0
+def _cost(logs: Sequence[Residuals], residuals: Sequence[FloatArray], seen: Sequence[Whitened]) -> float:
+    """Sum over logs and rows of the log mean square of residuals under the filters of `seen`."""
+    total = 0.0
+    for log, residual, one in zip(logs, residuals, seen, strict=True):
+        white = np.asarray(whiten(residual[None, :], list(one.coefficients)))[0, log.mask > 0]
+        with np.errstate(over="ignore", invalid="ignore"):  # a step too long has infinite cost
+            total += len(white) * float(np.log(np.mean(white**2)))
+    return total

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -38,15 +39,10 @@ class Innovations:
         self.log = log
         sample_time = float(np.median(np.diff(log.time)))
         self.gap = max(5.0 * sample_time, 0.1 / BANDWIDTH)
-        self.predictor = Predictor(
-            log.time - log.time[0],  # time counts from the first row
-            log.position,
-            log.command,
-            bandwidth=BANDWIDTH,
-            gap=self.gap,
-            initial_velocity=initial_velocity(log),
-            steps_per_sample=steps_needed(model, sample_time),
-        )
+        time = log.time - log.time[0]  # time counts from the first row
+        options: dict[str, Any] = {"bandwidth": BANDWIDTH, "gap": self.gap, "initial_velocity": initial_velocity(log)}
+        options["steps_per_sample"] = steps_needed(model, sample_time)
+        self.predictor = Predictor(time, log.position, log.command, **options)
         self.scale = model.axis.mass * (2.0 * np.pi * BANDWIDTH) ** 2
         self._predicted = ((model, self.predictor.predict(quiet_plant(model))),) * 2
         self.along, self.velocity = self._predicted[0][1], self._predicted[0][1].velocity
@@ -59,8 +55,7 @@ class Innovations:
         still = (np.abs(self.velocity) < self.rest) | turned
         broken = np.concatenate([[True], np.diff(log.time) > self.gap])
         settle = SETTLED / (2.0 * np.pi * BANDWIDTH)
-        moves = ~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))
-        self.mask = moves.astype(float)
+        self.mask = (~(since(still, log.time) < settle) & ~(since(broken, log.time) < max(START, settle))).astype(float)
 
     def prediction(self, model: Model) -> Prediction:
         """The prediction of a model along this log; cached for the first model and the last. DivergedError."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -78,16 +79,10 @@ class Replay:
     def run(self, model: Model) -> dict[str, FloatArray]:
         """The simulated columns of one model."""
         model = self.as_run(model)
-        return closed_loop(
-            model.plant(),
-            model.make_controller(),
-            self.reference,
-            duration=self.duration,
-            initial_position=place_of_reading(float(self.log.position[0]), model.effects),
-            initial_velocity=self.initial_velocity,
-            added_command=self.added_command,
-            steps_per_sample=steps_needed(model, self.period),
-        )
+        start = place_of_reading(float(self.log.position[0]), model.effects)
+        options: dict[str, Any] = {"initial_position": start, "initial_velocity": self.initial_velocity}
+        options |= {"added_command": self.added_command, "steps_per_sample": steps_needed(model, self.period)}
+        return closed_loop(model.plant(), model.make_controller(), self.reference, duration=self.duration, **options)
 
     def of(self, models: Sequence[Model]) -> FloatArray:
         """Residuals (V) of each model, (models, n); DivergedError: a replay diverged."""

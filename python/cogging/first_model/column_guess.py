@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,23 +10,11 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.files import InputError
-from cogging.first_model.headers import (
-    LIKELY,
-    STATED,
-    TRIED,
-    UNKNOWN,
-    Header,
-    Unit,
-    header_of,
-    stated_unit,
-    turning,
-    unit_of_command,
-    unit_of_position,
-    unit_of_time,
-)
+from cogging.first_model.headers import LIKELY, STATED, TRIED, UNKNOWN, Header, Unit, header_of
 from cogging.logs.columns import read_columns, survey_columns
 from cogging.logs.readers.column_request import is_si, listed, split_unit
 from cogging.model.units import UNIT_KEYS, Units
+from cogging.outputs import AnyPath
 from cogging.shown import nearest, printable
 
 
@@ -79,11 +66,7 @@ EVEN = 0.5  # relative scatter of the steps of a time column
 
 
 def guess_columns(
-    path: str | os.PathLike[str],
-    columns: Mapping[str, str],
-    scale: Mapping[str, float],
-    rows: slice | None,
-    units: Units | None,
+    path: AnyPath, columns: Mapping[str, str], scale: Mapping[str, float], rows: slice | None, units: Units | None
 ) -> ColumnGuesses:
     """Identify the columns of a log in a file of any format, and their units, beside those that are given.
 
@@ -107,7 +90,7 @@ def guess_columns(
     return ColumnGuesses(file.used, tuple(label for label in headers if label not in taken), tuple(file.notes))
 
 
-def numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | None) -> Table:
+def numbers(path: AnyPath, labels: Sequence[str], rows: slice | None) -> Table:
     """The numeric columns of the most common length."""
     table: Table = {}
     for some in (labels, *([label] for label in labels)):  # one by one if a text, a scalar or a hole is among them
@@ -121,7 +104,7 @@ def numbers(path: str | os.PathLike[str], labels: Sequence[str], rows: slice | N
     return {label: values for label, values in table.items() if len(values) == usual}
 
 
-def _meant(path: str | os.PathLike[str], label: str, headers: Mapping[str, Header]) -> str:
+def _meant(path: AnyPath, label: str, headers: Mapping[str, Header]) -> str:
     """The header that a name given by the user refers to."""
     for header in headers.values():
         if label in (header.label, header.bare):
@@ -134,7 +117,7 @@ def _meant(path: str | os.PathLike[str], label: str, headers: Mapping[str, Heade
 class FileColumns:
     """The columns of a file: time, position, command, and the reference and its derivatives if it is followed."""
 
-    path: str | os.PathLike[str]
+    path: AnyPath
     headers: Mapping[str, Header]  # by label
     table: Table
     scale: Mapping[str, float]
@@ -208,25 +191,25 @@ class FileColumns:
         """A column with its unit."""
         label, reason, sure = self.found[name]
         header = self.headers[label]
-        turns = turning(self.headers[self.found["position"][0]], self.headers[self.found["command"][0]])
-        stated = stated_unit(header)
+        turns = self.headers[self.found["position"][0]].turns_with(self.headers[self.found["command"][0]])
+        stated = header.stated_unit()
         if name in self.scale:
             usual = {"time": "s", "position": "rad" if turns else "m"}
-            in_log = usual.get(name) or unit_of_command(header, turns).label
+            in_log = usual.get(name) or header.unit_of_command(turns).label
             in_log = in_log if stated is None or name == "time" else stated.label
             in_log = getattr(self.units, name, in_log)
             unit = Unit(self.scale[name], in_log, f"times {self.scale[name]:g} as stated", STATED)
         elif self.units is not None and name in UNIT_KEYS and label == name:
             unit = Unit(1.0, getattr(self.units, name), "as the model beside the log says", STATED)
         elif name == "time":
-            unit = unit_of_time(header, self.table[label])
+            unit = header.unit_of_time(self.table[label])
         elif name == "command":
-            unit = unit_of_command(header, turns)
+            unit = header.unit_of_command(turns)
         else:
             of_time = self.found["time"][0]
             time = self.table[of_time]
-            second = self.scale["time"] if "time" in self.scale else unit_of_time(self.headers[of_time], time).factor
-            unit = unit_of_position(header, time * second, self.table[label], turns)
+            second = self.scale["time"] if "time" in self.scale else self.headers[of_time].unit_of_time(time).factor
+            unit = header.unit_of_position(time * second, self.table[label], turns)
             if unit.sure != STATED:
                 unit = self._unit_by_reference(unit, label)
         return self._placed(name, header, unit, reason, sure)
@@ -234,11 +217,10 @@ class FileColumns:
     def _unit_by_reference(self, unit: Unit, label: str) -> Unit:
         """The unit of a position that follows a reference of stated unit."""
         for header in self.of_kind("reference"):
-            stated = stated_unit(header)
+            stated = header.stated_unit()
             if stated is None:
                 continue
-            both = self.table[label], stated.factor * self.table[header.label]
-            x, r = (values - values.mean() for values in both)
+            x, r = (one - one.mean() for one in (self.table[label], stated.factor * self.table[header.label]))
             power = float(np.sqrt((x @ x) * (r @ r)))
             if power == 0.0 or abs(float(x @ r)) < FOLLOWED * power:
                 continue
@@ -276,7 +258,7 @@ class FileColumns:
 
     def _unit_of_reference(self, header: Header, position: ColumnGuess, x: FloatArray) -> tuple[Unit | None, str]:
         """The unit in which the position (m) follows a reference, or None."""
-        label, own, values = position.unit.label, stated_unit(header), self.table[header.label]
+        label, own, values = position.unit.label, header.stated_unit(), self.table[header.label]
         if (factor := self.scale.get("reference")) is not None:
             return Unit(factor, label, f"times {factor:g} as stated", STATED), "as stated"
         factors = [position.unit.factor, *TRIED.get(label, TRIED["m"]).values()] if own is None else [own.factor]

@@ -32,11 +32,29 @@ BEHIND = re.compile(r"(.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|[\s_.-]+)([^\s_/,()\[\]]+
 REFERENCE_OF = {"position": "reference"} | {one: f"reference_{one}" for one in ("velocity", "acceleration")}
 LONGEST = 200  # characters of a name that is searched for a unit, in quadratic time
 #: Parts of a name that mean a rotary axis: a torque, an angle.
-TORQUE, ANGLE = (
-    re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)"),
-    re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)"),
-)
+TORQUE = re.compile(r"(?:(?:^|_)tau|torque|moment)\d*(?:_|$)")
+ANGLE = re.compile(r"(?:(?:^|_)(?:theta|phi)|angle|winkel)\d*(?:_|$)")
 RATES = re.compile(r"(?:.+/(?:s|sec|min|s\^?2|s²)|rpm|1/min|U/min|Hz)", re.IGNORECASE)
+STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
+#: Largest step between rows and the unit in which it is a usual rate: 50 Hz to 50 kHz.
+STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
+#: Ranges of travel, speed and acceleration of axes in m or rad, m/s, m/s^2 (assumed, from stages to gantries and from
+#: joints to spindles), and typical values.
+RANGES = {"m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)), "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5))}
+USUAL = {"m": (0.2, 0.3, 5.0), "rad": (3.0, 5.0, 50.0)}
+TRIED = {"m": {"m": 1.0, "mm": 1e-3, "um": 1e-6}, "rad": {"rad": 1.0, "deg": math.pi / 180.0}}
+COUNT = 1e-6  # m or rad, assumed for an encoder count of unknown size
+MANY = 1000  # span from which whole numbers are counts
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit of a column."""
+
+    factor: float  # to the unit of the log
+    label: str  # of the unit of the log: s, m, rad, V, A, ...
+    reason: str  # why, in words
+    sure: str  # STATED (in the header), LIKELY or UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -69,6 +87,66 @@ class Header:
                 return angle
         return True if ANGLE.search(_plain(self.bare)) else None
 
+    def _stated(self, factors: Mapping[str, float], label: str) -> Unit | None:
+        factor = factors.get(self.unit, factors.get(self.unit.lower()))
+        return None if factor is None else Unit(factor, label, f"in {self.unit} as its header says", STATED)
+
+    def unit_of_time(self, time: FloatArray) -> Unit:
+        """The unit of a time: as stated, else the one that gives a usual rate."""
+        if (stated := self._stated(TIMES, "s")) is not None:
+            return stated
+        step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+        factor, unit = next((factor, unit) for most, factor, unit in STEPS if step < most)
+        rate = 1.0 / (step * factor) if step > 0.0 else math.inf
+        said = f"in {unit}: its rows are {step:.4g} apart, {rate:.4g} Hz if so"
+        if step == 1.0:
+            return Unit(factor, "s", f"{said}; it may be the number of the row, then give 1 / rate", UNKNOWN)
+        return Unit(factor, "s", said, LIKELY)
+
+    def turns_with(self, command: Header) -> bool:
+        """Whether the axis of this position is rotary, by the unit, else by a torque."""
+        return command.is_torque if self.is_angle is None else self.is_angle
+
+    def unit_of_command(self, turns: bool) -> Unit:
+        """The unit of a command, as stated; numbers do not show it."""
+        known = COMMANDS.get(self.unit) or COMMANDS.get(self.unit.lower())
+        if known is not None:
+            return Unit(known[0], known[1], f"in {self.unit} as its header says", STATED)
+        label = "Nm" if turns and self.is_torque else "V"
+        return Unit(1.0, label, f"its unit is not stated: assumed to be {label}, edit [units]", UNKNOWN)
+
+    def stated_unit(self) -> Unit | None:
+        """The unit of a position that its header states."""
+        return self._stated(LENGTHS, "m") or self._stated(ANGLES, "rad")
+
+    def unit_of_position(self, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
+        """The unit of a position: as stated, else the one with plausible travel, speed and acceleration."""
+        stated, label = self.stated_unit(), "rad" if turns else "m"
+        if stated is not None:
+            return stated
+        motion, tried = motion_of(time, position), TRIED[label]
+        if self.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
+            reason = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
+            return Unit(COUNT, label, reason, UNKNOWN)
+        sizes = {unit: [max(factor * value, 1e-300) for value in motion] for unit, factor in tried.items()}
+        within = {u: [a <= x <= b for x, (a, b) in zip(one, RANGES[label], strict=True)] for u, one in sizes.items()}
+        fitting = [unit for unit, good in within.items() if all(good)]
+        if self.label == "position" and label in fitting:
+            beside = " beside a torque or as an angle" * turns
+            said = f"in {label}, as a log of this name has it{beside}; give a factor if it is not"
+            return Unit(1.0, label, said, LIKELY)
+        unit = min(fitting or tried, key=lambda u: np.sum(np.log(np.divide(sizes[u], USUAL[label])) ** 2))
+        factor, (travel, speed, _) = tried[unit], sizes[unit]
+        said = f"in {unit}: it then spans {travel:.3g} {label} at up to {speed:.3g} {label}/s"
+        if not fitting:
+            none = f"its span of {motion[0]:.4g} fits an axis in none of {', '.join(tried)}"
+            return Unit(1.0, label, f"taken as {label}: {none}", UNKNOWN)
+        if len(fitting) > 1:
+            others = " or ".join(other for other in fitting if other != unit)
+            angle = "" if turns else ", and rad where it turns"
+            return Unit(factor, label, f"taken {said}; {others} would do as well{angle}", UNKNOWN)
+        return Unit(factor, label, said if turns else f"{said}; if it turns, its unit may be rad or degrees", LIKELY)
+
 
 def header_of(label: str, apart: str = "") -> Header:
     """Parse a column's header, with a unit that the file states apart from it."""
@@ -92,8 +170,7 @@ def _behind(label: str) -> tuple[str, str]:
         return label, ""
     alone = found.group(2) in ("u", "h", "in", "f", "A", "V", "N", "m", "s", "U", "min")
     named = _kind(found.group(1))[0]
-    lengths = {*LENGTHS, *ANGLES, *COUNTS}
-    right = {"time": set(TIMES), "command": set(COMMANDS)}.get(named, lengths)
+    right = {"time": set(TIMES), "command": set(COMMANDS)}.get(named, {*LENGTHS, *ANGLES, *COUNTS})
     if (alone and not named) or (named and found.group(2) not in right and not RATES.fullmatch(found.group(2))):
         return label, ""  # `joint u`, `x_A`: part of the name
     return found.group(1), found.group(2)
@@ -128,94 +205,6 @@ def _kind(bare: str) -> tuple[str, int]:
         return short[0] if short and len(parts) > 1 else ("", 0)
     is_reference = parts & {"ref", "reference", "soll", "setpoint", "demand", "target", "cmd", "sollwert"}
     return (REFERENCE_OF.get(best, best) if is_reference else best), 100 - longest[best]
-
-
-STATED, LIKELY, UNKNOWN = "stated", "likely", "cannot tell"
-#: Largest step between rows and the unit in which it is a usual rate: 50 Hz to 50 kHz.
-STEPS = ((0.02, 1.0, "s"), (20.0, 1e-3, "ms"), (math.inf, 1e-6, "us"))
-#: Ranges of travel, speed and acceleration of axes in m or rad, m/s, m/s^2 (assumed, from stages to gantries and from
-#: joints to spindles), and typical values.
-RANGES = {"m": ((2e-4, 6.0), (2e-4, 8.0), (1e-3, 300.0)), "rad": ((1e-3, 1e4), (1e-3, 1e3), (1e-2, 1e5))}
-USUAL = {"m": (0.2, 0.3, 5.0), "rad": (3.0, 5.0, 50.0)}
-TRIED = {"m": {"m": 1.0, "mm": 1e-3, "um": 1e-6}, "rad": {"rad": 1.0, "deg": math.pi / 180.0}}
-COUNT = 1e-6  # m or rad, assumed for an encoder count of unknown size
-MANY = 1000  # span from which whole numbers are counts
-
-
-@dataclass(frozen=True)
-class Unit:
-    """The unit of a column."""
-
-    factor: float  # to the unit of the log
-    label: str  # of the unit of the log: s, m, rad, V, A, ...
-    reason: str  # why, in words
-    sure: str  # STATED (in the header), LIKELY or UNKNOWN
-
-
-def _stated(header: Header, factors: Mapping[str, float], label: str) -> Unit | None:
-    factor = factors.get(header.unit, factors.get(header.unit.lower()))
-    return None if factor is None else Unit(factor, label, f"in {header.unit} as its header says", STATED)
-
-
-def unit_of_time(header: Header, time: FloatArray) -> Unit:
-    """The unit of a time: as stated, else the one that gives a usual rate."""
-    if (stated := _stated(header, TIMES, "s")) is not None:
-        return stated
-    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    factor, unit = next((factor, unit) for most, factor, unit in STEPS if step < most)
-    rate = 1.0 / (step * factor) if step > 0.0 else math.inf
-    said = f"in {unit}: its rows are {step:.4g} apart, {rate:.4g} Hz if so"
-    if step == 1.0:
-        return Unit(factor, "s", f"{said}; it may be the number of the row, then give 1 / rate", UNKNOWN)
-    return Unit(factor, "s", said, LIKELY)
-
-
-def turning(position: Header, command: Header) -> bool:
-    """Whether an axis is rotary, by the unit of its position, else by a torque."""
-    angle = position.is_angle
-    return command.is_torque if angle is None else angle
-
-
-def unit_of_command(header: Header, turns: bool) -> Unit:
-    """The unit of a command, as stated; numbers do not show it."""
-    known = COMMANDS.get(header.unit) or COMMANDS.get(header.unit.lower())
-    if known is not None:
-        return Unit(known[0], known[1], f"in {header.unit} as its header says", STATED)
-    label = "Nm" if turns and header.is_torque else "V"
-    return Unit(1.0, label, f"its unit is not stated: assumed to be {label}, edit [units]", UNKNOWN)
-
-
-def stated_unit(header: Header) -> Unit | None:
-    """The unit of a position that its header states."""
-    return _stated(header, LENGTHS, "m") or _stated(header, ANGLES, "rad")
-
-
-def unit_of_position(header: Header, time: FloatArray, position: FloatArray, turns: bool) -> Unit:
-    """The unit of a position: as stated, else the one with plausible travel, speed and acceleration."""
-    stated, label = stated_unit(header), "rad" if turns else "m"
-    if stated is not None:
-        return stated
-    motion, tried = motion_of(time, position), TRIED[label]
-    if header.unit.lower() in COUNTS or (motion[0] > MANY and np.array_equal(position, np.round(position))):
-        reason = f"in counts of an encoder of unknown size: 1e-06 {label} assumed, give its own"
-        return Unit(COUNT, label, reason, UNKNOWN)
-    sizes = {unit: [max(factor * value, 1e-300) for value in motion] for unit, factor in tried.items()}
-    within = {u: [a <= x <= b for x, (a, b) in zip(one, RANGES[label], strict=True)] for u, one in sizes.items()}
-    fitting = [unit for unit, good in within.items() if all(good)]
-    if header.label == "position" and label in fitting:
-        beside = " beside a torque or as an angle" * turns
-        return Unit(1.0, label, f"in {label}, as a log of this name has it{beside}; give a factor if it is not", LIKELY)
-    unit = min(fitting or tried, key=lambda u: np.sum(np.log(np.divide(sizes[u], USUAL[label])) ** 2))
-    factor, (travel, speed, _) = tried[unit], sizes[unit]
-    said = f"in {unit}: it then spans {travel:.3g} {label} at up to {speed:.3g} {label}/s"
-    if not fitting:
-        none = f"its span of {motion[0]:.4g} fits an axis in none of {', '.join(tried)}"
-        return Unit(1.0, label, f"taken as {label}: {none}", UNKNOWN)
-    if len(fitting) > 1:
-        others = " or ".join(other for other in fitting if other != unit)
-        angle = "" if turns else ", and rad where it turns"
-        return Unit(factor, label, f"taken {said}; {others} would do as well{angle}", UNKNOWN)
-    return Unit(factor, label, said if turns else f"{said}; if it turns, its unit may be rad or degrees", LIKELY)
 
 
 def motion_of(time: FloatArray, position: FloatArray) -> tuple[float, float, float]:

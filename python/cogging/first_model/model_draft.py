@@ -283,20 +283,14 @@ class ModelDraft(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """All fields for JSON."""
-        columns = {} if self.columns is None else self.columns.used
-        sizes = self.sizes.sizes.items()
+        columns, sizes = {}, self.sizes.sizes.items()
+        for name, one in ({} if self.columns is None else self.columns.used).items():
+            factor, sure = self.scale.get(name, one.unit.factor), one.sure if one.sure != STATED else one.unit.sure
+            told = f"{one.reason}; {one.unit.reason}"
+            columns[name] = {"in_file": one.label, "factor": factor, "unit": one.unit.label, "sure": sure, "told": told}
         return {
             "source": self.source,
-            "columns": {
-                name: {
-                    "in_file": guess.label,
-                    "factor": self.scale.get(name, guess.unit.factor),
-                    "unit": guess.unit.label,
-                    "sure": guess.sure if guess.sure != STATED else guess.unit.sure,
-                    "told": f"{guess.reason}; {guess.unit.reason}",
-                }
-                for name, guess in columns.items()
-            },
+            "columns": columns,
             "audit": self.audit.to_dict(),
             "motion": {"type": self.motion.kind, **self.motion.fields, "seen_in": self.seen_in},
             "balance": {"explained": self.sizes.explained}

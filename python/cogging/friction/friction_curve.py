@@ -140,13 +140,12 @@ class Law:
             notes.append("friction does not fall as speed rises from zero: the Stribeck term vanishes")
         elif self.bow:
             low, high = self.limits(v)
-            for i in range(low.size):
-                place, step = np.log(shape[: low.size]), np.zeros(low.size)
+            place = np.log(shape[: low.size])
+            for i, step in enumerate(1e-5 * np.eye(low.size)):
                 if min(place[i] - low[i], high[i] - place[i]) < 1e-6:
                     path = self.paths[linear.size + i]
                     notes.append(f"{path} is at the end of its range, {shape[i]:.4g}: no interval")
                     continue
-                step[i] = 1e-5
                 change = self.design(v, self.shape(place + step)) - self.design(v, self.shape(place - step))
                 columns.append((change @ linear / 2e-5)[:, None])
                 free.append(linear.size + i)
@@ -275,9 +274,7 @@ class FrictionCurve(ByValue):
         headers = ["parameter", "value", "from", "to", "unit"]
         return html_table(f"FrictionCurve: {self._brief()}", headers, rows, self.notes)
 
-    plot = plot_method(
-        plot.friction_curve, "Draw the points and the laws over speed (cogging.plot.friction_curve).", "axes"
-    )
+    plot = plot_method(plot.friction_curve, "Draw the points and the laws over speed.", "axes")
 
     def text(self) -> str:
         """The fits in a few lines for the screen."""

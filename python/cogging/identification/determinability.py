@@ -19,37 +19,30 @@ from cogging.model.parameters import Parameter, Scales, effect_at, parameters_of
 UNDETERMINED = 0.2  # relative 1-sigma above which a parameter is not determined
 PARALLEL = 1e3  # variance inflation beyond which model errors exceed the difference between collinear parameters
 TRADE = 0.95  # correlation above which two parameters trade against each other
+_Table = tuple[FloatArray, FloatArray, IntArray]  # columns (p, n), residual (n,), block (n,) of a log
+Sources = Callable[[], Sequence[Residuals]]  # makes the output errors of logs
 
 
 @dataclass(frozen=True)
 class Determinability:
     """Which parameters the logs determine."""
 
-    paths: tuple[str, ...]  # of the parameters
-    sigma: FloatArray  # predicted 1-sigma with all others free, over the size, (p,); infinite if no row depends on it
-    in_balance: tuple[bool, ...]  # whether the force balance depends on it, else only the output error may, (p,)
-    notes: tuple[str, ...]  # one sentence each
+    sigma: dict[str, float]  # by path: predicted 1-sigma, all others free, over the size; infinite if no row shows it
+    in_balance: dict[str, bool]  # by path: whether the force balance depends on it, else only the output error may
+    notes: dict[str, str]  # by path: a sentence
 
     def determined(self, path: str) -> bool:
         """Whether the logs determine the parameter at a path."""
-        return bool(self.sigma[self.paths.index(path)] < UNDETERMINED)
-
-    def seen_by_balance(self, path: str) -> bool:
-        """Whether the force balance depends on the parameter at a path."""
-        return self.in_balance[self.paths.index(path)]
+        return self.sigma[path] < UNDETERMINED
 
     @property
     def classes(self) -> list[tuple[bool, bool]]:
         """Whether each parameter is determined, and in the force balance."""
-        return [(self.determined(path), self.seen_by_balance(path)) for path in self.paths]
+        return [(self.determined(path), self.in_balance[path]) for path in self.sigma]
 
 
 def determinability(
-    model: Model,
-    paths: Sequence[str],
-    balances: Sequence[ForceBalance],
-    scales: Scales,
-    sources: Callable[[], Sequence[Residuals]] = tuple,
+    model: Model, paths: Sequence[str], balances: Sequence[ForceBalance], scales: Scales, sources: Sources = tuple
 ) -> Determinability:
     """Predict from a linearised fit which parameters the logs determine.
 
@@ -92,7 +85,7 @@ def determinability(
     away = np.abs(correlation) * (1.0 - np.eye(len(paths)))
     while (drawn := (sigma < UNDETERMINED) & (away[:, sigma >= UNDETERMINED] > TRADE).any(axis=1)).any():
         sigma[drawn] = np.inf  # its estimate would follow the prior of the parameter it trades against
-    notes, names = [], [re.sub(r"^(axis|effects)\.", "", path) for path in paths]
+    notes, names = {}, [re.sub(r"^(axis|effects)\.", "", path) for path in paths]
     for i, parameter in enumerate(parameters):
         k = int(np.argmax(away[i]))
         other = names[k] if away[i, k] > TRADE else ""
@@ -105,8 +98,9 @@ def determinability(
             said = f"not determined, trades against {other}: {_span(model, (parameter, parameters[k]), balances)}"
         else:
             said = "not determined, this motion hardly shows it"
-        notes.append(f"{names[i]}: {said}")
-    return Determinability(tuple(paths), sigma, tuple(bool(not d) for d in dead), tuple(notes))
+        notes[parameter.path] = f"{names[i]}: {said}"
+    in_balance = dict(zip(paths, (~dead).tolist(), strict=True))
+    return Determinability(dict(zip(paths, sigma.tolist(), strict=True)), in_balance, notes)
 
 
 def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
@@ -125,9 +119,6 @@ def size_of(model: Model, parameter: Parameter, scales: Scales) -> float:
     elif parameter.positive and value > 0.0:
         return value
     return max(value, scales.of(parameter.dimension))
-
-
-_Table = tuple[FloatArray, FloatArray, IntArray]  # columns (p, n), residual (n,), block (n,) of a log
 
 
 def predicted_errors(tables: Sequence[_Table], dead: Mask) -> tuple[FloatArray, FloatArray]:

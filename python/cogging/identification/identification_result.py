@@ -23,13 +23,9 @@ EXPLAINED = 0.5  # share of the command's power below which the model is said to
 CHECK = 5.0  # difference of the two estimators, in standard deviations, from which they contradict each other
 WORSE = 1.05  # residual or replay error over that of the model as given, from which the fit is worse
 SHOWN = 3  # parameters that one sentence names
-RENAMED = {  # in JSON
-    "difference": "difference_sigma",
-    "spread": "spread_between_logs",
-    "single_sigma": "sigma_of_single_logs",
-    "replay_before": "replay_relative_error_before",
-    "replay": "replay_relative_error",
-}
+#: Names in JSON.
+RENAMED = {"difference": "difference_sigma", "spread": "spread_between_logs", "single_sigma": "sigma_of_single_logs"}
+RENAMED |= {"replay": "replay_relative_error", "replay_before": "replay_relative_error_before"}
 
 
 @dataclass(frozen=True)
@@ -235,10 +231,8 @@ def warnings_of(
     apart = [p for p in parameters if p.path not in held and abs(p.difference or 0.0) > CHECK]
     apart.sort(key=lambda p: -abs(p.difference or 0.0))
     if apart:
-        shown = [
-            f"{p.path} ({p.inverse_dynamics:.4g} and {p.output_error:.4g} {p.unit}, {abs(p.difference or 0):.2g} sigma)"
-            for p in apart
-        ]
+        said = "{0.path} ({0.inverse_dynamics:.4g} and {0.output_error:.4g} {0.unit}, {1:.2g} sigma)"
+        shown = [said.format(p, abs(p.difference or 0.0)) for p in apart]
         warnings.append(f"inverse dynamics and output error contradict each other: {_listed(shown)}")
     ways: dict[str, list[str]] = {}
     for p in parameters:

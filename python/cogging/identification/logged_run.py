@@ -104,7 +104,7 @@ class LoggedRun:
         repairs = "; ".join(f"{name}: {one}" for one in (clock, said) if one)
         return cls(name, log, found, replay, line, repairs, sparse, hold)
 
-    def simulator(self) -> Simulator | None:
+    def simulator(self) -> Simulator:
         """The simulator for instruments: the replay, else the reference if the axis followed it, else None."""
         if self.replay is not None:
             return self.replay.log_of
@@ -118,7 +118,7 @@ class LoggedRun:
         """The force balance of the log, or of every second row, each with the mean of the two commands in between."""
         log, hold, simulate = self.log, self.hold, self.simulator()
         if not every_second:
-            return ForceBalance(log, cutoff=cutoff, hold=hold, rest=rest, simulate=simulate)
+            return ForceBalance(log, cutoff=cutoff, hold=hold, rest=rest, run=simulate)
 
         def half(log: Log) -> Log:
             first, second = log.command[::2], np.append(log.command[1::2], log.command[-1:])
@@ -127,13 +127,12 @@ class LoggedRun:
 
         hold = hold or float(np.median(np.diff(log.time)))
         fewer = simulate and (lambda model: half(simulate(model)))
-        return ForceBalance(half(log), cutoff=cutoff, hold=hold, rest=rest, simulate=fewer)
+        return ForceBalance(half(log), cutoff=cutoff, hold=hold, rest=rest, run=fewer)
 
     def relative_errors(self, model: Model) -> dict[str, float]:
         """Relative error of the replay in position, velocity and command (norms); empty without a replay.
 
-        Both velocities are differences of positions low-pass filtered at 400 Hz at most. DivergedError: the replay
-        diverged.
+        Both velocities are differences of positions low-pass filtered at 400 Hz at most. DivergedError: it diverged.
         """
         if self.replay is None:
             return {}

@@ -310,10 +310,8 @@ def misread_by_controller(log: Log, model: Model) -> list[Reading]:
         # The rows by which the logged command may be later than that of the controller, the likeliest first.
         both = compared(log, model)
         if len(both.computed) == len(both.samples.command):
-            logged, given = (
-                np.where(both.judged, command - np.mean(command[both.judged]), 0.0)
-                for command in (both.samples.command, both.computed)
-            )
+            pair, rows = (both.samples.command, both.computed), both.judged
+            logged, given = (np.where(rows, command - np.mean(command[rows]), 0.0) for command in pair)
             most = max(3, int(FURTHEST * len(logged)))
             lags = np.setdiff1d(np.arange(-most, most + 1), [0])
             order = np.argsort(-cross_correlation(logged, given)[len(given) - 1 + lags])[:3]

@@ -43,8 +43,7 @@ Answer = dict[str, tuple[float, float, float]]  # by path: value, standard devia
 
 def answer_of(paths: Sequence[str], values: FloatArray, covariance: FloatArray, freedom: FloatArray) -> Answer:
     """Value, standard deviation and half of the 95 % interval by path."""
-    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    rows = zip(paths, values, sigmas, freedom, strict=True)
+    rows = zip(paths, values, np.sqrt(np.maximum(np.diag(covariance), 0.0)), freedom, strict=True)
     return {path: (float(v), float(s), float(s * student(float(f)))) for path, v, s, f in rows}
 
 
@@ -104,9 +103,8 @@ class ParameterFit:
     @property
     def moving(self) -> list[str]:
         """The parameters that the force balance moves: more than it determines, so that priors do not bias the rest."""
-        sigmas = dict(zip(self.seen.paths, self.seen.sigma, strict=True))
-        shaped = [p for p in sigmas if role_of(self.model, p) == "amplitude" or sigmas[p] < SHAPELESS]
-        return [path for path in shaped if self.seen.seen_by_balance(path)]
+        sigmas = {path: sigma for path, sigma in self.seen.sigma.items() if self.seen.in_balance[path]}
+        return [p for p, sigma in sigmas.items() if role_of(self.model, p) == "amplitude" or sigma < SHAPELESS]
 
     def _loose(self, paths: Sequence[str], seen: Determinability, model: Model) -> FloatArray:
         """1-sigma of the prior about the start, (p,): the size of a parameter that is not determined, else infinite."""
@@ -135,7 +133,7 @@ class ParameterFit:
             return None
         starts = [start, with_values(start, {path: self.prior[path].value for path in paths})]
         iterations = ITERATIONS
-        is_check = not has_states(self.model) and all(self.seen.seen_by_balance(path) for path in paths)
+        is_check = not has_states(self.model) and all(self.seen.in_balance[path] for path in paths)
         if is_check and any(left.is_strong for left in self.left):
             starts, iterations = starts[:1], FEW_ITERATIONS
         fits: list[Estimate] = []
@@ -147,11 +145,11 @@ class ParameterFit:
     def _one_by_one(self, model: Model) -> dict[str, tuple[float, float]]:
         """Standard deviation of the values of logs fitted one by one, and the rms of their own, by path."""
         found: dict[str, list[tuple[float, float]]] = {}
-        paths = [p for p in self.paths if self.seen.determined(p) and self.seen.seen_by_balance(p)]
+        paths = [path for path in self.paths if self.seen.determined(path) and self.seen.in_balance[path]]
         for balance in self.balances if len(self.balances) > 1 else ():
             alone = determinability(model, self.paths, [balance], self.scales)
             loose = self._loose(paths, alone, model)
-            single = fit_force_balance(model, paths, [balance], self.scales, loose, iterations=4)
+            single = fit_force_balance(model, paths, [balance], self.scales, loose, steps=4)
             for path, value, variance in zip(paths, single.values, np.diag(single.covariance), strict=True):
                 if alone.determined(path):
                     found.setdefault(path, []).append((float(value), float(np.sqrt(variance))))
@@ -170,7 +168,7 @@ class ParameterFit:
         model, values, loose = self.estimate.model, self.estimate.values, self._loose(paths, self.seen, self.model)
         known, found = parameters_of(model), dict[str, Answer]()
         parameters = [known[path] for path in paths]
-        moved, halves, bent = other_answers(model, parameters, self.balances, self.left, self.scales, loose)
+        moved, halves, bent = other_answers(model, parameters, self.left, self.scales, loose)
 
         def add(way: str, values: FloatArray, halves: Sequence[float] | FloatArray) -> None:
             rows = [(path, float(v), float(h)) for path, v, h in zip(paths, values, halves, strict=True)]
@@ -204,15 +202,14 @@ class ParameterFit:
         self.by_balance = answer_of(inside, estimate.values, estimate.covariance, estimate.freedom)
         self.by_output = answer_of(output.paths, output.values, output.covariance, output.freedom) if output else {}
         is_whole = not has_states(prior)  # whether the balance contains the whole model
-        hidden = any(seen.determined(path) and path not in inside for path in seen.paths)
+        hidden = any(seen.determined(path) and path not in inside for path in seen.sigma)
         if output is not None and (hidden or not is_whole):
             name, reported, full, order = "output_error", self.by_output, output.covariance, list(output.paths)
         else:
             name, reported, full, order = "inverse_dynamics", self.by_balance, estimate.covariance, inside
         strong = is_whole and any(left.is_strong for left in self.left)
         missing = is_whole and any(left.is_missing for left in self.left)
-        notes = zip(seen.paths, seen.notes, strict=True)
-        entries = [self._entry(self.prior[path], note, reported, strong, missing) for path, note in notes]
+        entries = [self._entry(self.prior[p], note, reported, strong, missing) for p, note in seen.notes.items()]
         fitted = {entry.path: entry.value for entry in entries if entry.determined and entry.value != entry.prior}
         model = with_values(prior, fitted)
         models = {"prior": prior, "model": model, "free": with_values(estimate.model, fitted)}
@@ -295,8 +292,7 @@ class ParameterFit:
         others = [other[path] for other in list(self.others.values())[:2] if path in other]
         if not others:
             return prior.value, (-np.inf, np.inf)
-        answers = [one[path] for one in (self.by_balance, self.by_output) if path in one] + others
-        values, _, halves = np.array(answers).T
+        values, _, halves = np.array([one[path] for one in (self.by_balance, self.by_output) if path in one] + others).T
         low, high = float(np.min(values - halves)), float(np.max(values + halves))
         stated = SIGMAS_95 * self.model.uncertainty.get(path.removeprefix("axis."), 0.0) * abs(prior.value)
         value = prior.value if low - stated <= prior.value <= high + stated else others[0][0]

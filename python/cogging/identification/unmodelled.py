@@ -34,6 +34,7 @@ BURIED = 4.0  # ... residual over noise, from which parameters keep their prior 
 class Unmodelled:
     """The residual of one log's force balance."""
 
+    balance: ForceBalance
     residual: float  # rms over the rows in motion, V
     command: float  # rms of the filtered command over the same rows, V
     noise: float  # rms that no force of position, speed, direction, acceleration or time explains, V
@@ -97,16 +98,11 @@ class Unmodelled:
         noise = float(np.sqrt(np.mean(quiet**2) * independent / freedom))
         rms = float(np.sqrt(np.mean(residual[balance.mask] ** 2)))
         of_command = float(np.sqrt(np.mean(command[balance.mask] ** 2)))
-        return cls(rms, of_command, min(noise, rms), inflation, freedom, _memory(left)[1], forces, rows)
+        return cls(balance, rms, of_command, min(noise, rms), inflation, freedom, _memory(left)[1], forces, rows)
 
 
 def other_answers(
-    model: Model,
-    parameters: Sequence[Parameter],
-    balances: Sequence[ForceBalance],
-    left: Sequence[Unmodelled],
-    scales: Scales,
-    loose: FloatArray,
+    model: Model, parameters: Sequence[Parameter], left: Sequence[Unmodelled], scales: Scales, loose: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Moves of parameters beside unmodelled forces, half intervals there, and those with the residual as noise, (p,).
 
@@ -119,8 +115,8 @@ def other_answers(
     plain, right = prior.copy(), np.zeros(p)
     bordered, beside = prior.copy(), np.zeros(p)
     information = prior.copy()
-    for balance, one in zip(balances, left, strict=True):
-        residual, columns = balance.columns(model, parameters, scales)
+    for one in left:
+        residual, columns = one.balance.columns(model, parameters, scales)
         columns, rest = columns[:, one.rows], residual[one.rows]
         weight = 1.0 / max(one.noise**2 * one.inflation, 1e-300)
         plain += weight * columns @ columns.T

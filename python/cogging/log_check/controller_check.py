@@ -21,6 +21,7 @@ from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG, MODEL_ALONE
 from cogging.values import ByValue
 
+Columns = dict[str, FloatArray]  # regressors by the name of their gain, (n,) each
 SHIFTS = (-2, -1, 0, 1, 2)  # rows by which the command is shifted
 ROUGH = 1e-3  # of the rms command: smaller differences are not examined
 EXPLAINS = 0.7  # of the difference: spikes are left out if less than this remains without them
@@ -44,8 +45,7 @@ def compared(log: Log, model: Model) -> Compared:
     reference = log.reference
     if reference is None:
         assert log.reference_velocity is not None
-        velocity = log.reference_velocity
-        moved = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(log.time)
+        moved = 0.5 * (log.reference_velocity[1:] + log.reference_velocity[:-1]) * np.diff(log.time)
         reference = log.position[0] + np.concatenate([[0.0], np.cumsum(moved)])
     found = _compared_with(log, model, reference, np.zeros(len(log), dtype=bool), cleaned=False)
     if not found.judged.any() or found.shifts[0] <= ROUGH * root_mean_square(log.command):
@@ -138,7 +138,7 @@ def root_mean_square(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2))) if values.size else float("inf")
 
 
-def linear_regressors(kind: str, controller: Any, samples: Samples) -> dict[str, FloatArray]:
+def linear_regressors(kind: str, controller: Any, samples: Samples) -> Columns:
     """The regressors of the gains of a `pid` or `cascade`, (n,) each, by the gain's name: its command at a gain of 1.
 
     A `cascade` has kv and `kp kv`, in which it is linear.
@@ -157,16 +157,14 @@ def linear_regressors(kind: str, controller: Any, samples: Samples) -> dict[str,
     return columns
 
 
-def fit_columns(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[dict[str, float], float]:
+def fit_columns(columns: Columns, target: FloatArray) -> tuple[dict[str, float], float]:
     """Coefficients of columns (n,) that fit a target, and the rms of what is left."""
     table = np.stack(list(columns.values()))
     solution = least_squares(table, target, rcond=1e-12)
     return dict(zip(columns, solution.tolist(), strict=True)), root_mean_square(target - solution @ table)
 
 
-def fit_samples(
-    samples: Samples, columns: Mapping[str, FloatArray], rows: Mask, integral: bool
-) -> tuple[dict[str, float], float, Mask]:
+def fit_samples(samples: Samples, columns: Columns, rows: Mask, integral: bool) -> tuple[dict[str, float], float, Mask]:
     """Coefficients of columns (m,) that fit the commands of some rows, the rms of what is left, and rows that counted.
 
     With an `integral` the rows after each gap have their own constant. Spikes that the fit does not have are left out.

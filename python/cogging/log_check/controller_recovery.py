@@ -11,7 +11,7 @@ import numpy as np
 from cogging._core import CascadeParameters, PidParameters, smooth_sign
 from cogging.arrays import FloatArray, Mask
 from cogging.calls import check_arguments
-from cogging.log_check.controller_check import fit_columns, fit_samples, linear_regressors, root_mean_square
+from cogging.log_check.controller_check import Columns, fit_columns, fit_samples, linear_regressors, root_mean_square
 from cogging.log_check.controller_samples import Samples
 from cogging.logs.log import Log
 from cogging.logs.spikes import spikes
@@ -19,8 +19,6 @@ from cogging.model.units import Units
 from cogging.resources import on_one_blas_thread
 from cogging.simulation.arguments import LOG
 from cogging.values import line_of
-
-Columns = dict[str, FloatArray]
 
 ACCEPTED = 0.005  # of the rms command: largest residual of the right controller type
 FEWEST_ROWS = 200

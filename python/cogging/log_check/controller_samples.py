@@ -125,11 +125,9 @@ def _even(time: FloatArray, row: IntArray, segment: IntArray) -> FloatArray:
     return np.asarray(means(time) + step * number)
 
 
-def cubic_weights(offsets: FloatArray) -> FloatArray:
-    """Weights (4, n) with which the cubic through values at four offsets (4, n) gives the value at 0."""
-    return np.array(
-        [np.prod([offsets[j] / (offsets[j] - offsets[i]) for j in range(4) if j != i], axis=0) for i in range(4)]
-    )
+def cubic_weights(x: FloatArray) -> FloatArray:
+    """Weights (4, n) with which the cubic through values at four offsets x (4, n) gives the value at 0."""
+    return np.array([np.prod([x[j] / (x[j] - x[i]) for j in range(4) if j != i], axis=0) for i in range(4)])
 
 
 def _roughness(time: FloatArray, position: FloatArray, whole: FloatArray) -> float:

@@ -31,8 +31,7 @@ def encoder_quantum(position: npt.ArrayLike) -> float:
         if np.mean(np.abs(differences - multiples * quantum) > OFF_GRID * quantum) <= 0.01:
             quantum = _refined(levels - levels[0], quantum * _common_factor(multiples))
             counts = (levels - levels[0]) / quantum
-            on_grid = np.abs(counts - np.round(counts)) < 2.5 * OFF_GRID
-            return quantum if np.mean(on_grid) > 0.95 else 0.0
+            return quantum if np.mean(np.abs(counts - np.round(counts)) < 2.5 * OFF_GRID) > 0.95 else 0.0
         left = np.abs(differences - np.round(differences / quantum) * quantum)
         left = left[left > OFF_GRID * quantum]
         quantum = float(np.quantile(left, 0.01, method="lower")) if left.size else 0.0

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cogging._core import CoggingModel, SplineHarmonics, require_memory
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, Mask
 from cogging.resources import POINT
 
 FOLDS = 8
@@ -140,8 +139,6 @@ def normal_equations(
     return normal, right
 
 
-Lines = npt.NDArray[np.bool_]
-
 WINDOW = 61  # lines of the running median that gives the noise level
 FEWEST = 8  # lines needed for a median
 FEWEST_FOR_SLOPE = 40  # lines needed for a slope of the noise; with fewer it is assumed white
@@ -162,7 +159,7 @@ class Line:
 class HarmonicSpectrum:
     """The least-squares spectrum of a force around the harmonics of a pitch.
 
-    Lines are at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
+    Mask are at f = h / pitch + s / travel for h = 0, 1, .. highest and every whole s with |s| / travel below half
     the distance of two harmonics. The power of a line is half of what its sine and cosine take off the sum of squares,
     so that white noise of variance sigma^2 gives sigma^2 on average. A harmonic whose amplitude changes along the
     travel (Lu et al. 2008, eq. 3) has lines beside it; those within a quarter of the distance count as its own.
@@ -207,11 +204,11 @@ class HarmonicSpectrum:
         """The amplitude (V) of a sinusoid that gives a power (V^2)."""
         return np.sqrt(4.0 * power / len(self.position))
 
-    def around(self, frequency: float, modulated: bool) -> Lines:
+    def around(self, frequency: float, modulated: bool) -> Mask:
         """The lines that a component at a frequency (1/m) occupies, in the shape of `frequency`."""
         return np.abs(self.frequency - frequency) <= (0.5 if modulated else 1e-6) / self.pitch
 
-    def level(self, power: FloatArray, taken: Lines, mean_square: float) -> tuple[FloatArray, float]:
+    def level(self, power: FloatArray, taken: Mask, mean_square: float) -> tuple[FloatArray, float]:
         """The noise level (V^2, in the shape of `frequency`) and its degrees of freedom.
 
         The running median of the lines without a component, divided by ln 2 (noise power is exponentially distributed),
@@ -236,17 +233,15 @@ class HarmonicSpectrum:
 
         lines (1 + 2 ratio / degrees)^(-degrees / 2), at most 1: the F(2, degrees) distribution.
         """
-        tail = float(np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees)))
-        return min(1.0, float(self.present.sum()) * tail)
+        return min(1.0, float(self.present.sum() * np.exp(-0.5 * degrees * np.log1p(2.0 * ratio / degrees))))
 
     def find(
-        self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Lines | None = None
+        self, force: FloatArray, nuisance: FloatArray, false_alarm: float, taken: Mask | None = None
     ) -> list[Line]:
         """The significant lines of a force (V, (n,)) in the order found; each harmonic once.
 
         The strongest line is removed with its modulation and the `nuisance` columns (n, q), and the rest searched
-        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded from
-        the start.
+        again. `false_alarm` is the probability at which noise alone yields any line; `taken` lines are excluded.
         """
         taken, found = (~self.present if taken is None else taken.copy()), list[Line]()
         points = int(np.ceil(np.ptp(self.position) / self.pitch)) + 2 if self.modulated else 1
@@ -278,7 +273,7 @@ class HarmonicSpectrum:
         """The ratio to its level at which a line has that false alarm: the inverse of `false_alarm`."""
         return float(0.5 * degrees * np.expm1(2.0 / degrees * np.log(self.present.sum() / false_alarm)))
 
-    def taken_by(self, harmonics: Iterable[int], modulated: bool) -> Lines:
+    def taken_by(self, harmonics: Iterable[int], modulated: bool) -> Mask:
         """The lines that harmonics occupy, in the shape of `frequency`."""
         taken = ~self.present
         for harmonic in harmonics:

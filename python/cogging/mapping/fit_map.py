@@ -234,8 +234,7 @@ def amplitudes(spectrum: HarmonicSpectrum, scan: Scan, fit: SplineFit, noise: No
         amplitude = float(np.sqrt(s @ gram @ s + c @ gram @ c))
         gradient = np.concatenate([gram @ s, gram @ c]) / max(amplitude, np.finfo(float).tiny)
         own = np.zeros(basis.coefficients)
-        for part in chosen:
-            own[part] = fit.coefficients[part]
+        own[chosen[0]], own[chosen[1]] = s, c
         rows = slice(harmonic, harmonic + 1)
         power = spectrum.power(fit.residual + cogging_spectrum.cogging_of(basis, own).force(scan.position), rows)
         ratio = np.max(np.where(spectrum.near[rows], power / noise.level[rows], 0.0))
@@ -441,8 +440,7 @@ def fit_map(
     """
     units = units or Units()
     require(is_number(pitch) and pitch > 0.0, "pitch", "must be finite and above 0", pitch)
-    within = is_number(false_alarm) and 0.0 < false_alarm < 1.0
-    require(within, "false_alarm", "must lie between 0 and 1", false_alarm)
+    require(is_number(false_alarm) and 0.0 < false_alarm < 1.0, "false_alarm", "must lie between 0 and 1", false_alarm)
     require(_is_whole(highest_harmonic, 1), "highest_harmonic", "must be a whole number from 1", highest_harmonic)
     given = []
     if harmonics is not None:

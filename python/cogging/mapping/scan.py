@@ -106,8 +106,7 @@ def is_number(value: object) -> bool:
 def finite_column(name: str, values: npt.ArrayLike) -> FloatArray:
     """Return finite numbers (n,) of usual size; ValueError names the rule."""
     array = real_array(name, values)
-    is_column = array.ndim == 1 and array.size > 0
-    require(is_column, name, "must be one-dimensional and not empty", f"shape {array.shape}")
+    require(array.ndim == 1 and array.size > 0, name, "must be one-dimensional and not empty", f"shape {array.shape}")
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise ValueError(f"{name}: must be finite numbers, got {array[bad[0]]:g} in row {bad[0]}")
