@@ -192,7 +192,7 @@ class PredictedIndex:
 
     @classmethod
     def of(cls, values: FloatArray) -> PredictedIndex:
-        """From order statistics share (n + 1): a further value lies below with that share (numpy's are too narrow)."""
+        """Order statistics share (n + 1): with this probability a further value lies below (numpy's are too narrow)."""
         shares = np.array([0.5, 0.5 * (1.0 - COVERAGE), 0.5 * (1.0 + COVERAGE)])
         places = np.round(shares * (len(values) + 1) - 1.0, 9)  # whole ones exact: the value beyond may be infinite
         median, low, high = np.interp(places, np.arange(len(values)), np.sort(values)).tolist()

@@ -151,7 +151,7 @@ def modulus_margin(model: Model) -> float | None:
     """min over the frequency of |1 + L|, L = C(z) P(z) the loop of the model's own controller; 0 where it is unstable.
 
     P is M x'' = u - B x' with the model's delays and current loop, its command held over a sample, exactly; friction
-    but the viscous, cogging and flexibility are left out. C is the part that is linear in the error: linear_controller.
+    but the viscous, cogging and flexibility are left out. C is the controller's linear part (see linear_controller).
 
     Returns:
         1, from 0 to 1, or None where the controller has no such part.

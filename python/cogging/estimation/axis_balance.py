@@ -129,7 +129,7 @@ class AxisBalance:
     def fit(self, bounds: Bounds, *, shift: int = 0) -> AxisFit:
         """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
 
-        Free beside them: forces of position and of slow time, friction that differs with direction, unbounded drag.
+        Free beside them: forces of position and slow time, friction that differs with direction, and drag if unbounded.
         """
         command = self.command[np.clip(self.taken + shift, 0, len(self.command) - 1)]
         target = self.freed((command + self.known[self.taken])[None])[0]
