@@ -5,19 +5,18 @@ The bytes for each task were measured as the growth of a process over the call (
 
 from __future__ import annotations
 
-import functools
+import contextlib
 import importlib
 import os
 import threading
-from collections.abc import Callable, Iterable, Sized
+from collections.abc import Callable, Iterable, Iterator, Sized
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import threadpoolctl
 
 from cogging import _core
 
-F = TypeVar("F", bound=Callable[..., Any])
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
@@ -63,30 +62,33 @@ def on_threads(run: Callable[[Job], Result], jobs: Iterable[Job]) -> list[Result
             raise
 
 
-class OneThread:
-    """Context in which every loaded BLAS computes on one thread, so that no result depends on their number.
+_lock = threading.Lock()
+_limits = contextlib.ExitStack()  # of the contexts below, lifted when the last of them ends
+_entered = 0
+
+
+@contextlib.contextmanager
+def on_one_blas_thread(*, scipy: bool) -> Iterator[None]:
+    """Let every loaded BLAS compute on one thread in a block, or in a decorated function; scipy: load SciPy's before.
 
     A BLAS rounds sums differently for each number of threads. The last of several concurrent contexts restores it.
     """
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._blocks = 0
-        self._limits: list[Any] = []
-
-    def __enter__(self) -> None:
-        with self._lock:
-            self._blocks += 1
+    global _entered
+    if scipy:
+        importlib.import_module("scipy.linalg")
+    with _lock:
+        _entered += 1
+        _release_control()
+        # In each context: a BLAS may have been loaded since the last one.
+        _limits.enter_context(threadpoolctl.threadpool_limits(1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _lock:
+            _entered -= 1
             _release_control()
-            # In each context: a BLAS may have been loaded since the last one.
-            self._limits.append(threadpoolctl.threadpool_limits(1, user_api="blas"))
-
-    def __exit__(self, *error: object) -> None:
-        with self._lock:
-            self._blocks -= 1
-            _release_control()
-            while self._limits and self._blocks == 0:
-                self._limits.pop().restore_original_limits()
+            if _entered == 0:
+                _limits.close()
             _release_control()
 
 
@@ -95,22 +97,3 @@ def _release_control() -> None:
     release = getattr(threadpoolctl.OpenBLASController, "clear_controlling_thread", None)
     if release is not None:
         release(force=True)
-
-
-ONE_THREAD = OneThread()
-
-
-def on_one_blas_thread(*, scipy: bool) -> Callable[[F], F]:
-    """Return a decorator that runs a function with BLAS on one thread; scipy: load SciPy's own BLAS before."""
-
-    def decorate(function: F) -> F:
-        @functools.wraps(function)
-        def on_one_thread(*args: Any, **kwargs: Any) -> Any:
-            if scipy:
-                importlib.import_module("scipy.linalg")
-            with ONE_THREAD:
-                return function(*args, **kwargs)
-
-        return on_one_thread  # type: ignore[return-value]
-
-    return decorate
