@@ -169,28 +169,25 @@ def _core_class(value: Any) -> Any:
     return next((one for one in type(value).__mro__ if one.__module__.startswith("cogging._core")), None)
 
 
-def _defining_values(value: Any) -> Any:
+def _parts(value: Any) -> Any:
+    """Return what an object of the core is made of: its fields or properties by name, or its parameter struct."""
     kind = _core_class(value)
     if kind.__name__ in DEFINING:
-        return [getattr(value, name) for name in DEFINING[kind.__name__]]
-    if hasattr(kind, "FIELDS"):
-        return value.to_dict()
-    return value.__getstate__() if hasattr(kind, "sample_rate") else value.parameters  # a controller has learned
+        return {name: getattr(value, name) for name in DEFINING[kind.__name__]}
+    return value.to_dict() if hasattr(kind, "FIELDS") else value.parameters
 
 
 def _equal(self: Any, other: object) -> bool:
-    if _core_class(other) is not _core_class(self):
+    kind = _core_class(self)
+    if _core_class(other) is not kind:
         return NotImplemented  # type: ignore[no-any-return]
-    return same(_defining_values(self), _defining_values(other))
+    if hasattr(kind, "__setstate__"):  # a controller has learned
+        return same(self.__getstate__(), other.__getstate__())  # type: ignore[attr-defined]
+    return same(_parts(self), _parts(other))
 
 
 def _reduce(self: Any) -> Any:
-    kind = type(self)
-    if hasattr(kind, "parameters"):
-        return _rebuild, (kind, self.parameters)
-    if hasattr(kind, "FIELDS"):
-        return _rebuild, (kind, self.to_dict())
-    return _rebuild, (kind, {name: getattr(self, name) for name in DEFINING[kind.__name__]})
+    return _rebuild, (type(self), _parts(self))
 
 
 def _rebuild(kind: Any, parts: Any) -> Any:
