@@ -48,6 +48,18 @@ class FieldError(ValueError):
 
 
 @contextlib.contextmanager
+def errors_of_section(name: str, occurrence: int = 0) -> Iterator[None]:
+    """Let an error name section and occurrence; that of the core or of a class is "field: rule, got value"."""
+    try:
+        yield
+    except FieldError as error:
+        raise FieldError(error.section, error.key, error.problem, occurrence) from None
+    except ValueError as error:
+        key, _, problem = str(error).partition(": ")
+        raise FieldError(name, key.rpartition(".")[2], problem, occurrence) from None
+
+
+@contextlib.contextmanager
 def errors_of(path: str | os.PathLike[str]) -> Iterator[None]:
     """Let the errors of a block be InputErrors that name a file, and the line of a field if it can be found."""
     try:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,7 @@ from cogging._core import AxisParameters, CoggingModel, EncoderParameters, Noise
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
 from cogging.effects.effect import Effect, for_core
-from cogging.files import LARGEST, FieldError, refuse_mistyped, refuse_unknown_keys
+from cogging.files import LARGEST, FieldError, errors_of_section, refuse_mistyped, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
 from cogging.outputs import to_toml, write_files, write_text
@@ -323,21 +322,9 @@ class Model(ByValue):
         return document
 
 
-@contextlib.contextmanager
-def _reading_section(name: str, occurrence: int = 0) -> Iterator[None]:
-    """Let an error name section and occurrence; that of the core or of an effect is "field: rule, got value"."""
-    try:
-        yield
-    except FieldError as error:
-        raise FieldError(error.section, error.key, error.problem, occurrence) from None
-    except ValueError as error:
-        key, _, problem = str(error).partition(": ")
-        raise FieldError(name, key.rpartition(".")[2], problem, occurrence) from None
-
-
 def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurrence: int = 0) -> Any:
     """Return a C++ parameter struct from a section, with the defaults and rules of the struct."""
-    with _reading_section(name, occurrence):
+    with errors_of_section(name, occurrence):
         refuse_unknown_keys(section, struct.FIELDS, name)
         defaults = struct().to_dict()
         for key, value in section.items():
@@ -434,7 +421,7 @@ def _effects_from(effects: Any, own: Mapping[str, Custom]) -> tuple[Effect, ...]
         name = fields.pop("name", None)
         if isinstance(name, str) and name in own:
             effect = own[name]
-            with _reading_section("effects", occurrence):
+            with errors_of_section("effects", occurrence):
                 refuse_unknown_keys(fields, effect.FIELDS, "effects")
                 for key, value in fields.items():
                     _require_type(value, [] if isinstance(getattr(effect, key), list) else 0.0, "effects", key)

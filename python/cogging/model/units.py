@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cogging.calls import Kind, check_constructor
-from cogging.files import FieldError, refuse_unknown_keys
+from cogging.files import errors_of_section, refuse_unknown_keys
 from cogging.shown import quoted
 from cogging.values import ByValue
 
@@ -65,11 +65,8 @@ class Units(ByValue):
             FieldError: an unknown key, or a value that is no label.
         """
         refuse_unknown_keys(section, UNIT_KEYS, "units")
-        try:
+        with errors_of_section("units"):
             return cls(**section)
-        except ValueError as error:
-            key, _, problem = str(error).partition(": ")
-            raise FieldError("units", key, problem) from None
 
     def to_dict(self) -> dict[str, str]:
         """Return the section `[units]`, which from_dict reads."""

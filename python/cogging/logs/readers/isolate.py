@@ -219,17 +219,12 @@ def _read(kind: str, request: Request) -> dict[str, FloatArray]:
         raise request.refuse(f"needs {needed} to read a {what}: pip install 'cogging[{extra}]'") from None
     except MemoryError:
         raise request.refuse(f"must be a whole {what}, got one that asks for more memory than there is") from None
-    except OSError as error:
-        if error.errno in NO_ROOM and not error.filename:
-            raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
-        raise _broken(request, what, error) from None
     except Exception as error:  # any error of a library
-        raise _broken(request, what, error) from None
-
-
-def _broken(request: Request, what: str, error: Exception) -> InputError:
-    said = " ".join(str(error).split())[:120]
-    return request.refuse(f"must be a whole {what}, got {type(error).__name__}{': ' * bool(said)}{said}")
+        if isinstance(error, OSError) and error.errno in NO_ROOM and not error.filename:
+            raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
+        said = " ".join(str(error).split())[:120]
+        got = f"{type(error).__name__}{': ' * bool(said)}{said}"
+        raise request.refuse(f"must be a whole {what}, got {got}") from None
 
 
 def _numbers(request: Request, table: Mapping[str, Any]) -> dict[str, FloatArray]:
@@ -243,11 +238,10 @@ def _numbers(request: Request, table: Mapping[str, Any]) -> dict[str, FloatArray
             shape = " x ".join(map(str, array.shape))
             raise request.refuse(f"{name}: must be one column, got an array of {shape}")
         arrays[name] = array.reshape(-1).astype(np.float64)
-    lengths = {name: array.size for name, array in arrays.items()}
-    first = next(iter(lengths), "")
-    for name, length in lengths.items():
-        if length != lengths[first]:
-            raise request.refuse(f"{name}: must be as long as {first} ({lengths[first]}), got {length}")
+    first = next(iter(arrays), "")
+    for name, array in arrays.items():
+        if array.size != arrays[first].size:
+            raise request.refuse(f"{name}: must be as long as {first} ({arrays[first].size}), got {array.size}")
     start = request.rows.start or 0
     for name in arrays:
         arrays[name] = array = arrays[name][request.rows]

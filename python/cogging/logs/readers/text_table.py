@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from cogging._core import NumberReader, require_memory
 from cogging.arrays import FloatArray
-from cogging.files import InputError
+from cogging.files import InputError, reading
 from cogging.logs.readers.column_request import Request, split_unit
 
 HEADER = 1 << 18  # bytes that contain the header row
@@ -62,17 +62,13 @@ def survey(request: Request) -> None:
 @contextlib.contextmanager
 def _opened(request: Request) -> Iterator[IO[bytes]]:
     """Open the file; an error of the system or of the core names it."""
-    try:
-        with open(request.path, "rb") as file:
+    with reading(request.path), open(request.path, "rb") as file:
+        try:
             yield file
-    except OSError as error:
-        raise InputError(f"{request.path}: cannot be read: {error.strerror}") from None
-    except InputError:
-        raise
-    except UnicodeDecodeError as error:  # the core's message quotes bytes of the file
-        raise request.refuse(f"must be UTF-8 text, got the byte {error.object[error.start]:#x}") from None
-    except ValueError as error:
-        raise request.refuse(str(error)) from None
+        except (InputError, UnicodeDecodeError):
+            raise
+        except ValueError as error:
+            raise request.refuse(str(error)) from None
 
 
 def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dict[str, int], list[str], int]:
