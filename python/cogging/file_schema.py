@@ -19,6 +19,7 @@ ABOVE_ZERO = {"type": "number", "exclusiveMinimum": 0}
 NUMBER = {"type": "number"}
 NUMBERS = {"type": "array", "items": NUMBER}
 WHOLE_NUMBERS = {"type": "array", "items": {"type": "integer"}}
+SCALE = {"enum": ["linear", "log"]}
 
 KEYS = shipped_toml("file_schema.toml")
 LIMITS, LIMITS_NEEDED = KEYS["limits"], KEYS["required"]["limits"]
@@ -45,18 +46,11 @@ def schema() -> dict[str, Any]:
         "relative 1-sigma of each, 0 = exact",
         {key: {"type": "number", "minimum": 0, "unit": "1"} for key in UNCERTAINTY_KEYS},
     )
-    controllers = [
-        _tagged("type", kind, made.__doc__ or "", _fields(struct)) for kind, (struct, made) in CONTROLLERS.items()
-    ]
+    controllers = [_tagged("type", kind, made.__doc__, _fields(one)) for kind, (one, made) in CONTROLLERS.items()]
     effects = [_tagged("name", name, kind.LAW, _fields(kind)) for name, kind in _core.EFFECTS.items()]
-    words = "least number of integration steps between two samples; a run uses more where its accuracy needs them"
-    steps = {"type": "integer", "minimum": 1, "maximum": STEPS_MAX, "default": 1, "unit": "1", "description": words}
-    label = {"type": "string", "pattern": f"^({LABEL})$"}
-    described = {
-        "command": ("V", "of the command, as A, N or Nm; wherever V stands here"),
-        "position": ("m", "of the position, as rad; wherever m stands here"),
-    }
-    units = {key: {**label, "default": one, "unit": "", "description": text} for key, (one, text) in described.items()}
+    keys["simulation"]["steps_per_sample"]["maximum"] = STEPS_MAX
+    for label in keys["units"].values():
+        label["pattern"] = f"^({LABEL})$"
     bound = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
     model = _section(
         "an axis: model file",
@@ -67,8 +61,8 @@ def schema() -> dict[str, Any]:
             "encoder": _section(EncoderParameters.__doc__ or "", _fields(EncoderParameters)),
             "noise": _section(NoiseParameters.__doc__ or "", _fields(NoiseParameters)),
             "controller": {"oneOf": controllers, "description": "absent: unknown"},
-            "simulation": _section("how a run is integrated", {"steps_per_sample": steps}),
-            "units": _section("labels, carried to all output; numbers stay as they are", units),
+            "simulation": _section("how a run is integrated", keys["simulation"]),
+            "units": _section("labels, carried to all output; numbers stay as they are", keys["units"]),
             "bounds": {
                 "type": "object",
                 "additionalProperties": bound,
@@ -81,31 +75,25 @@ def schema() -> dict[str, Any]:
     duration = {"type": "number", "minimum": 0, "unit": "s", "description": "of the run; 0 = the motion's own end"}
     motions = []
     for kind, (struct, made) in REFERENCES.items():
-        entry = _tagged("type", kind, made.__doc__ or "", _fields(struct) | {"duration": duration})
+        entry = _tagged("type", kind, made.__doc__, _fields(struct) | {"duration": duration})
         if not math.isfinite(made(struct()).end):
             entry["required"].append("duration")
         motions.append(entry)
     samples = keys["sampled"] | {"duration": duration}
     motions.append(_tagged("type", "sampled", "a motion given by samples", samples))
 
-    sweep = keys["sweep"] | {"vary": _vary(keys["sweep"]["vary"])}
+    sweep, tune = keys["sweep"], keys["tune"]
+    sweep["vary"], tune["vary"] = _vary(sweep["vary"]), _vary(tune["vary"])
     sweep["method"]["enum"] = list(METHODS)
-
-    sections = {name: keys["tune"].pop(name) for name in ("gains", "limits", "vary")}
-    tune = keys["tune"]
     tune["against"]["enum"] = list(TUNE_INDEXES)
-    scale = {"scale": {"enum": ["linear", "log"]}}
-    ends = _section("its ends", {**dict.fromkeys(("from", "to", "start"), NUMBER), **scale}, ["from", "to"])
+    ends = {**dict.fromkeys(("from", "to", "start"), NUMBER), "scale": SCALE}
+    tune["gains"]["additionalProperties"] = _section("its ends", ends, ["from", "to"])
     present = _section("times what the present gains reach", {"present": ABOVE_ZERO}, ["present"])
     limits = {
         name: {"oneOf": [ABOVE_ZERO, present], "unit": one["unit"], "description": one["description"]}
         for name, one in TUNE_INDEXES.items()
     }
-    tune |= {
-        "gains": {"type": "object", "additionalProperties": ends, "description": sections["gains"]["description"]},
-        "limits": _section(sections["limits"]["description"], limits),
-        "vary": _vary(sections["vary"]),
-    }
+    tune["limits"] = _section(tune["limits"]["description"], limits)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "cogging: model, reference, limits, sweep and tune files (TOML; SI, V stands for the command unit)",
@@ -121,10 +109,10 @@ def schema() -> dict[str, Any]:
 
 
 def _vary(stated: Mapping[str, Any]) -> dict[str, Any]:
-    number = dict.fromkeys(("from", "to", "mean", "deviation"), NUMBER)
-    points = {"points": {"type": "integer", "minimum": 2}, "scale": {"enum": ["linear", "log"]}}
     values = {"type": "array", "items": NUMBER, "minItems": 1}
-    table = _section("a distribution", {"values": values, **number, **points})
+    numbers = dict.fromkeys(("from", "to", "mean", "deviation"), NUMBER)
+    points = {"type": "integer", "minimum": 2}
+    table = _section("a distribution", {"values": values, **numbers, "points": points, "scale": SCALE})
     return {
         "description": stated["description"],
         "oneOf": [
@@ -150,9 +138,7 @@ def _tagged(tag: str, value: str, description: str, properties: Mapping[str, Any
 
 def _fields(struct: Any) -> dict[str, Any]:
     found = {}
-    defaults = struct().to_dict()
-    for name, (unit, meaning) in struct.FIELDS.items():
-        value = defaults[name]
+    for (name, (unit, meaning)), value in zip(struct.FIELDS.items(), struct().to_dict().values(), strict=True):
         finite = all(math.isfinite(v) for v in (value if isinstance(value, list) else [value]) if isinstance(v, float))
         default = {"default": value} if finite else {}
         found[name] = {**_type_of(name, value), **default, "unit": unit or "", "description": meaning}
