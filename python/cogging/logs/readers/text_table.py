@@ -35,7 +35,7 @@ def read(request: Request) -> dict[str, FloatArray]:
     with _opened(request) as file:
         size = os.fstat(file.fileno()).st_size
         head = file.read(HEADER)
-        reader, index, order, first_data = _reader(head, size, request)
+        reader, index, first_data = _reader(head, size, request)
         above = head.split(b"\n", first_data)  # the lines above the data, and the rest
         file.seek(sum(len(text) + 1 for text in above[:first_data]) if len(above) > first_data else len(head))
         shown = size >= LARGE and sys.stderr.isatty()
@@ -44,7 +44,7 @@ def read(request: Request) -> dict[str, FloatArray]:
                 reader.feed(block)
                 bar.update(len(block))
         reader.finish()
-    arrays = dict(zip((index[name] for name in order), reader.take(), strict=True))
+    arrays = dict(zip(sorted(set(index.values())), reader.take(), strict=True))
     return {name: arrays[place] for name, place in index.items()}
 
 
@@ -71,15 +71,13 @@ def _opened(request: Request) -> Iterator[IO[bytes]]:
             raise request.refuse(str(error)) from None
 
 
-def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dict[str, int], list[str], int]:
-    """Return the reader of the rows, the places of the columns, their order, and the first data line."""
+def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dict[str, int], int]:
+    """Return the reader of the columns in the order of the file, their places, and the first data line."""
     lines = _lines(head, request)
     separator, labels, units, first_data = _find_header(lines, request)
     index = request.choose(labels, "header", units)
-    order = sorted(index, key=lambda name: index[name])
-    if len(set(index.values())) < len(index):  # two names for one column: read once
-        order = [name for i, name in enumerate(order) if i == 0 or index[name] != index[order[i - 1]]]
-    rows = request.rows
+    labelled = {place: name for name, place in reversed(index.items())}  # two names for one column: read once
+    wanted, rows = sorted(labelled), request.rows
     kept = lines[first_data:]
     decimal = _decimal(kept, separator, index, len(labels), first_data + 1, request)
     if decimal == ",":
@@ -87,20 +85,20 @@ def _reader(head: bytes, size: int, request: Request) -> tuple[NumberReader, dic
     mean = (sum(map(len, kept)) / len(kept) + 1) if kept else 1.0
     limit = size if rows.stop is None else min(size, int((rows.stop - (rows.start or 0)) * mean))
     expected = int(1.1 * limit / mean) + 16
-    table = f"about {limit / mean:.3g} rows of {len(order)} columns"
-    require_memory("rows", 8.0 * expected * len(order), table, f"{size} bytes")
+    table = f"about {limit / mean:.3g} rows of {len(wanted)} columns"
+    require_memory("rows", 8.0 * expected * len(wanted), table, f"{size} bytes")
     reader = NumberReader(
         separator=separator,
         fields=len(labels),
-        wanted=[index[name] for name in order],
-        labels=order,
+        wanted=wanted,
+        labels=[labelled[place] for place in wanted],
         first_row=rows.start or 0,
         end_row=rows.stop,
         first_line=first_data + 1,
         expected_rows=expected,
         decimal=decimal,
     )
-    return reader, index, order, first_data
+    return reader, index, first_data
 
 
 def _decimal(lines: list[str], separator: str, index: dict[str, int], fields: int, first: int, request: Request) -> str:
