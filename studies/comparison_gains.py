@@ -16,15 +16,7 @@ from cogging.design.loop_margins import Loops, Machine, push_of
 from cogging.design.observer import design_observer
 from cogging.model.controller import ListedController
 from cogging.model.model import Model
-from cogging.papers.comparison import (
-    DELAY_MARGIN,
-    POLE_RADII,
-    SCALED,
-    SLOW_DECAY_RATE,
-    machine,
-    observer_problem,
-    scaled,
-)
+from cogging.papers import comparison
 from cogging.papers.lu2008 import gantry as lu2008
 from cogging.simulation.varied import Setup
 from studies.command import run_calibration
@@ -33,7 +25,7 @@ from studies.fitting import round_to_digits
 
 def delay_margin(controller: ListedController, axis: lu2008.GantryAxis) -> float:
     """The delay (s) of the command that the loop on an axis tolerates, as `cogging tune` measures it."""
-    plant, motion = machine(axis=axis), lu2008.reference(axis, repeats=1)
+    plant, motion = comparison.machine(axis=axis), lu2008.reference(axis, repeats=1)
     model = Model(axis=plant.axis, cogging=plant.cogging, encoder=plant.encoder)
     largest = axis.mass * axis.acceleration + axis.coulomb
     push = push_of(motion, lu2008.SAMPLE_RATE, 0.0, largest)
@@ -46,7 +38,7 @@ def factor_of(name: str, axis: lu2008.GantryAxis) -> float:
     while high / low > 1.03:
         middle = float(np.sqrt(low * high))
         try:
-            holds = delay_margin(scaled(name, axis, middle), axis) >= DELAY_MARGIN
+            holds = delay_margin(comparison.scaled(name, axis, middle), axis) >= comparison.DELAY_MARGIN
         except (ValueError, DivergedError):
             holds = middle < 1.0  # no such gain: too slow for the observer's decay rate, or too fast for the samples
         low, high = (middle, high) if holds else (low, middle)
@@ -56,11 +48,12 @@ def factor_of(name: str, axis: lu2008.GantryAxis) -> float:
 def gains_toml() -> str:
     """The text of comparison_gains.toml, which comes with the package (extra `design` to write it anew)."""
     lines = ["# Gains of the comparison, by studies.comparison_gains.", "[own]"]
-    for name, radius in POLE_RADII.items():
-        lines.append(f'"{name}" = {_digits(design_observer(observer_problem(radius)).observer_gain)}')
+    for name, radius in comparison.POLE_RADII.items():
+        lines.append(f'"{name}" = {_digits(design_observer(comparison.observer_problem(radius)).observer_gain)}')
     for axis in lu2008.AXES.values():
-        factors = {name: factor_of(name, axis) for name in SCALED}
-        problem = observer_problem(POLE_RADII["observer_based"], axis, factors["observer_based"], SLOW_DECAY_RATE)
+        factors = {name: factor_of(name, axis) for name in comparison.SCALED}
+        slow = (axis, factors["observer_based"], comparison.SLOW_DECAY_RATE)
+        problem = comparison.observer_problem(comparison.POLE_RADII["observer_based"], *slow)
         lines += [f"[{axis.name}]", f"observer_gain = {_digits(design_observer(problem).observer_gain)}"]
         lines += [f"[{axis.name}.factors]", *(f'"{name}" = {factor}' for name, factor in factors.items())]
     return "\n".join(lines) + "\n"

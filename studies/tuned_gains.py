@@ -28,7 +28,6 @@ RANGE = 10.0  # above and below the printed gain
 LIMITS = {"command_max": {"present": 1.0}, "delay_margin": {"present": 0.5}}
 LU2008_MACHINES = {"mass": 0.03, "viscous": 0.1, "coulomb": 0.1}  # relative 1 sigma, not reported, assumed
 LU2008_REPEATS = 3  # of the shorter motion
-XU2001_DURATION = xu2001.DURATION  # the start counts as much as in the paper
 
 
 @dataclass(frozen=True)
@@ -98,16 +97,10 @@ def xu2001_case() -> Case:
         gains=("gain_1", "gain_2", "observer_gain_1", "observer_gain_2"),
         vary={"axis.mass": {"from": xu2001.MASSES["1"], "to": xu2001.MASSES["2"]}},
         motion=motion,
-        duration=XU2001_DURATION,
-        start=-np.inf,
+        duration=xu2001.DURATION,
+        start=-np.inf,  # the start counts as much as in the paper
         own={f"set {name}": (machine, *own) for name, machine in machines.items()},
     )
-
-
-CASES: dict[str, Callable[[], Case]] = {
-    "lu2008 X": lambda: lu2008_case("X"),
-    "xu2001": xu2001_case,
-}
 
 
 def tuned(case: Case, *, trials: int = 100, machines: int = 8, **options: Any) -> Tuning:
@@ -140,8 +133,7 @@ def on_own_runs(case: Case, model: Model) -> dict[str, tuple[float, float, float
 
 def main(folder: str = ".", show: Callable[[str], None] = print) -> None:
     """Tune and compare."""
-    for make in CASES.values():
-        case = make()
+    for case in (lu2008_case("X"), xu2001_case()):
         tuning = tuned(case, progress=True)
         show(f"{case.name}\n{tuning.text()}")
         if tuning.model is None:

@@ -17,35 +17,13 @@ on GitHub at the named commits:
 """
 
 import json
-import sys
-import time
-from pathlib import Path
 
 import numpy as np
 
-import cogging
+from studies.diagnosis.measured import diagnose, log, model, table
 
-LOOSE = {"mass": 0.3, "viscous": 1.0, "coulomb": 1.0}
 PWM = 885  # counts of a full duty
 GRAVITY = 9.81  # m/s^2
-
-
-def model(mass, viscous, coulomb, width, command):
-    axis = cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width)
-    return cogging.Model(axis=axis, uncertainty=LOOSE, units=cogging.Units(command=command, position="rad"))
-
-
-def log(rows, clock, position, command, reference=None):
-    """One row an instant: clocks of a computer that polls a drive stand still now and then."""
-    instant = np.asarray(rows[clock], dtype=float)
-    keep = np.concatenate([[True], np.diff(np.maximum.accumulate(instant)) > 0])
-    column = {name: np.asarray(rows[name], dtype=float)[keep] for name in (clock, position, command)}
-    wanted = None if reference is None else np.asarray(rows[reference], dtype=float)[keep]
-    return cogging.Log(column[clock] - column[clock][0], column[position], column[command], reference=wanted)
-
-
-def table(path):
-    return np.genfromtxt(path, delimiter=",", names=True)
 
 
 def servo(folder):
@@ -64,10 +42,9 @@ def servo(folder):
 
 
 def arm(folder):
-    logs = []
-    for name in ("161809_536_603_090", "161843_650_565_746"):
-        rows = table(folder / "arm" / f"qube_20230828T{name}.csv")
-        logs.append(log(rows, "t", "theta", "plant_input", "target_theta"))
+    runs = ("161809_536_603_090", "161843_650_565_746")
+    tables = [table(folder / "arm" / f"qube_20230828T{name}.csv") for name in runs]
+    logs = [log(rows, "t", "theta", "plant_input", "target_theta") for rows in tables]
     torque_constant, resistance = 0.042, 8.4  # the maker's data sheet
     inertia = 0.095 * 0.085**2 / 3 + 4.6e-6  # kg m^2, of the arm without the pendulum; with it at its tip 0.173e-3 more
     print("said of it: the pendulum pushes back on the arm; nothing of gravity, the arm lies level")
@@ -94,20 +71,5 @@ def gear(folder):
     return logs[:1], logs[1:], model(9**2 * 6.1e-5 / torque, 0.01, 0.269 / torque, 0.05, "A")
 
 
-def main():
-    folder, names = Path(sys.argv[1]), sys.argv[2:]
-    for make in (servo, arm, shoulder, gear):
-        if names and make.__name__ not in names:
-            continue
-        print(f"== {make.__name__}")
-        given, confirm, stated = make(folder)
-        begin = time.perf_counter()
-        try:
-            told = cogging.diagnose(given, stated, confirm=confirm).text()
-        except (ValueError, ZeroDivisionError) as error:  # a trial tells of every machine
-            told = f"{type(error).__name__}: {error}"
-        print(f"{time.perf_counter() - begin:.1f} s\n{told}\n", flush=True)
-
-
 if __name__ == "__main__":
-    main()
+    diagnose(servo, arm, shoulder, gear)

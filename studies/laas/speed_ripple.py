@@ -22,15 +22,7 @@ from cogging.datasets.laas import SPEED_LOOP, TURN, RotaryLog
 from cogging.mapping.fit_map import MapFit, fit_map
 from cogging.model.model import Model
 from cogging.simulation.run import simulate
-from studies.laas.motor import (
-    Estimate,
-    axis_from_acceleration,
-    current_lateness,
-    mean_velocity,
-    settled,
-    speed_law,
-    velocity_window,
-)
+from studies.laas import motor
 
 SHOWN = 0.2  # s: what a run shows before is its start
 LEVELS = np.linspace(0.01, 0.99, 99)
@@ -46,9 +38,7 @@ class Loop:
     coulomb: float
     gain: float = SPEED_LOOP["gain"]  # A/(rad/s)
     reference: float = SPEED_LOOP["reference"]  # rad/s
-    delay: float = SPEED_LOOP[
-        "delay"
-    ]  # s, from a speed to the current it gives, on top of a difference over one sample
+    delay: float = SPEED_LOOP["delay"]  # s, from a speed to its current, on top of a difference over one sample
     lag: float = 0.0  # s, first order
     effects: tuple[Any, ...] = ()
 
@@ -76,7 +66,7 @@ class Loop:
             initial_velocity=rows.velocity[0],
         )
         assert log.true_position is not None  # a simulated log has it
-        speed = mean_velocity(log.time, log.true_position, *window)
+        speed = motor.mean_velocity(log.time, log.true_position, *window)
         return RotaryLog(log.time, log.true_position, speed, log.command)
 
 
@@ -115,11 +105,6 @@ class Ripple:
         return float(np.abs(self.quantiles - other.quantiles).mean())
 
 
-def scaled(model: CoggingModel, scale: float) -> CoggingModel:
-    """A cogging model of the same shape, `scale` times as large."""
-    return CoggingModel(model.basis, scale * model.sine, scale * model.cosine)
-
-
 @dataclass(frozen=True)
 class Study:
     """Everything fitted (on the first half of the speed test and on the other two logs), and the variants to run."""
@@ -127,7 +112,7 @@ class Study:
     speed_test: RotaryLog
     half: float  # s: rows before are fitted, rows after are predicted
     map_fit: MapFit
-    axis: dict[str, Estimate]
+    axis: dict[str, motor.Estimate]
     window: tuple[float, float]
     law: tuple[float, float, float, float]
     lateness: tuple[float, float, float, float]
@@ -138,16 +123,16 @@ class Study:
         scan, speed_test = laas.read("stopped_data", folder), laas.read("speed_test1", folder)
         half = 0.5 * speed_test.time[-1]
         fitted = speed_test.between(0.0, half)
-        start, width, _ = velocity_window(fitted)
+        start, width, _ = motor.velocity_window(fitted)
         map_fit = fit_map(scan.position, scan.current, pitch=TURN)
         return cls(
             speed_test,
             half,
             map_fit,
-            axis_from_acceleration(laas.read("acc_current", folder)),
+            motor.axis_from_acceleration(laas.read("acc_current", folder)),
             (start, width),
-            speed_law(fitted),
-            current_lateness(fitted, map_fit.cogging),
+            motor.speed_law(fitted),
+            motor.current_lateness(fitted, map_fit.cogging),
         )
 
     @property
@@ -169,14 +154,16 @@ class Study:
         """
         gain, reference, law_delay, _ = self.law
         delay, lag = effective_delay(self.window, law_delay, self.lateness[0])
+        still, scale = self.map_fit.cogging, self.lateness[2]
+        moving = CoggingModel(still.basis, scale * still.sine, scale * still.cosine)
         changes: dict[str, dict[str, Any]] = {
             "no cogging": {"cogging_map": None},
-            "+ cogging of the static map": {"cogging_map": self.map_fit.cogging},
+            "+ cogging of the static map": {"cogging_map": still},
             "+ Coulomb level in motion": {"coulomb": self.axis["coulomb"].value},
             "+ gain and reference as logged": {"gain": gain, "reference": reference},
             "+ delay of the measured speed": {"delay": delay + lag},
             "+ its form, a mean over 3 ms": {"delay": delay, "lag": lag},
-            "+ map as large as in motion": {"cogging_map": scaled(self.map_fit.cogging, self.lateness[2])},
+            "+ map as large as in motion": {"cogging_map": moving},
         }
         loop = Loop(None, self.axis["mass"].value, self.axis["viscous"].value, self.scan_coulomb)
         loops: dict[str, Loop] = {}
@@ -188,7 +175,7 @@ class Study:
     def tuned(self, loop: Loop) -> Loop:
         """The loop with the delay, within 0.3 ms, whose speed comes closest to that of the first half."""
         rows = self.speed_test.between(0.0, self.half)
-        measured = Ripple.of(rows, settled(rows))
+        measured = Ripple.of(rows, motor.settled(rows))
         candidates = [replace(loop, delay=loop.delay + more) for more in np.arange(-0.3, 0.31, 0.05) * 1e-3]
         runs = [candidate.run(rows, self.window) for candidate in candidates]
         return candidates[int(np.argmin([Ripple.of(run, run.time > SHOWN).distance(measured) for run in runs]))]
@@ -198,20 +185,15 @@ class Study:
         full = self.variants()["+ map as large as in motion"]
         assert full.cogging_map is not None
         leading = self.map_fit.cogging.basis.harmonics.index(72)
-        only = CoggingModel(
-            SplineHarmonics(pitch=TURN, harmonics=[72]),
-            full.cogging_map.sine[[leading]],
-            full.cogging_map.cosine[[leading]],
-        )
+        parts = (full.cogging_map.sine[[leading]], full.cogging_map.cosine[[leading]])
+        only = CoggingModel(SplineHarmonics(pitch=TURN, harmonics=[72]), *parts)
         rise = effects.StribeckFriction(static_excess=self.scan_coulomb - full.coulomb, velocity=2.0)
         return {
             "as predicted": full,
             "Coulomb level of the static scan": replace(full, coulomb=self.scan_coulomb),
             "that at rest, the other in motion": replace(full, effects=(rise,)),
             "Coulomb level 0.03 A asymmetric": replace(full, effects=(effects.CoulombAsymmetry(difference=0.03),)),
-            "Stribeck excess of 0.03 A": replace(
-                full, effects=(effects.StribeckFriction(static_excess=0.03, velocity=2.0),)
-            ),
+            "Stribeck excess of 0.03 A": replace(full, effects=(rise.replace(static_excess=0.03),)),
             "delay of the description, 2 ms": replace(full, delay=SPEED_LOOP["delay"], lag=0.0),
             "delay 0.1 ms shorter": replace(full, delay=full.delay - 1e-4),
             "delay 0.1 ms longer": replace(full, delay=full.delay + 1e-4),
@@ -222,7 +204,7 @@ class Study:
 
     def table(self, loops: Mapping[str, Loop]) -> tuple[str, dict[str, Ripple]]:
         """A line a loop beside the held-out half of the log, and Ripple by name."""
-        measured = Ripple.of(self.held_out, settled(self.held_out))
+        measured = Ripple.of(self.held_out, motor.settled(self.held_out))
         ripples = {"measured (held out)": Ripple.of(self.held_out), "  without lost packets": measured}
         for name, loop in loops.items():
             run = loop.run(self.held_out, self.window)

@@ -22,22 +22,7 @@ from scipy.optimize import minimize
 
 from cogging._core import CoggingModel, Dcarc, Plant
 from cogging.arrays import FloatArray
-from cogging.papers.lu2008.gantry import (
-    AXES,
-    CONTROL_POINTS,
-    CONTROLLERS,
-    HARMONICS,
-    SAMPLE_RATE,
-    GantryAxis,
-    MapShape,
-    cogging_basis,
-    cogging_map,
-    control_points,
-    controller_parameters,
-    plant,
-    reference,
-    share_of_bound,
-)
+from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.tracking import INDEXES
 from cogging.simulation.batch import closed_loop_batch
 from studies.command import run_study
@@ -108,15 +93,15 @@ def all_numbers(axis: str, controller: str, index: str) -> bool:
 class Responses:
     """Errors (m) of C1, C2, C3 over the last move, per volt of each control point, and without cogging."""
 
-    def __init__(self, axis: GantryAxis, error_difference: bool = True, every: int = 1) -> None:
-        motion = reference(axis)
-        flat = np.zeros((2, len(HARMONICS), CONTROL_POINTS))
+    def __init__(self, axis: gantry.GantryAxis, error_difference: bool = True, every: int = 1) -> None:
+        motion = gantry.reference(axis)
+        flat = np.zeros((2, len(gantry.HARMONICS), gantry.CONTROL_POINTS))
         points = np.concatenate([flat.reshape(1, -1), LEVEL * np.eye(flat.size)])
         machines = [_machine(axis, point.reshape(flat.shape), exact=True) for point in points]
         machines.append(_machine(axis, flat, exact=False))
         self.answers, self.alone = [], []
-        for name in CONTROLLERS:
-            controller = Dcarc(controller_parameters(axis, name, error_difference=error_difference))
+        for name in gantry.CONTROLLERS:
+            controller = Dcarc(gantry.controller_parameters(axis, name, error_difference=error_difference))
             errors: list[FloatArray] = []
             for first in range(0, len(machines), AT_ONCE):
                 part = machines[first : first + AT_ONCE]
@@ -138,9 +123,9 @@ class Responses:
         return np.array(indexes).transpose(2, 0, 1)
 
 
-def _machine(axis: GantryAxis, points: FloatArray, exact: bool) -> Plant:
-    cogging = CoggingModel(cogging_basis(), points[0], points[1])
-    quantised = plant(axis, cogging)
+def _machine(axis: gantry.GantryAxis, points: FloatArray, exact: bool) -> Plant:
+    cogging = CoggingModel(gantry.cogging_basis(), points[0], points[1])
+    quantised = gantry.plant(axis, cogging)
     return Plant(quantised.axis, cogging=cogging) if exact else quantised
 
 
@@ -148,7 +133,7 @@ def log_ratios(errors: dict[str, FloatArray]) -> FloatArray:
     """Of simulated to printed numbers, (maps, 12): by axis, controller and index."""
     gaps = []
     for name, found in errors.items():
-        axis = AXES[name]
+        axis = gantry.AXES[name]
         gaps.append(np.log(found / np.array([axis.error_max, axis.error_rms]).T))
     return np.stack(gaps, axis=1).reshape(len(gaps[0]), -1)
 
@@ -163,7 +148,7 @@ def misfit(gaps: FloatArray, shares: FloatArray, seen: Seen = all_numbers) -> Fl
         shares: of the printed bound that the control points take at most, (axes, maps).
         seen: which numbers take part.
     """
-    took = [seen(axis, name, index) for axis, name, index in itertools.product(AXES, CONTROLLERS, INDEXES)]
+    took = list(itertools.starmap(seen, itertools.product(gantry.AXES, gantry.CONTROLLERS, INDEXES)))
     squares = gaps[:, took] ** 2
     beyond = np.maximum(shares - ROOM, 0.0)
     return np.asarray(squares.sum(axis=1) + 4 * squares.max(axis=1) + 100 * (beyond**2).sum(axis=0))
@@ -180,9 +165,9 @@ class Family:
     sharing: str
 
     @property
-    def shape(self) -> MapShape:
+    def shape(self) -> gantry.MapShape:
         """The shape of both maps."""
-        return MapShape(self.decay, self.half_waves, self.begin, SHIFT)
+        return gantry.MapShape(self.decay, self.half_waves, self.begin, SHIFT)
 
     @property
     def free(self) -> tuple[str, ...]:
@@ -196,9 +181,8 @@ class Family:
 
     def maps(self, values: FloatArray) -> dict[str, CoggingModel]:
         """The map of each axis."""
-        return {
-            name: cogging_map(AXES[name], tuple(each), self.shape) for name, each in self.amplitudes(values).items()
-        }
+        parts = self.amplitudes(values)
+        return {name: gantry.cogging_map(axis, tuple(parts[name]), self.shape) for name, axis in gantry.AXES.items()}
 
 
 class Surrogate:
@@ -208,14 +192,12 @@ class Surrogate:
         self.family, self.responses = family, responses
         self.columns: dict[str, list[FloatArray]] = {}
         self.bound: dict[str, FloatArray] = {}
-        for name, axis in AXES.items():
-            parts = [
-                control_points(family.shape, tuple(unit), HARMONICS, axis.compensated, CONTROL_POINTS)
-                for unit in np.eye(3)
-            ]
-            units = np.array([np.concatenate([sine.ravel(), cosine.ravel()]) for sine, cosine in parts]).T
+        for name, axis in gantry.AXES.items():
+            known = (gantry.HARMONICS, axis.compensated, gantry.CONTROL_POINTS)
+            parts = [gantry.control_points(family.shape, tuple(unit), *known) for unit in np.eye(3)]
+            units = np.reshape(parts, (3, -1)).T
             self.columns[name] = [answer @ units for answer in responses[name].answers]
-            learned = np.tile(np.repeat(np.isin(HARMONICS, axis.compensated), CONTROL_POINTS), 2)
+            learned = np.tile(np.repeat(np.isin(gantry.HARMONICS, axis.compensated), gantry.CONTROL_POINTS), 2)
             self.bound[name] = units[learned] / axis.cogging_bound
 
     def gaps(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -243,26 +225,26 @@ def simulated(family: Family, values: Sequence[FloatArray], seen: Seen = all_num
     """The misfit of the simulation at each of several free values, plus ON_RAMP for each maximum that is on a ramp."""
     maps = [family.maps(each) for each in values]
     errors, shares, on_ramps = {}, [], np.zeros(len(maps))
-    for name, axis in AXES.items():
+    for name, axis in gantry.AXES.items():
         steady, ramp, rms = by_part(axis, [each[name] for each in maps], family.error_difference)
         errors[name] = np.stack([np.maximum(steady, ramp), rms], axis=-1)
         on_ramps += np.count_nonzero(ramp > steady, axis=1)
-        shares.append([share_of_bound(axis, each[name]) for each in maps])
+        shares.append([gantry.share_of_bound(axis, each[name]) for each in maps])
     return misfit(log_ratios(errors), np.array(shares), seen) + ON_RAMP * on_ramps
 
 
 def by_part(
-    axis: GantryAxis, maps: Sequence[CoggingModel], error_difference: bool
+    axis: gantry.GantryAxis, maps: Sequence[CoggingModel], error_difference: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Of C1, C2, C3 on each map the largest error where x_d does not accelerate, where it does, and the rms, m."""
-    motion = reference(axis)
-    time = np.arange(round(motion.end * SAMPLE_RATE) + 1) / SAMPLE_RATE
+    motion = gantry.reference(axis)
+    time = np.arange(round(motion.end * gantry.SAMPLE_RATE) + 1) / gantry.SAMPLE_RATE
     wanted, _, acceleration = motion.sample(time)
     late = time >= motion.end - motion.period
     found = []
-    for name in CONTROLLERS:
-        controller = Dcarc(controller_parameters(axis, name, error_difference=error_difference))
-        machines = [plant(axis, each) for each in maps]
+    for name in gantry.CONTROLLERS:
+        controller = Dcarc(gantry.controller_parameters(axis, name, error_difference=error_difference))
+        machines = [gantry.plant(axis, each) for each in maps]
         runs = closed_loop_batch(machines, [controller] * len(maps), motion, columns=("position",)).columns["position"]
         rows = late[: len(runs[0])]
         errors = np.abs(np.array([run[rows] for run in runs]) - wanted[: len(runs[0])][rows])
@@ -275,11 +257,9 @@ def by_part(
 def neighbours(values: FloatArray) -> list[FloatArray]:
     """A step up and down in each value, to three digits."""
     found = []
-    for place, value in enumerate(values):
-        for sign in (-1.0, 1.0):
-            changed = np.array(values)
-            changed[place] = round_to_digits(max(0.0, value + sign * max(STEP * value, STEP_LEAST)), 3)
-            found.append(changed)
+    for (place, value), sign in itertools.product(enumerate(values), (-1.0, 1.0)):
+        found.append(np.array(values))
+        found[-1][place] = round_to_digits(max(0.0, value + sign * max(STEP * value, STEP_LEAST)), 3)
     return found
 
 
@@ -307,7 +287,7 @@ class Cell(NamedTuple):
 def grid(show: Callable[[str], None]) -> list[Cell]:
     """Fit every cell of GRID and print it."""
     answers = {
-        reading: {name: Responses(axis, reading, EVERY[name]) for name, axis in AXES.items()}
+        reading: {name: Responses(axis, reading, EVERY[name]) for name, axis in gantry.AXES.items()}
         for reading in (True, False)
     }
     found = []

@@ -14,26 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from cogging._core import (
-    EncoderParameters,
-    Plant,
-    friction_slope_max,
-)
+from cogging._core import EncoderParameters, Plant, friction_slope_max
 from cogging.arrays import FloatArray
-from cogging.papers.lu2008.gantry import (
-    AXES,
-    CONTROLLERS,
-    COULOMB_WIDTH,
-    RESOLUTION,
-    GantryAxis,
-    cogging_map,
-    indexes,
-    last_errors,
-    plant,
-    reference,
-    run,
-    shipped_amplitudes,
-)
+from cogging.papers.lu2008 import gantry
 from cogging.papers.lu2008.theorem_1 import matrix_condition
 from cogging.papers.lu2008.tracking import KINDS, claim_table, errors_on_maps
 from studies.command import run_study
@@ -52,7 +35,7 @@ class Variation:
     encoder_noise: float = 0.0
 
 
-def variations(axis: GantryAxis) -> Iterator[Variation]:
+def variations(axis: gantry.GantryAxis) -> Iterator[Variation]:
     """The assumptions that were tried."""
     yield Variation("as shipped")
     yield Variation("e' of the reading minus v_d", controller={"error_difference": False})
@@ -73,28 +56,29 @@ def variations(axis: GantryAxis) -> Iterator[Variation]:
     yield Variation("encoder noise 0.5 um rms", encoder_noise=0.5e-6)
 
 
-def vary(axis: GantryAxis, variation: Variation) -> FloatArray:
+def vary(axis: gantry.GantryAxis, variation: Variation) -> FloatArray:
     """Ratios simulated / paper of e_inf and e_2 of C1, C2, C3 on the shipped map, (3, 2)."""
-    exact = plant(axis, cogging_map(axis, shipped_amplitudes(axis)), **variation.axis)
-    encoder = EncoderParameters(resolution=RESOLUTION, noise=variation.encoder_noise)
+    exact = gantry.plant(axis, gantry.cogging_map(axis, gantry.shipped_amplitudes(axis)), **variation.axis)
+    encoder = EncoderParameters(resolution=gantry.RESOLUTION, noise=variation.encoder_noise)
     machine = Plant(exact.axis, cogging=exact.cogging, encoder=encoder)
-    motion = reference(axis, **variation.motion)
-    found = last_errors(axis, [machine], motion, **variation.controller)[0]
+    motion = gantry.reference(axis, **variation.motion)
+    found = gantry.last_errors(axis, [machine], motion, **variation.controller)[0]
     return np.asarray(found / np.array([axis.error_max, axis.error_rms]).T)
 
 
-def step_halving(axis: GantryAxis) -> tuple[float, float]:
+def step_halving(axis: gantry.GantryAxis) -> tuple[float, float]:
     """What halving the integration step changes: largest relative change of an rms, of a maximum in counts."""
-    machine, motion = plant(axis, cogging_map(axis, shipped_amplitudes(axis))), reference(axis)
-    one, two = (run(axis, machine, motion, steps_per_sample=steps) for steps in (1, 2))
-    found = np.array([[indexes(logs[name], motion) for name in CONTROLLERS] for logs in (one, two)])
+    cogging, motion = gantry.cogging_map(axis, gantry.shipped_amplitudes(axis)), gantry.reference(axis)
+    machine = gantry.plant(axis, cogging)
+    one, two = (gantry.run(axis, machine, motion, steps_per_sample=steps) for steps in (1, 2))
+    found = np.array([[gantry.indexes(logs[name], motion) for name in gantry.CONTROLLERS] for logs in (one, two)])
     change = np.abs(found[1] - found[0])
-    return float((change[:, 1] / found[0][:, 1]).max()), float(change[:, 0].max() / RESOLUTION)
+    return float((change[:, 1] / found[0][:, 1]).max()), float(change[:, 0].max() / gantry.RESOLUTION)
 
 
 def main(_: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study."""
-    for axis in AXES.values():
+    for axis in gantry.AXES.values():
         show(f"{axis.name} axis: ratio simulated / paper on the shipped map")
         show(f"{'':4}{'assumption':<34}{'e_inf C1':>9}{'C2':>6}{'C3':>6}{'e_2 C1':>9}{'C2':>6}{'C3':>6}")
         for variation in variations(axis):
@@ -104,7 +88,7 @@ def main(_: str = "", show: Callable[[str], None] = print) -> None:
         show(claim_table(errors).text())
         rms_change, counts = step_halving(axis)
         show(f"{'':4}half the integration step: rms changes by {rms_change:.2%} at most, maxima by {counts:.2f} counts")
-        steep = friction_slope_max(COULOMB_WIDTH)
+        steep = friction_slope_max(gantry.COULOMB_WIDTH)
         for name, slope, share in (("friction and cogging slopes", steep, 1.0), ("no friction slope", 0.0, 0.05)):
             eigenvalue, rate = matrix_condition(axis, slope, share)
             show(f"{'':4}matrix (29), {name}: smallest eigenvalue {eigenvalue:.4g}, decay rate {rate:.4g} 1/s")

@@ -8,7 +8,7 @@ gains, comes with the package as gains.toml.
 from __future__ import annotations
 
 import sys
-from typing import Any
+from dataclasses import asdict
 
 import numpy as np
 
@@ -41,17 +41,8 @@ def calibrate(motor: Motor) -> Calibrated:
 
 def gains_toml() -> str:
     """The text of gains.toml."""
-    document: dict[str, Any] = {}
-    for motor in MOTORS.values():
-        found = calibrate(motor)
-        document[motor.name] = {
-            "amplitude": found.amplitude,
-            "pole_radius": found.pole_radius,
-            "lambda_star": found.lambda_star,
-            "observer_gain": list(found.observer_gain),
-        }
     head = "# Amplitude (m/s^2), pole radius (1/s), lambda* (m/s^2) and gains, by studies.malaize2009.calibration.\n"
-    return head + to_toml(document)
+    return head + to_toml({motor.name: asdict(calibrate(motor)) for motor in MOTORS.values()})
 
 
 if __name__ == "__main__":

@@ -16,17 +16,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray
 from cogging.outputs import to_toml
-from cogging.papers.malaize2009.causes import (
-    CAUSES,
-    FRICTION,
-    LINES,
-    Cause,
-    Conditions,
-    drawn_accuracies,
-    machine,
-    other,
-    strokes_of,
-)
+from cogging.papers.malaize2009 import causes
 from cogging.papers.malaize2009.linear_motors import MOTORS, Calibrated, Motor, batch_errors, controllers, shipped
 from studies.command import run_calibration
 from studies.fitting import fit_logarithms, round_to_digits
@@ -34,10 +24,10 @@ from studies.fitting import fit_logarithms, round_to_digits
 STEPS = 7  # sizes of a curve
 DIGITS = 3
 CLOSE, NEAR = 0.003, 0.03  # of the printed accuracy: how near the PID's is brought to it, and may stay where it jumps
-TABLE_1_STARTS = {LINES: 0.032, FRICTION: 1.4e-4}  # where the search for the one size begins
+TABLE_1_STARTS = {causes.LINES: 0.032, causes.FRICTION: 1.4e-4}  # where the search for the one size begins
 
 
-def recalibrated(motor: Motor, gains: Calibrated, conditions: Conditions, draws: int = 1) -> Calibrated:
+def recalibrated(motor: Motor, gains: Calibrated, conditions: causes.Conditions, draws: int = 1) -> Calibrated:
     """The gains with the amplitude (4 digits) by which the PID's mean accuracy is that of Table I.
 
     Raises:
@@ -47,8 +37,9 @@ def recalibrated(motor: Motor, gains: Calibrated, conditions: Conditions, draws:
     controller = controllers(motor, gains, 1.0 + conditions.thrust)["PID"]
     tried: dict[float, float] = {}
     for _ in range(8):
-        machines = [machine(motor, amplitude, conditions, draw) for draw in range(draws)]
-        ratio = float(batch_errors(machines, [controller] * draws, motor, strokes=strokes_of(draws)).mean()) / printed
+        machines = [causes.machine(motor, amplitude, conditions, draw) for draw in range(draws)]
+        errors = batch_errors(machines, [controller] * draws, motor, strokes=causes.strokes_of(draws))
+        ratio = float(errors.mean()) / printed
         tried[amplitude] = abs(ratio - 1.0)
         if tried[amplitude] < CLOSE:
             break
@@ -61,7 +52,7 @@ def recalibrated(motor: Motor, gains: Calibrated, conditions: Conditions, draws:
     return replace(gains, amplitude=best)
 
 
-def curve(cause: Cause, motor: Motor, steps: int = STEPS) -> list[tuple[float, float]]:
+def curve(cause: causes.Cause, motor: Motor, steps: int = STEPS) -> list[tuple[float, float]]:
     """Size and the observer's accuracy over the printed one, the PID's calibrated anew at each size.
 
     It ends where it is four times the printed one, or where no amplitude calibrates the PID.
@@ -79,12 +70,12 @@ def curve(cause: Cause, motor: Motor, steps: int = STEPS) -> list[tuple[float, f
     return found
 
 
-def _ratio(cause: Cause, motor: Motor, gains: Calibrated, size: float) -> float:
-    accuracies = drawn_accuracies(motor, gains, cause.of(size), "observer", cause.draws)
+def _ratio(cause: causes.Cause, motor: Motor, gains: Calibrated, size: float) -> float:
+    accuracies = causes.drawn_accuracies(motor, gains, cause.of(size), "observer", cause.draws)
     return float(accuracies.mean()) / motor.accuracy[1]
 
 
-def explaining_size(cause: Cause, motor: Motor, points: list[tuple[float, float]]) -> float | None:
+def explaining_size(cause: causes.Cause, motor: Motor, points: list[tuple[float, float]]) -> float | None:
     """The size (3 digits) at which the observer's accuracy is the printed one, by bisection; None: no size of a curve.
 
     Where the curve crosses it more than once, as quantisers make it, the last crossing counts: beyond it stays above.
@@ -101,7 +92,7 @@ def explaining_size(cause: Cause, motor: Motor, points: list[tuple[float, float]
     return round_to_digits(float(np.sqrt(low * high)), DIGITS)
 
 
-def calibrated_cause(cause: Cause, show: Callable[[str], None]) -> dict[str, dict[str, float]]:
+def calibrated_cause(cause: causes.Cause, show: Callable[[str], None]) -> dict[str, dict[str, float]]:
     """Size, amplitude of this motor, and amplitude of the other under the same size, by motor."""
     found: dict[str, dict[str, float]] = {}
     for motor in MOTORS.values():
@@ -111,7 +102,7 @@ def calibrated_cause(cause: Cause, show: Callable[[str], None]) -> dict[str, dic
         if size is None:
             continue
         amplitudes = []
-        for each in (motor, other(motor)):
+        for each in (motor, causes.other(motor)):
             try:
                 amplitudes.append(recalibrated(each, shipped(each), cause.of(size), cause.draws).amplitude)
             except ValueError:
@@ -121,7 +112,7 @@ def calibrated_cause(cause: Cause, show: Callable[[str], None]) -> dict[str, dic
     return found
 
 
-def calibrated_table_1(cause: Cause) -> dict[str, float]:
+def calibrated_table_1(cause: causes.Cause) -> dict[str, float]:
     """The size of a cause that serves both motors best (least squares of logarithms), and the amplitudes under it."""
     gains = {motor.name: shipped(motor) for motor in MOTORS.values()}
 
@@ -145,7 +136,7 @@ def conditions_toml(show: Callable[[str], None] = print) -> str:
     table_1 = {cause.field: calibrated_table_1(cause) for cause in TABLE_1_STARTS}
     show(f"Table I: {table_1}")
     document: dict[str, Any] = {"table_1": table_1}
-    document |= {cause.field: calibrated_cause(cause, show) for cause in CAUSES}
+    document |= {cause.field: calibrated_cause(cause, show) for cause in causes.CAUSES}
     head = "# Sizes (SI) and amplitudes (m/s^2), by python -m studies.malaize2009.causes_calibration.\n"
     return head + to_toml(document)
 

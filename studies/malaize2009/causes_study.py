@@ -14,22 +14,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cogging._core import closed_loop
-from cogging.logs.log import Log
 from cogging.mapping.error_spectrum import TrackingSpectrum, tracking_spectrum
 from cogging.outputs import write_bytes
-from cogging.papers.malaize2009.accuracies import (
-    RATIOS,
-    accuracies_of_table_1,
-    held_out,
-    spread_over_draws,
-    what_else,
-    what_explains,
-)
+from cogging.papers.malaize2009 import accuracies
 from cogging.papers.malaize2009.causes import CAUSES, DRAWS, LINE_PERIODS, explained, machine, shipped_table_1
 from cogging.papers.malaize2009.linear_motors import MOTORS, Motor, pid, reference
 from cogging.plot.canvas import drawn, legend, new_figure, png
 from cogging.plot.series import GREY, look, marker
+from cogging.simulation.run import closed_loop
 from studies.command import run_study
 from studies.malaize2009.causes_calibration import curve
 
@@ -72,7 +64,7 @@ def figure_causes(curves: Mapping[tuple[str, str], Sequence[tuple[float, float]]
         inside = [tick for tick in ticks if low <= tick <= high]
         axes.set_xticks(inside, [f"{tick:g}" for tick in inside])
         axes.set_xticks([], minor=True)
-        axes.set_yticks(RATIOS, [f"{ratio:g}" for ratio in RATIOS])
+        axes.set_yticks(accuracies.RATIOS, [f"{ratio:g}" for ratio in accuracies.RATIOS])
         axes.set_yticks([], minor=True)
     for axes in panels[::2]:
         axes.set_ylabel("over the printed one")
@@ -93,30 +85,21 @@ def draws_that_propose(motor: Motor, draws: int = DRAWS) -> int:
     count = 0
     for draw in range(draws):
         plant = machine(motor, gains.amplitude, conditions, draw)
-        log = Log.of(closed_loop(plant, pid(), reference(motor), duration=reference(motor).period))
+        log = closed_loop(plant, pid(), reference(motor), duration=reference(motor).period)
         count += proposes_first(tracking_spectrum(log, shortest_period=LINE_PERIODS[0]), motor)
     return count
-
-
-def all_propose() -> str:
-    """A sentence of the counts."""
-    counts = ", ".join(f"{motor.name} {draws_that_propose(motor)} of {DRAWS}" for motor in MOTORS.values())
-    return f"Draws of the lines in which the spectrum proposes the printed periods first: {counts}."
 
 
 def main(folder: str = "", show: Callable[[str], None] = print) -> None:
     """Print the study; draw the curves into a folder where one is given."""
     found = explained()
-    for table in (
-        what_explains(found),
-        held_out(found),
-        what_else(found),
-        spread_over_draws(found, accuracies_of_table_1()),
-    ):
+    spread = accuracies.spread_over_draws(found, accuracies.accuracies_of_table_1())
+    for table in (accuracies.what_explains(found), accuracies.held_out(found), accuracies.what_else(found), spread):
         show(f"{table.text()}\n")
     for cause, reason in zip(CAUSES, REASONS, strict=True):
         show(f"{cause.name}: {cause.verdict}; {reason}.")
-    show(all_propose())
+    counts = ", ".join(f"{motor.name} {draws_that_propose(motor)} of {DRAWS}" for motor in MOTORS.values())
+    show(f"Draws of the lines in which the spectrum proposes the printed periods first: {counts}.")
     if folder:
         curves = {(cause.name, motor.name): curve(cause, motor) for cause in CAUSES for motor in MOTORS.values()}
         path = Path(folder) / "malaize2009_causes_curves.png"

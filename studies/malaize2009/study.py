@@ -7,6 +7,7 @@ trajectory really diverges. Needs the extra `design`. With DIR, the sweep is dra
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,20 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cogging._core import (
-    AxisParameters,
-    CoggingModel,
-    DivergedError,
-    ObserverBased,
-    ObserverBasedParameters,
-    Plant,
-    PointToPoint,
-    PointToPointParameters,
-    SplineHarmonics,
-    closed_loop,
-)
+import cogging
 from cogging.design.observer import ObserverDesign, design_observer, largest_decay_rate
-from cogging.logs.log import Log
 from cogging.outputs import write_bytes
 from cogging.papers.malaize2009.linear_motors import MOTORS, SAMPLE_RATE, VISCOUS, Motor, problem, true_error
 from cogging.plot.canvas import drawn, new_figure, png
@@ -45,21 +34,19 @@ RATIOS = (0.1, 0.25, 0.5)
 def sweep(motor: Motor) -> dict[tuple[float, float, float], float]:
     """lambda* (m/s^2, all equal) by decay rate (1/s), velocity ratio and pole radius (1/s); NaN where not certified."""
     found = {}
-    for alpha in DECAY_RATES:
-        for ratio in RATIOS:
-            for radius in RADII:
-                try:
-                    task = problem(motor, radius, decay_rate=alpha, velocity_min=ratio * motor.velocity)
-                    found[alpha, ratio, radius] = design_observer(task).lambda_equal
-                except ValueError:
-                    found[alpha, ratio, radius] = float("nan")
+    for alpha, ratio, radius in itertools.product(DECAY_RATES, RATIOS, RADII):
+        try:
+            task = problem(motor, radius, decay_rate=alpha, velocity_min=ratio * motor.velocity)
+            found[alpha, ratio, radius] = design_observer(task).lambda_equal
+        except ValueError:
+            found[alpha, ratio, radius] = float("nan")
     return found
 
 
-def certified_controller(motor: Motor, design: ObserverDesign) -> ObserverBased:
+def certified_controller(motor: Motor, design: ObserverDesign) -> cogging.ObserverBased:
     """The observer of a design, without delay: what the certificate speaks of."""
-    return ObserverBased(
-        ObserverBasedParameters(
+    return cogging.ObserverBased(
+        cogging.ObserverBasedParameters(
             sample_rate=SAMPLE_RATE,
             periods=list(motor.periods),
             observer_gain=list(design.observer_gain),
@@ -72,17 +59,19 @@ def certified_controller(motor: Motor, design: ObserverDesign) -> ObserverBased:
     )
 
 
-def long_stroke(motor: Motor, amplitudes: np.ndarray, phases: np.ndarray, controller: ObserverBased) -> Log:
+def long_stroke(
+    motor: Motor, amplitudes: np.ndarray, phases: np.ndarray, controller: cogging.ObserverBased
+) -> cogging.Log:
     """Run along 4 m in one direction without friction and quantiser."""
     sine, cosine = -(amplitudes * np.cos(phases))[:, None], -(amplitudes * np.sin(phases))[:, None]
-    machine = Plant(
-        AxisParameters(mass=1.0, viscous=VISCOUS, travel=[-1.0, 5.0]),
-        cogging=CoggingModel(SplineHarmonics(periods=list(motor.periods)), sine, cosine),
+    machine = cogging.Plant(
+        cogging.AxisParameters(mass=1.0, viscous=VISCOUS, travel=[-1.0, 5.0]),
+        cogging=cogging.CoggingModel(cogging.SplineHarmonics(periods=list(motor.periods)), sine, cosine),
     )
-    motion = PointToPoint(
-        PointToPointParameters(distance=4.0, velocity=motor.velocity, acceleration=motor.acceleration)
+    motion = cogging.PointToPoint(
+        cogging.PointToPointParameters(distance=4.0, velocity=motor.velocity, acceleration=motor.acceleration)
     )
-    return Log.of(closed_loop(machine, controller, motion, duration=4.0 / motor.velocity))
+    return cogging.closed_loop(machine, controller, motion, duration=4.0 / motor.velocity)
 
 
 def decay(motor: Motor, design: ObserverDesign, seed: int, share: float = 0.95) -> float:
@@ -97,9 +86,8 @@ def decay(motor: Motor, design: ObserverDesign, seed: int, share: float = 0.95) 
     random = np.random.default_rng([2009, seed])
     amplitudes = random.uniform(0.1, 1.0, len(motor.periods))
     amplitudes *= share * design.gamma_n / np.sqrt(np.sum((amplitudes / np.array(motor.periods)) ** 2))
-    log = long_stroke(
-        motor, amplitudes, random.uniform(0, 2 * np.pi, amplitudes.size), certified_controller(motor, design)
-    )
+    phases = random.uniform(0, 2 * np.pi, amplitudes.size)
+    log = long_stroke(motor, amplitudes, phases, certified_controller(motor, design))
     # The envelope from 0.3 s (at speed) to where the error has fallen a thousandfold or reached the sampling's floor.
     error, window = np.abs(true_error(log)), round(0.1 * SAMPLE_RATE)
     envelope = error[: error.size // window * window].reshape(-1, window).max(axis=1)[3:]
@@ -115,7 +103,7 @@ def divergence_multiple(motor: Motor, design: ObserverDesign) -> float:
         amplitudes = np.full(len(motor.periods), multiple * design.lambda_equal)
         try:
             log = long_stroke(motor, amplitudes, np.arange(amplitudes.size) * 1.0, certified_controller(motor, design))
-        except DivergedError:
+        except cogging.DivergedError:
             return False
         error = np.abs(true_error(log))
         third = error.size // 3
@@ -140,14 +128,8 @@ def figure_sweep() -> Figure:
         for alpha in DECAY_RATES:
             for ratio, style in zip(RATIOS, (":", "--", "-"), strict=True):
                 values = [found[alpha, ratio, radius] for radius in RADII]
-                axes.loglog(
-                    RADII,
-                    values,
-                    f"o{style}",
-                    color=f"C{DECAY_RATES.index(alpha)}",
-                    markersize=3,
-                    label=f"alpha {alpha:g} 1/s, ratio {ratio:g}",
-                )
+                color, label = f"C{DECAY_RATES.index(alpha)}", f"alpha {alpha:g} 1/s, ratio {ratio:g}"
+                axes.loglog(RADII, values, f"o{style}", color=color, markersize=3, label=label)
         axes.set(ylabel=motor.name, xlabel="pole radius (1/s)")
     figure.axes[0].legend(fontsize="x-small", ncols=3)
     return figure

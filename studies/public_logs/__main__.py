@@ -21,9 +21,8 @@ import numpy as np
 
 PUBLIC = "https://raw.githubusercontent.com"
 PANDA = "marcocognetti/FrankaEmikaPandaDynModel/24d85ce4e648e2e894c832bfeee9b16711eb1a1a"  # GPL-3.0
-DAMPER = (
-    "ARTS-Laboratory/Dataset-Friction-Damper-with-Backlash/0e09aa9d950760277e31c08cd93fd01f39a5af09"  # CC BY-SA 4.0
-)
+#: CC BY-SA 4.0
+DAMPER = "ARTS-Laboratory/Dataset-Friction-Damper-with-Backlash/0e09aa9d950760277e31c08cd93fd01f39a5af09"
 SCREW = "BlueAsuka/RAVEN/4d724223922e98bfe6e4928fb184229cd1c8ccc2"  # MIT
 JOINT = 7  # the last: it carries the flange only
 KILONEWTON = 4.4482216  # a kip

@@ -204,36 +204,17 @@ def start_of(conditions: Conditions) -> dict[str, float]:
     return asdict(conditions.unknowns) | {"adaptation_factor": conditions.adaptation_factor}
 
 
-def nested_in(law: str) -> list[str]:
-    """The models of the plant that are this one with more of its quantities held at zero."""
-    return [other for other in LAWS if other != law and LAWS[law].items() <= LAWS[other].items()]
+def by_model(problem: Problem, done: Mapping[str, Fit], starts: int = 1) -> dict[str, Fit]:
+    """The fits of the models of the plant but JOINT_LAW, each after those that are nested in it.
 
-
-def by_model(problem: Problem, laws: list[str], done: Mapping[str, Fit], starts: int = 1) -> dict[str, Fit]:
-    """The fits of models of the plant, each after those that are nested in it, whose best is a further start."""
+    Nested are models with more of the quantities held at zero: the best of them is a further start.
+    """
     found = dict(done)
-    for law in sorted(laws, key=lambda law: -len(LAWS[law])):
-        nested = [found[other] for other in nested_in(law) if other in found]
+    for law in sorted((law for law in LAWS if law != JOINT_LAW), key=lambda law: -len(LAWS[law])):
+        nested = [fit for other, fit in found.items() if LAWS[law].items() <= LAWS[other].items()]
         nested = sorted(nested, key=lambda fit: fit.errors[0])[:1]
         found[law] = calibrate(replace(problem, law=law), starts if starts > 1 or not nested else 0, nested)
     return found
-
-
-def plants() -> dict[str, Fit]:
-    """The plant on the PID columns, by friction law."""
-    laws = [law for law in LAWS if law != JOINT_LAW]
-    return by_model(Problem(PID, seeds=(SEED,)), laws, {}, PID_STARTS)
-
-
-def joint_fit() -> Fit:
-    """Plant and adaptation factor on all numbers, with the model of the plant that is shipped."""
-    return calibrate(Problem(ALL, JOINT_LAW, JOINT_START, earlier_runs=EARLIER_RUNS, iterations=(8, 4)))
-
-
-def other_law_fits(joint: Fit) -> dict[str, Fit]:
-    """The joint fit with the other models of the plant."""
-    problem = Problem(ALL, start=JOINT_START, earlier_runs=EARLIER_RUNS, iterations=(2, 0))
-    return by_model(problem, [law for law in LAWS if law != JOINT_LAW], {JOINT_LAW: joint})
 
 
 def earlier_run_fits(joint: Fit) -> dict[str, Fit]:
@@ -260,20 +241,17 @@ def held_out_fit(split: str) -> Fit:
 
 def plant_toml() -> str:
     """The text of plant.toml."""
-    joint = joint_fit()
-    document: dict[str, Any] = {law: fit.to_dict(arc=False) for law, fit in plants().items()}
+    joint_problem = Problem(ALL, start=JOINT_START, earlier_runs=EARLIER_RUNS, iterations=(8, 4))
+    joint = calibrate(joint_problem)
+    plants = by_model(Problem(PID, seeds=(SEED,)), {}, PID_STARTS)
+    document: dict[str, Any] = {law: fit.to_dict(arc=False) for law, fit in plants.items()}
     parts = {
-        "joint": other_law_fits(joint),
+        "joint": by_model(replace(joint_problem, iterations=(2, 0)), {JOINT_LAW: joint}),
         "earlier_runs": earlier_run_fits(joint),
         "readings": reading_fits(joint),
         "held_out": {split: held_out_fit(split) for split in HELD_OUT},
     }
     document |= {part: {name: fit.to_dict() for name, fit in fits.items()} for part, fits in parts.items()}
-    return text_of(document)
-
-
-def text_of(document: Mapping[str, Any]) -> str:
-    """A document as the file."""
     head = "# What the paper does not report, by what it was fitted to, written by studies.xu2001.calibration.\n"
     return head + to_toml(document)
 
