@@ -10,7 +10,7 @@ from typing import Any
 from cogging import _core
 from cogging._core import AxisParameters, EncoderParameters, NoiseParameters
 from cogging.files import shipped_toml
-from cogging.model.model import CONTROLLERS, STEPS_MAX, UNCERTAINTY_KEYS
+from cogging.model.model import AXIS_FIELDS, CONTROLLERS, STEPS_MAX
 from cogging.model.units import LABEL
 from cogging.simulation.reference import REFERENCES
 from cogging.simulation.varied import METHODS
@@ -44,7 +44,7 @@ def schema() -> dict[str, Any]:
     axis = _section("M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects", _fields(AxisParameters), ["mass"])
     axis["properties"]["uncertainty"] = _section(
         "relative 1-sigma of each, 0 = exact",
-        {key: {"type": "number", "minimum": 0, "unit": "1"} for key in UNCERTAINTY_KEYS},
+        {key: {"type": "number", "minimum": 0, "unit": "1"} for key in AXIS_FIELDS},
     )
     controllers = [_tagged("type", kind, made.__doc__, _fields(one)) for kind, (one, made) in CONTROLLERS.items()]
     effects = [_tagged("name", name, kind.LAW, _fields(kind)) for name, kind in _core.EFFECTS.items()]

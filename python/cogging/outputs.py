@@ -200,10 +200,8 @@ def target_of(path: AnyPath) -> Path:
 
 def same_file(one: AnyPath, other: AnyPath) -> bool:
     """Return whether two paths lead to one file, or would if it existed."""
-    try:
+    with contextlib.suppress(OSError, ValueError):
         return os.path.samefile(one, other)
-    except (OSError, ValueError):
-        pass
     try:
         return os.path.normcase(os.path.realpath(one)) == os.path.normcase(os.path.realpath(other))
     except ValueError:  # a zero byte in a name

@@ -182,7 +182,7 @@ def _equal(self: Any, other: object) -> bool:
     if _core_class(other) is not kind:
         return NotImplemented  # type: ignore[no-any-return]
     if hasattr(kind, "__setstate__"):  # a controller has learned
-        return same(self.__getstate__(), other.__getstate__())  # type: ignore[attr-defined]
+        return same(self.__getstate__(), other.__getstate__())
     return same(_parts(self), _parts(other))
 
 

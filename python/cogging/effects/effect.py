@@ -84,11 +84,6 @@ def steady_friction(
     return friction
 
 
-def for_core(effects: Iterable[Effect]) -> list[Any]:
-    """Return effects as a list for the core, whose types are effects."""
-    return list(effects)
-
-
 def kind_of(effect: Effect, kind: type[K]) -> K | None:
     """Return the first group of this kind of an effect's parameters, or None."""
     return next((one for one in effect.KINDS if isinstance(one, kind)), None)

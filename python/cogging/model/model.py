@@ -16,7 +16,7 @@ from cogging import _core, files
 from cogging._core import AxisParameters, CoggingModel, EncoderParameters, NoiseParameters, Plant, SplineHarmonics
 from cogging.calls import check_constructor
 from cogging.effects.custom import Custom, by_name, refuse_two_of_one_name
-from cogging.effects.effect import Effect, for_core
+from cogging.effects.effect import Effect
 from cogging.files import LARGEST, FieldError, errors_of_section, refuse_mistyped, refuse_unknown_keys
 from cogging.model.controller import ControllerParameters, ListedController
 from cogging.model.units import Units
@@ -41,7 +41,7 @@ COGGING_KEYS = ("pitch", "harmonics", "periods", "order", "origin", "sine", "cos
 LARGEST_FLOAT = int(sys.float_info.max)
 COUNTED = 1 << 31  # integers of the core are smaller
 STEPS_MAX = 10_000  # largest steps_per_sample
-UNCERTAINTY_KEYS = ("mass", "viscous", "coulomb", "coulomb_width")
+AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")  # that are fitted, and may have an uncertainty
 
 
 @check_constructor
@@ -139,8 +139,8 @@ class Model(ByValue):
 
     def plant(self) -> Plant:
         """Return the plant to simulate."""
-        parts: Any = {"cogging": self.cogging, "encoder": self.encoder, "noise": self.noise}
-        return Plant(self.axis, effects=for_core(self.effects), **parts)
+        names = ("cogging", "effects", "encoder", "noise")
+        return Plant(self.axis, **{name: getattr(self, name) for name in names})
 
     def make_controller(self) -> ListedController:
         """Return a new controller.
@@ -264,7 +264,7 @@ class Model(ByValue):
         uncertainty = axis_section.pop("uncertainty", {})
         if not isinstance(uncertainty, Mapping):
             raise FieldError("axis", "uncertainty", f"must be a section, got {quoted(uncertainty)}")
-        refuse_unknown_keys(uncertainty, UNCERTAINTY_KEYS, "axis.uncertainty")
+        refuse_unknown_keys(uncertainty, AXIS_FIELDS, "axis.uncertainty")
         for key, value in uncertainty.items():
             if not is_number(value) or not 0.0 <= value <= LARGEST:
                 rule = f"must be a number from 0 to {LARGEST:g}, got {quoted(value)}"
@@ -369,8 +369,7 @@ def _require_type(value: Any, default: Any, section: str, key: str) -> None:
     elif isinstance(default, list):
         free = not default or key in ("periods", "observer_gain")  # of any length
         kind = "a list of numbers" if free else f"{len(default)} numbers"
-        holds = isinstance(value, list) and all(map(is_number, value))
-        holds = holds and (free or len(value) == len(default))
+        holds = isinstance(value, list) and all(map(is_number, value)) and (free or len(value) == len(default))
         if key.endswith("harmonics"):
             kind, holds = "a list of whole numbers", holds and all(isinstance(v, int) for v in value)
     elif isinstance(default, int):

@@ -13,10 +13,9 @@ import numpy as np
 from cogging._core import AxisParameters, CoggingModel
 from cogging.calls import Kind, check_arguments
 from cogging.effects.effect import Effect, Wave, kind_of
-from cogging.model.model import Model
+from cogging.model.model import AXIS_FIELDS, Model
 from cogging.model.units import Units
 
-AXIS_FIELDS = ("mass", "viscous", "coulomb", "coulomb_width")
 SECTIONS = ("encoder", "noise", "controller")  # of the model, whose numbers have paths but are not fitted
 
 

@@ -94,28 +94,20 @@ def reference_to_dict(reference: Reference) -> dict[str, Any]:
 
 def _sampled(fields: Mapping[str, Any], folder: Path) -> Reference:
     refuse_unknown_keys(fields, SAMPLED_KEYS, "")
-    file = fields.get("file")
+    names, file, source = SAMPLED_KEYS[1:], fields.get("file"), ""
     table: Mapping[str, Any]
     if file is None and "time" in fields:
         table = {name: _column(name, values) for name, values in fields.items()}
         if "reference" not in table:
             raise FieldError("", "reference", "must be given with time, got nothing")
-        source = ""
     elif not isinstance(file, str):
         raise FieldError("", "file", f"must name a CSV file, got {quoted(file)}")
     elif len(fields) > 1:
         raise FieldError("", "file", f"must be given without samples, got {', '.join(fields)}")
     else:
-        optional = ("reference_velocity", "reference_acceleration")
-        table = read_columns(folder / file, ("time", "reference"), optional=optional)
-        source = f"{file}: "
+        table, source = read_columns(folder / file, names[:2], optional=names[2:]), f"{file}: "
     try:
-        return Sampled(
-            table["time"],
-            table["reference"],
-            table.get("reference_velocity"),
-            table.get("reference_acceleration"),
-        )
+        return Sampled(table["time"], table["reference"], *map(table.get, names[2:]))
     except ValueError as error:
         raise FieldError("", "file" if source else "time", f"{source}{error}") from None
 
