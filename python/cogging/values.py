@@ -169,9 +169,22 @@ def _core_class(value: Any) -> Any:
     return next((one for one in type(value).__mro__ if one.__module__.startswith("cogging._core")), None)
 
 
+def fields_of_basis(basis: Any) -> dict[str, Any]:
+    """Return what makes a SplineHarmonics but for its number of control points, as `[cogging]` of a model file."""
+    spline = basis.spline
+    terms = {"harmonics": list(basis.harmonics)} if basis.harmonics else {"periods": list(basis.periods)}
+    return {"pitch": basis.pitch or spline.pitch, **terms, "order": spline.order, "origin": spline.origin}
+
+
 def _parts(value: Any) -> Any:
-    """Return what an object of the core is made of: its fields or properties by name, or its parameter struct."""
+    """Return the arguments that make an object of the core, by name, or its parameter struct, which is the only one."""
     kind = _core_class(value)
+    if kind is _core.SplineHarmonics:
+        return {**fields_of_basis(value), "control_points": value.spline.control_points}
+    if kind is _core.Sampled:
+        names = {"time": "time", "position": "reference"}
+        names |= {name: f"reference_{name}" for name in ("velocity", "acceleration")}
+        return {name: value.samples[column] for name, column in names.items()}
     if kind.__name__ in DEFINING:
         return {name: getattr(value, name) for name in DEFINING[kind.__name__]}
     return value.to_dict() if hasattr(kind, "FIELDS") else value.parameters
@@ -191,19 +204,7 @@ def _reduce(self: Any) -> Any:
 
 
 def _rebuild(kind: Any, parts: Any) -> Any:
-    """Return an object of the core from what `_reduce` kept of it."""
-    if kind is _core.SplineHarmonics:
-        spline = parts["spline"]
-        terms = {name: parts[name] for name in ("harmonics", "periods") if parts[name]}
-        pitch = parts["pitch"] if parts["pitch"] > 0.0 else spline.pitch
-        knots = {"order": spline.order, "origin": spline.origin, "control_points": spline.control_points}
-        return kind(pitch=pitch, **knots, **terms)
-    if kind is _core.Sampled:
-        columns = ("time", "reference", "reference_velocity", "reference_acceleration")
-        return kind(*(parts["samples"][name] for name in columns))
-    if kind is _core.Plant:
-        return kind(parts.pop("axis"), **parts)
-    return kind(parts) if hasattr(kind, "parameters") else kind(**parts)
+    return kind(**parts) if isinstance(parts, dict) else kind(parts)
 
 
 def _reduce_state(self: Any) -> Any:

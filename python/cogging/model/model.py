@@ -25,7 +25,7 @@ from cogging.plot.canvas import plot_method
 from cogging.plot.results import whole_model
 from cogging.shown import nearest, not_one_of, quoted
 from cogging.tables import html_table
-from cogging.values import ByValue, line_of
+from cogging.values import ByValue, fields_of_basis, line_of
 
 if TYPE_CHECKING:
     from cogging.export.control import ControlLoop
@@ -334,16 +334,7 @@ def parameters_from(struct: Any, section: Mapping[str, Any], name: str, occurren
 
 def cogging_to_dict(cogging: CoggingModel) -> dict[str, Any]:
     """Return the section `[cogging]` of a cogging model."""
-    basis = cogging.basis
-    terms = {"harmonics": list(basis.harmonics)} if basis.harmonics else {"periods": list(basis.periods)}
-    return {
-        "pitch": basis.pitch if basis.pitch > 0 else basis.spline.pitch,
-        **terms,
-        "order": basis.spline.order,
-        "origin": basis.spline.origin,
-        "sine": cogging.sine.tolist(),
-        "cosine": cogging.cosine.tolist(),
-    }
+    return {**fields_of_basis(cogging.basis), "sine": cogging.sine.tolist(), "cosine": cogging.cosine.tolist()}
 
 
 def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -13,6 +13,7 @@ from cogging import _core
 from cogging.arrays import FloatArray
 from cogging.calls import did_you_mean
 from cogging.files import FieldError
+from cogging.logs.log import COLUMN_UNITS, OPTIONAL, REQUIRED, TRUE
 from cogging.shown import quoted
 
 #: Fields of Performance, computed for every run.
@@ -21,19 +22,9 @@ QUANTITIES = ("true_error", "error", "command")
 PLAIN = ("max", "rms", "final")
 NUMBERED = ("quantile", "tone", "wave")
 NAMED = re.compile(rf"({'|'.join(QUANTITIES)})_(?:({'|'.join(PLAIN)})|({'|'.join(NUMBERED)})\(([^()]+)\))")
-COLUMNS = (
-    *("time", "position", "command", "reference", "reference_velocity", "reference_acceleration"),
-    *("true_position", "true_velocity"),
-)
+COLUMNS = (*REQUIRED, *OPTIONAL, *TRUE)
 #: Units by name; every other reduction has the unit of its quantity.
-UNITS = {
-    "time": "s",
-    "reference_velocity": "m/s",
-    "reference_acceleration": "m/s^2",
-    "true_velocity": "m/s",
-    "command_chatter": "1",
-    "failed_at": "s",
-}
+UNITS = {**COLUMN_UNITS, "command_chatter": "1", "failed_at": "s"}
 
 
 class Failed(NamedTuple):
@@ -78,7 +69,7 @@ def unit_of(name: str) -> str:
     """Return the unit of an index, a reduction or a column; empty for other names and for texts."""
     if name in UNITS:
         return UNITS[name]
-    if name in COLUMNS or name in INDEXES or NAMED.fullmatch(name):
+    if name in INDEXES or NAMED.fullmatch(name):
         return "V" if name.startswith("command") else "m"
     return ""
 
