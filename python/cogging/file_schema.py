@@ -146,12 +146,8 @@ def _fields(struct: Any) -> dict[str, Any]:
 
 
 def _type_of(name: str, default: Any) -> dict[str, Any]:
-    if isinstance(default, bool):
-        return {"type": "boolean"}
-    if isinstance(default, str):
-        return {"type": "string"}
     if isinstance(default, list):
         if default and isinstance(default[0], list):
             return {"type": "array", "items": NUMBERS}
         return WHOLE_NUMBERS if name.endswith("harmonics") else NUMBERS
-    return {"type": "integer"} if isinstance(default, int) else NUMBER
+    return {"type": {bool: "boolean", str: "string", int: "integer"}.get(type(default), "number")}

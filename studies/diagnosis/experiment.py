@@ -109,18 +109,13 @@ def ask(seed: int, index: int) -> dict[str, Any] | None:
     if not any(effect.alternatives for effect in mine):
         return None
     limits = cogging.MotionLimits(machine.velocity, machine.acceleration, SECONDS, command=3.0 * machine.peak)
+    answer: dict[str, Any] = {"name": name, "ratio": ratio, "before": told(first, name)}
     begun = time.perf_counter()
     try:
         plan = cogging.plan_experiment(model, limits, result=first, logs=[old], seed=index)
     except ValueError as error:
-        return {"name": name, "ratio": ratio, "before": told(first, name), "refused": str(error)}
-    answer: dict[str, Any] = {
-        "name": name,
-        "ratio": ratio,
-        "before": told(first, name),
-        "seconds": time.perf_counter() - begun,
-        "plan": [element.kind for element in plan.elements],
-    }
+        return answer | {"refused": str(error)}
+    answer |= {"seconds": time.perf_counter() - begun, "plan": [element.kind for element in plan.elements]}
     moments = np.arange(int(SECONDS * machine.rate)) / machine.rate
     for number, (arm, motion) in enumerate(motions(case, plan, seed + index).items()):
         try:

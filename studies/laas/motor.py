@@ -5,6 +5,7 @@ Rows are irregular and some were lost, so nothing is differentiated twice and no
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -82,16 +83,15 @@ def axis_from_acceleration(rows: RotaryLog) -> dict[str, Estimate]:
     window and over a current that is 0 or 0.5 ms late, since the data do not say which is right.
     """
     found = []
-    for width in (0.05, 0.1):
-        for shift in (0.0, 0.5e-3):
-            form = weak_form(rows, width, shift)
-            design = np.stack([form.acceleration, form.direction, form.velocity, form.one], axis=1)
-            value = np.linalg.lstsq(design, form.current, rcond=None)[0]
-            scores = design * (form.current - design @ value)[:, None]
-            period = np.floor(form.centre / 0.5).astype(int)
-            sums = np.stack([scores[period == k].sum(axis=0) for k in np.unique(period)])
-            inverse = np.linalg.inv(design.T @ design)
-            found.append((value, 1.96 * np.sqrt(np.diag(inverse @ sums.T @ sums @ inverse))))
+    for width, shift in itertools.product((0.05, 0.1), (0.0, 0.5e-3)):
+        form = weak_form(rows, width, shift)
+        design = np.stack([form.acceleration, form.direction, form.velocity, form.one], axis=1)
+        value = np.linalg.lstsq(design, form.current, rcond=None)[0]
+        scores = design * (form.current - design @ value)[:, None]
+        period = np.floor(form.centre / 0.5).astype(int)
+        sums = np.stack([scores[period == k].sum(axis=0) for k in np.unique(period)])
+        inverse = np.linalg.inv(design.T @ design)
+        found.append((value, 1.96 * np.sqrt(np.diag(inverse @ sums.T @ sums @ inverse))))
     values, halves = (np.array(part) for part in zip(*found, strict=True))
     middle, low, high = values.mean(axis=0), (values - halves).min(axis=0), (values + halves).max(axis=0)
     return dict(zip(("mass", "coulomb", "viscous", "offset"), map(Estimate, middle, low, high), strict=True))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy.typing as npt
@@ -90,13 +91,8 @@ def simulate(
     own: Any = model.make_controller() if controller is None else controller
     options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
     options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
-    options |= {"record_estimates": record_estimates}
-    return Log.of(_run(model.plant(), own, motion, added_command, **options), metadata)
-
-
-def _run(plant: Plant, controller: Any, motion: Reference, added: npt.ArrayLike | None, **options: Any) -> Any:
-    command = None if added is None else real_array("added_command", added)
-    return _core.closed_loop(plant, controller, motion, added_command=command, **options)
+    options |= {"record_estimates": record_estimates, "added_command": added_command}
+    return replace(closed_loop(model.plant(), own, motion, **options), metadata=metadata)
 
 
 @check_arguments(plant=PLANT, reference=MOTION)
@@ -144,7 +140,8 @@ def closed_loop(
     options: dict[str, Any] = {"duration": duration, "seed": seed, "steps_per_sample": steps_per_sample}
     options |= {"initial_position": initial_position, "initial_velocity": initial_velocity}
     options |= {"record_estimates": record_estimates}
-    return Log.of(_run(plant, controller, reference, added_command, **options))
+    options |= {"added_command": None if added_command is None else real_array("added_command", added_command)}
+    return Log.of(_core.closed_loop(plant, controller, reference, **options))
 
 
 @check_arguments(log=LOG)
