@@ -8,6 +8,7 @@ import itertools
 import math
 import numbers
 import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -101,9 +102,7 @@ class Log(ByValue):
     @classmethod
     def of(cls, columns: Mapping[str, Any], metadata: Mapping[str, Any] | None = None) -> Log:
         """Return a log of columns by name."""
-        required = {name: columns[name] for name in REQUIRED}
-        further: dict[str, Any] = {name: columns.get(name) for name in FURTHER}
-        return cls(**required, **further, metadata=metadata or {})
+        return cls(**{name: columns.get(name) for name in (*REQUIRED, *FURTHER)}, metadata=metadata or {})
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, value in state.items():
@@ -294,15 +293,9 @@ def _array(name: str, given: Any) -> npt.NDArray[Any]:
     for row, value in enumerate(array.flat):  # of a table with missing entries, or integers beyond 64 bits
         if not isinstance(value, numbers.Real) or isinstance(value, bool):
             raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
-    return np.array([_as_float(value) for value in array.flat]).reshape(array.shape)
-
-
-def _as_float(value: Any) -> float:
-    """Return a real number; infinity for a whole number or a fraction beyond the range of floats."""
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
+    # A whole number or a fraction beyond the range of floats is infinite.
+    floats = [math.inf if abs(value) > sys.float_info.max else float(value) for value in array.flat]
+    return np.array(floats).reshape(array.shape)
 
 
 def _require_increasing(time: FloatArray, first_row: int = 0) -> None:

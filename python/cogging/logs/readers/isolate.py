@@ -92,15 +92,14 @@ def read_isolated(kind: str, request: Request) -> dict[str, FloatArray]:
         },
         "sys_path": import_paths(os.fspath(request.path)),
         "package": [os.path.abspath(folder) for folder in sys.modules["cogging"].__path__],
-        "temporary": None,
     }
-    with contextlib.ExitStack() as stack:
-        if kind in TEMPORARY:  # removed with its content, however the process ends
-            try:
-                folder = tempfile.TemporaryDirectory(prefix="cogging", ignore_cleanup_errors=True)
-            except OSError as error:
-                raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
-            job["temporary"] = stack.enter_context(folder)
+    folder: contextlib.AbstractContextManager[str | None] = contextlib.nullcontext()
+    if kind in TEMPORARY:  # removed with its content, however the process ends
+        try:
+            folder = tempfile.TemporaryDirectory(prefix="cogging", ignore_cleanup_errors=True)
+        except OSError as error:
+            raise request.refuse(f"cannot be read: no room for temporary files: {error.strerror}") from None
+    with folder as job["temporary"]:
         try:
             done = subprocess.run(
                 [sys.executable, *OPTIONS, "-X", f"utf8={sys.flags.utf8_mode}", "-c", BEGIN + START],
