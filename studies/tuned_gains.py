@@ -32,25 +32,16 @@ LU2008_REPEATS = 3  # of the shorter motion
 
 @dataclass(frozen=True)
 class Case:
-    """A controller of a paper on its setup.
+    """A controller of a paper on its setup."""
 
-    Attributes:
-        name: paper, axis and controller.
-        model: the machine with the printed gains.
-        gains: that are tuned.
-        vary: how machines differ.
-        motion: that is tuned on.
-        duration, start: of it, s: error and command are judged from `start` on.
-        own: the paper's own runs by name: machine, motion, duration and start (s), seed of the noise.
-    """
-
-    name: str
-    model: Model
-    gains: tuple[str, ...]
-    vary: Mapping[str, Any] | str
-    motion: Reference
-    duration: float
-    start: float
+    name: str  # paper, axis and controller
+    model: Model  # the machine with the printed gains
+    gains: tuple[str, ...]  # that are tuned
+    vary: Mapping[str, Any] | str  # how machines differ
+    motion: Reference  # that is tuned on
+    duration: float  # of it, s
+    start: float  # s: error and command are judged from here on
+    #: The paper's own runs by name: machine, motion, duration and start (s), seed of the noise.
     own: Mapping[str, tuple[Plant, Reference, float, float, int]]
 
 

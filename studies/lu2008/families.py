@@ -93,7 +93,7 @@ def all_numbers(axis: str, controller: str, index: str) -> bool:
 class Responses:
     """Errors (m) of C1, C2, C3 over the last move, per volt of each control point, and without cogging."""
 
-    def __init__(self, axis: gantry.GantryAxis, error_difference: bool = True, every: int = 1) -> None:
+    def __init__(self, axis: gantry.GantryAxis, error_difference: bool, every: int) -> None:
         motion = gantry.reference(axis)
         flat = np.zeros((2, len(gantry.HARMONICS), gantry.CONTROL_POINTS))
         points = np.concatenate([flat.reshape(1, -1), LEVEL * np.eye(flat.size)])
@@ -112,12 +112,8 @@ class Responses:
             self.answers.append((np.array(errors[1:-1]) - errors[0]).T / LEVEL)
             self.alone.append(errors[-1])
 
-    def errors(self, points: FloatArray) -> FloatArray:
-        """e_inf and e_2 (m) of C1, C2, C3, (maps, 3, 2), of control points (V), (both parts of all harmonics, maps)."""
-        return self.of_columns([answer @ points for answer in self.answers])
-
-    def of_columns(self, columns: Sequence[FloatArray]) -> FloatArray:
-        """The same of what the map adds to the error of each controller, (rows, maps)."""
+    def errors(self, columns: Sequence[FloatArray]) -> FloatArray:
+        """e_inf and e_2 (m) of C1, C2, C3, (maps, 3, 2), from what maps add to the error of each, (rows, maps)."""
         found = [column + alone[:, None] for column, alone in zip(columns, self.alone, strict=True)]
         indexes = [[np.abs(error).max(axis=0), np.sqrt((error**2).mean(axis=0))] for error in found]
         return np.array(indexes).transpose(2, 0, 1)
@@ -204,7 +200,7 @@ class Surrogate:
         """Log-ratios (maps, 12) and shares of the bound (axes, maps) of free values, (free, maps)."""
         amplitudes = self.family.amplitudes(values)
         errors = {
-            name: self.responses[name].of_columns([column @ each for column in self.columns[name]])
+            name: self.responses[name].errors([column @ each for column in self.columns[name]])
             for name, each in amplitudes.items()
         }
         shares = np.array([np.abs(self.bound[name] @ each).max(axis=0) for name, each in amplitudes.items()])
@@ -221,7 +217,7 @@ class Surrogate:
         return np.asarray(np.abs(min(found, key=lambda one: float(one.fun)).x))
 
 
-def simulated(family: Family, values: Sequence[FloatArray], seen: Seen = all_numbers) -> FloatArray:
+def simulated(family: Family, values: Sequence[FloatArray]) -> FloatArray:
     """The misfit of the simulation at each of several free values, plus ON_RAMP for each maximum that is on a ramp."""
     maps = [family.maps(each) for each in values]
     errors, shares, on_ramps = {}, [], np.zeros(len(maps))
@@ -230,7 +226,7 @@ def simulated(family: Family, values: Sequence[FloatArray], seen: Seen = all_num
         errors[name] = np.stack([np.maximum(steady, ramp), rms], axis=-1)
         on_ramps += np.count_nonzero(ramp > steady, axis=1)
         shares.append([gantry.share_of_bound(axis, each[name]) for each in maps])
-    return misfit(log_ratios(errors), np.array(shares), seen) + ON_RAMP * on_ramps
+    return misfit(log_ratios(errors), np.array(shares)) + ON_RAMP * on_ramps
 
 
 def by_part(

@@ -7,7 +7,6 @@ trajectory really diverges. Needs the extra `design`. With DIR, the sweep is dra
 
 from __future__ import annotations
 
-import itertools
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -31,38 +30,27 @@ DECAY_RATES = (0.0, 1.0, 3.0)
 RATIOS = (0.1, 0.25, 0.5)
 
 
-def sweep(motor: Motor) -> dict[tuple[float, float, float], float]:
+def certified(motor: Motor, alpha: float, ratio: float, radius: float) -> float:
     """lambda* (m/s^2, all equal) by decay rate (1/s), velocity ratio and pole radius (1/s); NaN where not certified."""
-    found = {}
-    for alpha, ratio, radius in itertools.product(DECAY_RATES, RATIOS, RADII):
-        try:
-            task = problem(motor, radius, decay_rate=alpha, velocity_min=ratio * motor.velocity)
-            found[alpha, ratio, radius] = design_observer(task).lambda_equal
-        except ValueError:
-            found[alpha, ratio, radius] = float("nan")
-    return found
+    task = problem(motor, radius, decay_rate=alpha, velocity_min=ratio * motor.velocity)
+    try:
+        return design_observer(task).lambda_equal
+    except ValueError:
+        return float("nan")
 
 
-def certified_controller(motor: Motor, design: ObserverDesign) -> cogging.ObserverBased:
-    """The observer of a design, without delay: what the certificate speaks of."""
-    return cogging.ObserverBased(
-        cogging.ObserverBasedParameters(
-            sample_rate=SAMPLE_RATE,
-            periods=list(motor.periods),
-            observer_gain=list(design.observer_gain),
-            observer_gain_slope=list(design.observer_gain_slope),
-            position_gain=design.position_gain,
-            velocity_gain=design.velocity_gain,
-            viscous=VISCOUS,
-            velocity_min=0.01 * motor.velocity,
-        )
+def long_stroke(motor: Motor, amplitudes: np.ndarray, phases: np.ndarray, design: ObserverDesign) -> cogging.Log:
+    """Run along 4 m in one direction without friction, quantiser and delay: what the certificate speaks of."""
+    parameters = cogging.ObserverBasedParameters(
+        sample_rate=SAMPLE_RATE,
+        periods=list(motor.periods),
+        observer_gain=list(design.observer_gain),
+        observer_gain_slope=list(design.observer_gain_slope),
+        position_gain=design.position_gain,
+        velocity_gain=design.velocity_gain,
+        viscous=VISCOUS,
+        velocity_min=0.01 * motor.velocity,
     )
-
-
-def long_stroke(
-    motor: Motor, amplitudes: np.ndarray, phases: np.ndarray, controller: cogging.ObserverBased
-) -> cogging.Log:
-    """Run along 4 m in one direction without friction and quantiser."""
     sine, cosine = -(amplitudes * np.cos(phases))[:, None], -(amplitudes * np.sin(phases))[:, None]
     machine = cogging.Plant(
         cogging.AxisParameters(mass=1.0, viscous=VISCOUS, travel=[-1.0, 5.0]),
@@ -71,7 +59,7 @@ def long_stroke(
     motion = cogging.PointToPoint(
         cogging.PointToPointParameters(distance=4.0, velocity=motor.velocity, acceleration=motor.acceleration)
     )
-    return cogging.closed_loop(machine, controller, motion, duration=4.0 / motor.velocity)
+    return cogging.closed_loop(machine, cogging.ObserverBased(parameters), motion, duration=4.0 / motor.velocity)
 
 
 def decay(motor: Motor, design: ObserverDesign, seed: int, share: float = 0.95) -> float:
@@ -87,7 +75,7 @@ def decay(motor: Motor, design: ObserverDesign, seed: int, share: float = 0.95) 
     amplitudes = random.uniform(0.1, 1.0, len(motor.periods))
     amplitudes *= share * design.gamma_n / np.sqrt(np.sum((amplitudes / np.array(motor.periods)) ** 2))
     phases = random.uniform(0, 2 * np.pi, amplitudes.size)
-    log = long_stroke(motor, amplitudes, phases, certified_controller(motor, design))
+    log = long_stroke(motor, amplitudes, phases, design)
     # The envelope from 0.3 s (at speed) to where the error has fallen a thousandfold or reached the sampling's floor.
     error, window = np.abs(true_error(log)), round(0.1 * SAMPLE_RATE)
     envelope = error[: error.size // window * window].reshape(-1, window).max(axis=1)[3:]
@@ -102,7 +90,7 @@ def divergence_multiple(motor: Motor, design: ObserverDesign) -> float:
     def settles(multiple: float) -> bool:
         amplitudes = np.full(len(motor.periods), multiple * design.lambda_equal)
         try:
-            log = long_stroke(motor, amplitudes, np.arange(amplitudes.size) * 1.0, certified_controller(motor, design))
+            log = long_stroke(motor, amplitudes, np.arange(amplitudes.size) * 1.0, design)
         except cogging.DivergedError:
             return False
         error = np.abs(true_error(log))
@@ -124,12 +112,11 @@ def figure_sweep() -> Figure:
     figure = new_figure((8.0, 6.0))
     figure.suptitle("What the robustness costs: certified lambda* (m/s^2) against the bound on the poles")
     for axes, motor in zip(figure.subplots(2, 1), MOTORS.values(), strict=True):
-        found = sweep(motor)
-        for alpha in DECAY_RATES:
+        for place, alpha in enumerate(DECAY_RATES):
             for ratio, style in zip(RATIOS, (":", "--", "-"), strict=True):
-                values = [found[alpha, ratio, radius] for radius in RADII]
-                color, label = f"C{DECAY_RATES.index(alpha)}", f"alpha {alpha:g} 1/s, ratio {ratio:g}"
-                axes.loglog(RADII, values, f"o{style}", color=color, markersize=3, label=label)
+                values = [certified(motor, alpha, ratio, radius) for radius in RADII]
+                label = f"alpha {alpha:g} 1/s, ratio {ratio:g}"
+                axes.loglog(RADII, values, f"o{style}", color=f"C{place}", markersize=3, label=label)
         axes.set(ylabel=motor.name, xlabel="pole radius (1/s)")
     figure.axes[0].legend(fontsize="x-small", ncols=3)
     return figure

@@ -91,27 +91,17 @@ LAWS: dict[str, dict[str, float]] = {
 
 @dataclass(frozen=True)
 class Problem:
-    """What is fitted to what.
+    """What is fitted to what."""
 
-    Attributes:
-        fitted: the sets of each controller whose numbers take part.
-        law: of friction, one of LAWS.
-        start: initial values by name; includes `adaptation_factor` if it is fitted.
-        adaptation_factor: where it is not free.
-        earlier_runs: of the ARC.
-        changes: of the ARC's printed numbers, by field.
-        iterations: at most, with long and with short steps.
-        seeds: of the encoder noise; what is fitted is the mean over them.
-    """
-
-    fitted: Mapping[str, Sequence[str]]
-    law: str = JOINT_LAW
+    fitted: Mapping[str, Sequence[str]]  # the sets of each controller whose numbers take part
+    law: str = JOINT_LAW  # of friction, one of LAWS
+    #: Initial values by name; includes `adaptation_factor` if it is fitted.
     start: Mapping[str, float] = field(default_factory=lambda: START)
-    adaptation_factor: float = 1.0
-    earlier_runs: int = 0
-    changes: Mapping[str, Any] = field(default_factory=dict)
-    iterations: tuple[int, int] = (12, 8)
-    seeds: Sequence[int] = SEEDS
+    adaptation_factor: float = 1.0  # where it is not free
+    earlier_runs: int = 0  # of the ARC
+    changes: Mapping[str, Any] = field(default_factory=dict)  # of the ARC's printed numbers, by field
+    iterations: tuple[int, int] = (12, 8)  # at most, with long and with short steps
+    seeds: Sequence[int] = SEEDS  # of the encoder noise; what is fitted is the mean over them
 
     def names(self) -> list[str]:
         """The free quantities."""
@@ -126,17 +116,11 @@ class Problem:
 
 @dataclass(frozen=True)
 class Fit:
-    """The conditions that a fit found.
+    """The conditions that a fit found."""
 
-    Attributes:
-        conditions: the best.
-        gap: their log-ratios simulated / printed, one for each number that took part.
-        errors: the rms log-ratio of every start, best first.
-    """
-
-    conditions: Conditions
-    gap: FloatArray
-    errors: Sequence[float]
+    conditions: Conditions  # the best
+    gap: FloatArray  # their log-ratios simulated / printed, one for each number that took part
+    errors: Sequence[float]  # the rms log-ratio of every start, best first
 
     def to_dict(self, *, arc: bool = True) -> dict[str, Any]:
         """As plant.toml has it; without the ARC's conditions where it took no part."""
