@@ -32,8 +32,8 @@ RATIOS = (0.1, 0.25, 0.5)
 
 def certified(motor: Motor, alpha: float, ratio: float, radius: float) -> float:
     """lambda* (m/s^2, all equal) by decay rate (1/s), velocity ratio and pole radius (1/s); NaN where not certified."""
-    task = problem(motor, radius, decay_rate=alpha, velocity_min=ratio * motor.velocity)
     try:
+        task = problem(motor, radius, decay_rate=alpha, velocity_min=ratio * motor.velocity)
         return design_observer(task).lambda_equal
     except ValueError:
         return float("nan")
