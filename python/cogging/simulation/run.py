@@ -169,11 +169,6 @@ def repeat(log: Log, *, effects: Sequence[Custom] = ()) -> Log:
             raise ValueError(f"metadata: {name}: must be there to repeat a log, got {got}")
     if metadata.get("controller") == "given":
         raise ValueError("metadata: controller: must be the model's to repeat a log, got one given as an object")
-    return simulate(
-        Model.from_dict(metadata["model"], effects=effects),
-        metadata["reference"],
-        seed=metadata["seed"],
-        steps_per_sample=metadata.get("steps_per_sample", 1),
-        initial_position=metadata.get("initial_position"),
-        initial_velocity=metadata.get("initial_velocity", 0.0),
-    )
+    stated = ("seed", "steps_per_sample", "initial_position", "initial_velocity")
+    options = {"steps_per_sample": 1} | {name: metadata[name] for name in stated if name in metadata}
+    return simulate(Model.from_dict(metadata["model"], effects=effects), metadata["reference"], **options)

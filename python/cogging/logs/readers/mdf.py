@@ -18,32 +18,31 @@ FORMULA = {3: 10, 4: 3}
 OF_TIME = (65535, 0)  # conversions that the library applies to the time of version 2 and 3: none and linear
 
 
-class Formulas:
-    """Prevents asammdf, imported later, from evaluating formulas of a file.
+def refuse_formulas() -> list[str]:
+    """Prevent asammdf, imported later, from evaluating formulas of a file; the list returned gets those it asks for.
 
     It passes formulas to numexpr and sympy, which run them as Python. Only its own formulas are evaluated.
     """
+    refused: list[str] = []
+    sys.modules["sympy"] = None  # type: ignore[assignment]  # so that importing it fails
+    try:
+        import numexpr
+    except ImportError:  # and asammdf says what it needs
+        return refused
+    evaluate = numexpr.evaluate
 
-    def __init__(self) -> None:
-        self.refused: list[str] = []  # formulas that were not evaluated
-        sys.modules["sympy"] = None  # type: ignore[assignment]  # so that importing it fails
-        try:
-            import numexpr
-        except ImportError:  # and asammdf says what it needs
-            return
-        evaluate = numexpr.evaluate
+    def guarded(text: str, *arguments: Any, **named: Any) -> Any:
+        from asammdf.blocks import v2_v3_constants, v4_constants
 
-        def guarded(text: str, *arguments: Any, **named: Any) -> Any:
-            from asammdf.blocks import v2_v3_constants, v4_constants
+        known = {**vars(v2_v3_constants), **vars(v4_constants)}  # rational and polynomial conversions among them
+        if text not in [known[name] for name in known if "CONV" in name and name.endswith("_TEXT")]:
+            refused.append(str(text)[:60])
+            raise ValueError("a formula of a file is not evaluated")
+        named.setdefault("local_dict", sys._getframe(1).f_locals)
+        return evaluate(text, *arguments, **named)
 
-            known = {**vars(v2_v3_constants), **vars(v4_constants)}  # rational and polynomial conversions among them
-            if text not in [known[name] for name in known if "CONV" in name and name.endswith("_TEXT")]:
-                self.refused.append(str(text)[:60])
-                raise ValueError("a formula of a file is not evaluated")
-            named.setdefault("local_dict", sys._getframe(1).f_locals)
-            return evaluate(text, *arguments, **named)
-
-        numexpr.evaluate = guarded
+    numexpr.evaluate = guarded
+    return refused
 
 
 def read(request: Request) -> dict[str, Any]:
@@ -51,7 +50,7 @@ def read(request: Request) -> dict[str, Any]:
 
     A channel that occurs in several groups is named `GROUP.CHANNEL`, with the number of the group.
     """
-    formulas = Formulas()  # before asammdf imports numexpr
+    formulas = refuse_formulas()  # before asammdf imports numexpr
     from asammdf import MDF
 
     plain: dict[str, Any] = {"process_bus_logging": False}  # it would open attachments
@@ -95,8 +94,8 @@ def read(request: Request) -> dict[str, Any]:
             found[name] = signal.samples
         if wants_master:
             found["time"] = file.get_master(next(iter(groups)))
-        if formulas.refused:
-            raise request.refuse(f"conversion: must not be a formula in the file, got {formulas.refused[0]!r}")
+        if formulas:
+            raise request.refuse(f"conversion: must not be a formula in the file, got {formulas[0]!r}")
         return found
 
 
