@@ -52,17 +52,16 @@ class WeakForm(NamedTuple):
     integrate: Callable[[Callable[[FloatArray], FloatArray]], FloatArray]  # of any force of position
 
 
-def weak_form(rows: RotaryLog, width: float, shift: float = 0.0, every: int = 4) -> WeakForm:
+def weak_form(rows: RotaryLog, width: float, shift: float) -> WeakForm:
     """Force balance integrated against smooth windows, so that nothing is differentiated twice.
 
-    For a window w of compact support, int w x'' dt = int w'' x dt. Windows are quartic B-splines of `width` (s), one
-    every width/every; those that hold a lost packet are left out. The current is taken `shift` (s) later than the
-    position.
+    For a window w of compact support, int w x'' dt = int w'' x dt. Windows are quartic B-splines of `width` (s), four
+    in each width; those that hold a lost packet are left out. The current is taken `shift` (s) later than the position.
     """
     window = BSpline.basis_element(np.linspace(0.0, width, 6))
     grid = np.arange(0.0, width + 0.5 * STEP, STEP)
     w, w2 = window(grid) * STEP, window.derivative(2)(grid) * STEP
-    starts = np.arange(rows.time[0] + 0.01, rows.time[-1] - width - 0.01, width / every)
+    starts = np.arange(rows.time[0] + 0.01, rows.time[-1] - width - 0.01, width / 4)
     first, last = np.searchsorted(rows.time, starts) - 1, np.searchsorted(rows.time, starts + width)
     lost = np.concatenate([[0], np.cumsum(np.diff(rows.time) > 2.5e-3)])
     starts = starts[lost[last] == lost[first]]

@@ -52,14 +52,14 @@ def recalibrated(motor: Motor, gains: Calibrated, conditions: causes.Conditions,
     return replace(gains, amplitude=best)
 
 
-def curve(cause: causes.Cause, motor: Motor, steps: int = STEPS) -> list[tuple[float, float]]:
+def curve(cause: causes.Cause, motor: Motor) -> list[tuple[float, float]]:
     """Size and the observer's accuracy over the printed one, the PID's calibrated anew at each size.
 
     It ends where it is four times the printed one, or where no amplitude calibrates the PID.
     """
     found: list[tuple[float, float]] = []
     gains = shipped(motor)
-    for size in np.geomspace(*cause.sizes, steps):
+    for size in np.geomspace(*cause.sizes, STEPS):
         try:
             gains = recalibrated(motor, gains, cause.of(float(size)), cause.draws)
         except ValueError:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 RADII = (350.0, 420.0, 500.0, 700.0)
 DECAY_RATES = (0.0, 1.0, 3.0)
 RATIOS = (0.1, 0.25, 0.5)
+SHARE = 0.95  # of the certified bound, that a random machine takes
 
 
 def certified(motor: Motor, alpha: float, ratio: float, radius: float) -> float:
@@ -62,18 +63,14 @@ def long_stroke(motor: Motor, amplitudes: np.ndarray, phases: np.ndarray, design
     return cogging.closed_loop(machine, cogging.ObserverBased(parameters), motion, duration=4.0 / motor.velocity)
 
 
-def decay(motor: Motor, design: ObserverDesign, seed: int, share: float = 0.95) -> float:
+def decay(motor: Motor, design: ObserverDesign, seed: int) -> float:
     """The rate (1/s) at which the error of a random machine inside the certificate decays at speed.
 
-    Args:
-        motor: periods and speeds.
-        design: whose gamma_n bounds sqrt(sum (lambda_n / P_n)^2).
-        seed: of amplitudes and phases.
-        share: of the bound.
+    Its sqrt(sum (lambda_n / P_n)^2) is SHARE of the design's gamma_n; `seed` is that of amplitudes and phases.
     """
     random = np.random.default_rng([2009, seed])
     amplitudes = random.uniform(0.1, 1.0, len(motor.periods))
-    amplitudes *= share * design.gamma_n / np.sqrt(np.sum((amplitudes / np.array(motor.periods)) ** 2))
+    amplitudes *= SHARE * design.gamma_n / np.sqrt(np.sum((amplitudes / np.array(motor.periods)) ** 2))
     phases = random.uniform(0, 2 * np.pi, amplitudes.size)
     log = long_stroke(motor, amplitudes, phases, design)
     # The envelope from 0.3 s (at speed) to where the error has fallen a thousandfold or reached the sampling's floor.

@@ -80,7 +80,6 @@ class Scales:
             "m/s": self.velocity,
             "s": self.time,
             "Hz": 1.0 / self.time,
-            "1": 1.0,
         }
         return sizes.get(unit, 1.0)
 
