@@ -31,6 +31,7 @@ MISTAKES = {
     "no model": (lambda: cogging.identify(LOG), r"identify\(\) missing 1 required positional argument: 'model'"),
     "an array": (lambda: cogging.identify(np.zeros((9, 3)), MODEL), r"logs: .* shape \(9, 3\): Log\(time=\.\.\., posi"),
     "a list with another": (lambda: cogging.identify([LOG, 3], MODEL), r"identify: logs: .*, got 3"),
+    "a list with nothing in it": (lambda: cogging.identify([LOG, None], MODEL), r"identify: logs: .*, got None"),
     "a file for a log": (lambda: cogging.audit("a.csv"), r"audit: log: must be a Log, got 'a\.csv': read_log reads"),
     "a text for a number": (lambda: cogging.PidParameters(kp="1"), r"PidParameters: kp: must be a number, got '1'"),
     "by position": (lambda: cogging.PidParameters(1.0), r"PidParameters: must be given its arguments by keyword"),

@@ -76,15 +76,12 @@ class Kind:
 
     def problem(self, value: Any) -> str:
         """Return what is wrong with a value; empty if nothing is."""
-        if isinstance(value, self.types):
+        entries = value if self.several and isinstance(value, list | tuple) else [value]
+        wrong = [entry for entry in entries if not isinstance(entry, self.types)]
+        if not wrong:
             return ""
-        if self.several and isinstance(value, list | tuple):
-            wrong = next((entry for entry in value if not isinstance(entry, self.types)), None)
-            if wrong is None:
-                return ""
-            value = wrong
-        hint = self.hints.get(type(value).__name__, "")
-        return f"must be {self.called}, got {described(value)}{': ' * bool(hint)}{hint}"
+        hint = self.hints.get(type(wrong[0]).__name__, "")
+        return f"must be {self.called}, got {described(wrong[0])}{': ' * bool(hint)}{hint}"
 
 
 PATHS = Kind(PATH, "the path of a file")
@@ -106,8 +103,7 @@ def check_arguments(**kinds: Kind) -> Callable[[F], F]:
                     known = [one for one in names if one != "self"]
                     raise TypeError(f"{name}: {word}: is not an argument; {did_you_mean(word, known)}")
             for word, value in [*zip(names, given, strict=False), *named.items()]:
-                problem = kinds[word].problem(value) if word in kinds else ""
-                if problem:
+                if word in kinds and (problem := kinds[word].problem(value)):
                     raise TypeError(f"{name}: {word}: {problem}")
             return function(*given, **named)
 
@@ -160,8 +156,7 @@ def explain_mismatch(doc: str, given: Sequence[Any], named: Mapping[str, Any]) -
         if word not in parameters:
             return f"{name}: {word}: is not an argument; {did_you_mean(word, parameters)}"
     for word, value in arguments.items():
-        rule = broken_rule(parameters[word].annotation, value)
-        if rule:
+        if rule := broken_rule(parameters[word].annotation, value):
             return f"{name}: {word}: must be {rule}, got {described(value)}"
     for word, one in parameters.items():
         if one.default is one.empty and word not in arguments:

@@ -75,8 +75,6 @@ def _cell(value: Any) -> str:
         return ""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
-    if isinstance(value, int | np.integer):
-        return str(value)
     if isinstance(value, float | np.floating):
         return f"{value:.6g}"
     if isinstance(value, list | tuple | np.ndarray):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import io
 import itertools
@@ -377,13 +378,9 @@ def _metadata_beside(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def _units_in(metadata: Mapping[str, Any]) -> Units | None:
     """Return the unit labels of the model in metadata; None without a model."""
-    model = metadata.get("model")
-    if not isinstance(model, Mapping):
-        return None
-    try:
-        return Units.from_dict(model.get("units", {}))
-    except (FieldError, AttributeError, TypeError):
-        return None  # an invalid model in a sidecar does not invalidate the log
+    with contextlib.suppress(FieldError, AttributeError, KeyError, TypeError):  # an invalid one leaves the log valid
+        return Units.from_dict(metadata["model"].get("units", {}))
+    return None
 
 
 def _require_sidecar(path: str) -> None:
