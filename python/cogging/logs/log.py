@@ -103,7 +103,8 @@ class Log(ByValue):
     @classmethod
     def of(cls, columns: Mapping[str, Any], metadata: Mapping[str, Any] | None = None) -> Log:
         """Return a log of columns by name."""
-        return cls(**{name: columns.get(name) for name in (*REQUIRED, *FURTHER)}, metadata=metadata or {})
+        known: dict[str, Any] = {name: columns.get(name) for name in (*REQUIRED, *FURTHER)}
+        return cls(**known, metadata=metadata or {})
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, value in state.items():
