@@ -9,7 +9,6 @@ import itertools
 import math
 import numbers
 import os
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -295,9 +294,15 @@ def _array(name: str, given: Any) -> npt.NDArray[Any]:
     for row, value in enumerate(array.flat):  # of a table with missing entries, or integers beyond 64 bits
         if not isinstance(value, numbers.Real) or isinstance(value, bool):
             raise ValueError(f"row {row}: {name}: must be a real number, got {value!r}")
-    # A whole number or a fraction beyond the range of floats is infinite.
-    floats = [math.inf if abs(value) > sys.float_info.max else float(value) for value in array.flat]
-    return np.array(floats).reshape(array.shape)
+    return np.array([_as_float(value) for value in array.flat]).reshape(array.shape)
+
+
+def _as_float(value: Any) -> float:
+    """Return a real number; infinity for a whole number or a fraction beyond the range of floats."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def _require_increasing(time: FloatArray, first_row: int = 0) -> None:
