@@ -386,12 +386,11 @@ def _cogging_from(section: Mapping[str, Any]) -> CoggingModel:
             raise FieldError("cogging", key, f"must be numbers of at most {LARGEST:g} in size")
     if len(rows) == 1:
         raise FieldError("cogging", next(iter(rows)), "needs both sine and cosine, or neither, got one")
-    kinds: dict[str, Any] = {"pitch": 0.0, "origin": 0.0, "order": 3, "harmonics": [], "periods": []}
-    for key, value in section.items():
-        if key in kinds:
-            _require_type(value, kinds[key], "cogging", key)
     points = rows["sine"].shape[1] if rows else 1
     arguments = {key: value for key, value in section.items() if key not in rows}
+    kinds: dict[str, Any] = {"pitch": 0.0, "origin": 0.0, "order": 3, "harmonics": [], "periods": []}
+    for key, value in arguments.items():
+        _require_type(value, kinds[key], "cogging", key)
     try:
         basis = SplineHarmonics(control_points=points, **arguments)
         zeros = np.zeros((basis.terms, 1))
