@@ -5,19 +5,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+
+#include "cogging/registers.hpp"
+
+#ifndef LANES
+#define LANES 1
+#endif
 
 #ifdef LIBRARY_FUNCTIONS  // the mathematics library's, to see what the core's own sine and arctangent change
-namespace functions {
-using std::atan;
-inline void sin_cos(double angle, double& sine, double& cosine) {
-  sine = std::sin(angle);
-  cosine = std::cos(angle);
-}
-}  // namespace functions
+struct Scalar : cogging::Register<1> {
+  static double atan(double a) { return std::atan(a); }
+  static void sin_cos(double angle, double& sine, double& cosine) {
+    sine = std::sin(angle);
+    cosine = std::cos(angle);
+  }
+};
 #else
-#include "cogging/registers.hpp"
-namespace functions = cogging;
+using Scalar = cogging::Register<1>;
 #endif
+using Register = std::conditional_t<LANES == 1, Scalar, cogging::Register<LANES>>;
+using Number = Register::Numbers;
 
 struct Setup {  // all double, in the order of lu2008_loop.py
   double mass, viscous, coulomb, coulomb_width, pitch, resolution;
@@ -84,11 +92,6 @@ Spline spline(double u) {  // position in pitches
   return {span, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
 }
 
-#ifdef LANES
-
-using Register = cogging::Register<LANES>;
-using Number = Register::Numbers;
-
 Number all(double value) {
   return Register::of(value);
 }
@@ -96,78 +99,44 @@ Number clamp_of(Number a, double low, double high) {
   a = all(low) > a ? all(low) : a;
   return all(high) < a ? all(high) : a;
 }
-Number round_of(Number a) {
-  return Register::round(a);
-}
-Number atan_of(Number a) {
-  return Register::atan(a);
-}
-void sin_cos_of(Number angle, Number& sine, Number& cosine) {
-  Register::sin_cos(angle, sine, cosine);
-}
 
 struct NumberSpline {
   Number first, w0, w1, w2;
 };
 
-NumberSpline spline_of(Number u) {
-  u = clamp_of(u, 0.0, double(spans));
-  const Number first = clamp_of(Register::trunc(u), 0.0, spans - 1.0), t = u - first, s = 1.0 - t;
-  return {first, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
+template <class N>
+auto spline_of(N u) {
+  if constexpr (std::is_same_v<N, double>) {
+    return spline(u);
+  } else {
+    u = clamp_of(u, 0.0, double(spans));
+    const N first = clamp_of(Register::trunc(u), 0.0, spans - 1.0), t = u - first, s = 1.0 - t;
+    return NumberSpline{first, 0.5 * s * s, 0.5 + s * t, 0.5 * t * t};
+  }
 }
 
 // The rows of the table that act; the machines are nearly always within one pitch of the magnets.
 template <int columns>
+const Number* active(const Spline& b, const Number* table, Number*) {
+  return table + columns * b.first;
+}
+template <int columns>
 const Number* active(const NumberSpline& b, const Number* table, Number* gathered) {
-  if (Register::all(b.first == b.first[0])) [[likely]]
-    return table + columns * int(b.first[0]);
+  const auto row = [&](int lane) { return columns * int(Register::get(b.first, lane)); };
+  if (Register::all(b.first == Register::get(b.first, 0))) [[likely]]
+    return table + row(0);
   for (int i = 0; i < 3 * columns; ++i)
-    for (int lane = 0; lane < LANES; ++lane) gathered[i][lane] = table[columns * int(b.first[lane]) + i][lane];
+    for (int lane = 0; lane < LANES; ++lane)
+      Register::set(gathered[i], lane, Register::get(table[row(lane) + i], lane));
   return gathered;
 }
 
 void store(double* column, int rows, int k, Number value) {
-  for (int lane = 0; lane < LANES; ++lane) column[lane * rows + k] = value[lane];
+  for (int lane = 0; lane < LANES; ++lane) column[lane * rows + k] = Register::get(value, lane);
 }
 void load(Number& value, const double* machines, int columns, int column) {
-  for (int lane = 0; lane < LANES; ++lane) value[lane] = machines[lane * columns + column];
+  for (int lane = 0; lane < LANES; ++lane) Register::set(value, lane, machines[lane * columns + column]);
 }
-
-#else
-
-using Number = double;
-using NumberSpline = Spline;
-
-double all(double value) {
-  return value;
-}
-double clamp_of(double a, double low, double high) {
-  return std::clamp(a, low, high);
-}
-double round_of(double a) {
-  return std::round(a);
-}
-double atan_of(double a) {
-  return functions::atan(a);
-}
-void sin_cos_of(double angle, double& sine, double& cosine) {
-  functions::sin_cos(angle, sine, cosine);
-}
-Spline spline_of(double u) {
-  return spline(u);
-}
-template <int columns>
-const double* active(const Spline& b, const double* table, double*) {
-  return table + columns * b.first;
-}
-void store(double* column, int, int k, double value) {
-  column[k] = value;
-}
-void load(double& value, const double* machines, int, int column) {
-  value = machines[column];
-}
-
-#endif
 
 struct Machines {
   Number mass, viscous, coulomb;
@@ -204,13 +173,13 @@ extern "C" void lu2008_loop(const Setup* setup, const double* machines, int rows
 
   const auto acceleration = [&](Number x, Number v, Number u) {
     Number s1, c1;
-    sin_cos_of(wavenumber * x, s1, c1);
+    Register::sin_cos(wavenumber * x, s1, c1);
     const Number s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
     const Number s3 = s2 * c1 + c2 * s1, c3 = c2 * c1 - s2 * s1;
     const Number s6 = 2.0 * s3 * c3, c6 = c3 * c3 - s3 * s3;
     const Number s12 = 2.0 * s6 * c6, c12 = c6 * c6 - s6 * s6;
     const Number harmonic[10] = {s1, c1, s2, c2, s3, c3, s6, c6, s12, c12};
-    const NumberSpline b = spline_of(x * inverse_pitch);
+    const auto b = spline_of(x * inverse_pitch);
     Number gathered[30];
     const Number* a = active<10>(b, cogging, gathered);
     Number sine = all(0.0), cosine = all(0.0);
@@ -218,7 +187,7 @@ extern "C" void lu2008_loop(const Setup* setup, const double* machines, int rows
       sine += (b.w0 * a[i] + b.w1 * a[i + 10] + b.w2 * a[i + 20]) * harmonic[i];
       cosine += (b.w0 * a[i + 1] + b.w1 * a[i + 11] + b.w2 * a[i + 21]) * harmonic[i + 1];
     }
-    const Number friction = plant_viscous * v + plant_coulomb * atan_of(v * inverse_width);
+    const Number friction = plant_viscous * v + plant_coulomb * Register::atan(v * inverse_width);
     return (u - friction - (sine + cosine)) * inverse_mass;
   };
 
@@ -226,21 +195,21 @@ extern "C" void lu2008_loop(const Setup* setup, const double* machines, int rows
   Number estimate[6 * control_points] = {};
   Number x = all(reference_position[0]), v = all(0.0), reading_previous = all(0.0);
   for (int k = 0; k < rows; ++k) {
-    const Number reading = q.resolution * round_of(x / q.resolution);
+    const Number reading = q.resolution * Register::round(x / q.resolution);
     const Number measured_velocity = k == 0 ? all(0.0) : (reading - reading_previous) * q.sample_rate;
     reading_previous = reading;
 
     const double xd = reference_position[k], vd = reference_velocity[k], ad = reference_acceleration[k];
     const Number p = measured_velocity - vd + q.error_gain * (reading - xd);
     double s1, c1;
-    functions::sin_cos(wavenumber * xd, s1, c1);
+    Scalar::sin_cos(wavenumber * xd, s1, c1);
     const double s2 = 2.0 * s1 * c1, c2 = c1 * c1 - s1 * s1;
     const double harmonic[6] = {s1, c1, s2, c2, s2 * c1 + c2 * s1, c2 * c1 - s2 * s1};
     const Spline b = spline(xd * inverse_pitch);
     Number* a = estimate + 6 * b.first;
     Number cogging_estimate = all(0.0);
     for (int i = 0; i < 6; ++i) cogging_estimate += (b.w0 * a[i] + b.w1 * a[i + 6] + b.w2 * a[i + 12]) * harmonic[i];
-    const double direction = two_over_pi * functions::atan(vd * inverse_width);
+    const double direction = two_over_pi * Scalar::atan(vd * inverse_width);
     const Number u =
         mass * ad + viscous * vd + coulomb * direction - disturbance + cogging_estimate - q.feedback_gain * p;
 

@@ -7,11 +7,9 @@ second call with --rescore scores the answers that are there; with --keep it dra
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,7 @@ import cogging
 from cogging_command import run_command
 
 from .score import format_table, judge, plain, table
-from .suite import KINDS, LAMBDAS, SHARES, draw_suite, plan_suite
+from .suite import KINDS, LAMBDAS, SHARES, draw_suite, mapped, plan_suite
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -58,19 +56,18 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     return options
 
 
-def run_case(task: tuple[str, str]) -> tuple[str, dict[str, Any], float]:
+def run_case(task: tuple[Path, Path]) -> tuple[str, dict[str, Any], float]:
     """Diagnose one case and keep its result: (folder of the case, file of the result).
 
     A failure is a result too: {"error": "type: text"}; it counts as an error in the table.
     """
-    case, begin = Path(task[0]), time.perf_counter()
+    (case, answer), begin = task, time.perf_counter()
     try:
-        found = cogging.diagnose(case / "log.csv", case / "model.toml", confirm=[case / "confirm.csv"])
-        result = dict(found.to_dict())
+        result = cogging.diagnose(case / "log.csv", case / "model.toml", confirm=[case / "confirm.csv"]).to_dict()
     except Exception as error:
         result = {"error": f"{type(error).__name__}: {error}"}
     seconds = time.perf_counter() - begin
-    Path(task[1]).write_text(json.dumps({"seconds": seconds, "result": result}, indent=1))
+    answer.write_text(json.dumps({"seconds": seconds, "result": result}, indent=1))
     return case.name, result, seconds
 
 
@@ -78,16 +75,11 @@ def run_suite(out: Path, jobs: int, *, again: bool) -> None:
     """Diagnose all cases of a folder; `again`: also where an answer is there."""
     answers = out / "results_diagnose"
     answers.mkdir(parents=True, exist_ok=True)
-    tasks = []
-    for case in sorted((out / "cases").glob("case_*")):
-        target = answers / f"{case.name}.json"
-        if again or not target.exists():
-            tasks.append((str(case), str(target)))
-    with ProcessPoolExecutor(jobs) if jobs > 1 else contextlib.nullcontext() as pool:
-        answered = map(run_case, tasks) if pool is None else pool.map(run_case, tasks)
-        for count, (name, result, seconds) in enumerate(answered, start=1):
-            verdict = result.get("verdict", result.get("error"))
-            print(f"{count}/{len(tasks)} {name} {seconds:.1f} s {verdict}", file=sys.stderr, flush=True)
+    tasks = [(case, answers / f"{case.name}.json") for case in sorted((out / "cases").glob("case_*"))]
+    tasks = [(case, target) for case, target in tasks if again or not target.exists()]
+    for count, (name, result, seconds) in enumerate(mapped(run_case, tasks, jobs), start=1):
+        verdict = result.get("verdict", result.get("error"))
+        print(f"{count}/{len(tasks)} {name} {seconds:.1f} s {verdict}", file=sys.stderr, flush=True)
 
 
 def score_suite(out: Path) -> dict[str, Any]:

@@ -19,6 +19,8 @@ from .vocabulary import CHANGES, VOCABULARY
 LAMBDAS = (10.0, 30.0, 100.0, 300.0, 1000.0)
 TOLERANCE = 0.1  # of lambda
 ATTEMPTS = 25
+#: Of the machine, told in the key.
+TRAITS = ("law", "colour", "stated_controller", "poor_motion", "jitter", "rate", "peak", "noise")
 SECTION = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
 SMOOTH_LAWS = ("tanh", "algebraic", "arctangent", "mixture", "ramp")
 #: Effects that need rigid friction or one mass: which friction laws their machines may have.
@@ -82,8 +84,7 @@ def scale(measure: Callable[[float], float], hidden: Hidden, ratio: float) -> tu
     Raises:
         Unreachable: not within 10 steps, or outside the physical range.
     """
-    amplitude, slope = hidden.start, 2.0
-    amplitude = min(max(amplitude, hidden.low), hidden.high)
+    amplitude, slope = min(max(hidden.start, hidden.low), hidden.high), 2.0
     before: tuple[float, float] | None = None
     at_edge = 0
     for _ in range(10):
@@ -110,69 +111,54 @@ def scale(measure: Callable[[float], float], hidden: Hidden, ratio: float) -> tu
 
 
 def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
-    names = specification.names
-    tight = any(name in CHANGES for name in names)
-    laws = [LAWS_OF[name] for name in names if name in LAWS_OF]
+    names, ratio = specification.names, specification.ratio
+    laws = [set(LAWS_OF[name]) for name in names if name in LAWS_OF]
     law = None
     if laws:
-        common = sorted(set.intersection(*map(set, laws)))
+        common = sorted(set.intersection(*laws))
         if not common:
             raise Unreachable("no friction law fits both effects")
         law = str(rng.choice(common))
-    machine = draw_machine(rng, specification.family, tight=tight, law=law)
-    time, motion = machine.draw_motion(rng)
-    base = machine.plan(rng, motion, time)
-    _require_sane(base.run(), motion, machine)
+    machine = draw_machine(rng, specification.family, tight=bool(set(names) & set(CHANGES)), law=law)
+
+    def moved() -> tuple[Motion, Plan]:
+        time, motion = machine.draw_motion(rng)
+        return motion, machine.plan(rng, motion, time)
+
+    motion, base = moved()
+    _sane_run(base, motion, machine)
     hidden: list[tuple[Hidden, float]] = []
     truths: list[dict[str, Any]] = []
     signal = Signal(base, machine)
-    if names:
-        seeds = rng.integers(2**31, size=len(names))
-        for name, seed in zip(names, seeds, strict=True):
-            draws = np.random.default_rng(int(seed))
-            if name in CHANGES:
-                effect, amplitude, value = _change(draws, name, machine, signal, specification.ratio)
-            else:
-                effect = {**VOCABULARY, **OUTSIDE}[name](draws, machine, motion)
-                amplitude, value = scale(
-                    lambda a, effect=effect: signal.ratio(signal.difference(with_hidden(base, [(effect, a)]))),
-                    effect,
-                    specification.ratio,
-                )
-            hidden.append((effect, amplitude))
-            truths.append(_truth(effect, amplitude, value))
-        if len(names) > 1:
-            _require_separable(signal, base, hidden, truths, specification.ratio)
+    for name, seed in zip(names, rng.integers(2**31, size=len(names)), strict=True):
+        draws = np.random.default_rng(int(seed))
+        if name in CHANGES:
+            effect, amplitude, value = _change(draws, name, machine, signal, ratio)
+        else:
+            effect = {**VOCABULARY, **OUTSIDE}[name](draws, machine, motion)
+
+            def measure(amplitude: float, effect: Hidden = effect) -> float:
+                return signal.ratio(signal.difference(with_hidden(base, [(effect, amplitude)])))
+
+            amplitude, value = scale(measure, effect, ratio)
+        hidden.append((effect, amplitude))
+        truths.append(_truth(effect, amplitude, value))
+    if len(names) > 1:
+        _require_separable(signal, base, hidden, truths, ratio)
     main = with_hidden(base, hidden)
-    main_run = main.run()
-    _require_sane(main_run, motion, machine)
-    time, motion = machine.draw_motion(rng)
-    confirm_base = machine.plan(rng, motion, time)
+    main_run = _sane_run(main, motion, machine)
+    motion, confirm_base = moved()
     confirm = with_hidden(confirm_base, hidden)
-    confirm_run = confirm.run()
-    _require_sane(confirm_run, motion, machine)
-    moving = np.abs(motion.velocity) > 1e-4
-    quiet = confirm.silent().run().command
-    key = {
-        "kind": specification.kind,
-        "family": specification.family,
-        "ratio": specification.ratio,
-        "effects": truths,
-        "law": machine.law,
-        "colour": machine.colour,
-        "stated_controller": machine.stated_controller,
-        "poor_motion": machine.poor,
-        "jitter": machine.jitter,
-        "rate": machine.rate,
-        "peak": machine.peak,
-        "noise": machine.noise_rms,
-        "law_ratio": signal.law_ratio(),
-        "confirm_floor": float(np.sqrt(np.mean((confirm_run.command - quiet)[moving] ** 2))),
-    }
+    confirm_run = _sane_run(confirm, motion, machine)
+    moving, quiet = np.abs(motion.velocity) > 1e-4, confirm.silent().run().command
+    noise = (confirm_run.command - quiet)[moving]
+    key = {"kind": specification.kind, "family": specification.family, "ratio": ratio, "effects": truths}
+    key |= {name: getattr(machine, name) for name in TRAITS}
+    key |= {"law_ratio": signal.law_ratio(), "confirm_floor": _rms(noise)}
     if hidden:
-        key |= _closable(
-            signal, with_hidden(base, hidden), confirm_base, confirm_run.command - quiet, quiet, moving, names
-        )
+        fixed = tuple(SECTION[name] for name in names if name in SECTION)
+        steps = signal.absorbed(signal.difference(main), fixed)
+        key |= _closable(steps, confirm_base.silent(), machine, quiet, moving, noise)
     return Case(machine, main, main_run, confirm, confirm_run, base, hidden, key)
 
 
@@ -181,22 +167,21 @@ def _change(
 ) -> tuple[Hidden, float, float]:
     """A change of mass, viscous or Coulomb of at least 5 stated sigma.
 
-    Its lambda is change^2 / (stated sigma^2 + sigma of this log^2), the test of the change against what is stated.
-
-    The change is that from the model's value to the truth's, which is what `diagnose` can see.
+    The change is that from the model's value to the truth's, which is what `diagnose` can see. Its lambda is
+    change^2 / (stated sigma^2 + sigma of this log^2), the test of the change against what is stated.
     """
-    field_name = SECTION[name]
-    stated, own = machine.uncertainty[field_name], signal.deviation(field_name)
+    section = SECTION[name]
+    stated, own = machine.uncertainty[section], signal.deviation(section)
     deviation = float(np.hypot(stated, own))
     size = max(np.sqrt(ratio) * deviation, 5 * stated)
     sign = 1.0 if name == "mass_change" and rng.random() < 0.7 else float(rng.choice([-1.0, 1.0]))
     change = sign * size
     if not -0.6 < change < 1.5:
         raise Unreachable(f"{name}: {change:g} is no physical change")
-    nominal = machine.model["axis"][field_name]
+    nominal = machine.model["axis"][section]
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan[field_name] = nominal * (1 + sign * amplitude)
+        plan[section] = nominal * (1 + sign * amplitude)
 
     fields = {"change": (lambda a: sign * a, "", lambda a: own * size / deviation / a)}
     effect = Hidden(size, 0.0, 2.0, apply, fields, name=name)
@@ -232,30 +217,24 @@ def _truth(effect: Hidden, amplitude: float, value: float) -> dict[str, Any]:
 
 
 def _closable(
-    signal: Signal,
-    main: Plan,
-    confirm_base: Plan,
-    noise: np.ndarray,
-    quiet: np.ndarray,
-    moving: np.ndarray,
-    names: tuple[str, ...],
+    steps: dict[str, float], silent: Plan, machine: Machine, quiet: np.ndarray, moving: np.ndarray, noise: np.ndarray
 ) -> dict[str, float]:
     """What the true model closes on the confirm log, to first order, beyond a nominal model re-tuned on the main log.
 
-    `confirm_effect` is the rms of the effect, `confirm_rest` that of what re-tuning leaves, both without noise (command
-    unit, rows in motion); `confirm_closable` the mean square that the truth removes from this very log, noise included.
+    `confirm_effect` is the rms of the effect, `confirm_rest` that of what re-tuning by `steps` leaves, both without
+    noise (command unit, rows in motion); `confirm_closable` the mean square that the truth removes from this very log,
+    noise included. `silent` is the plan without effect and noise, `quiet` the command without noise.
     """
-    command = confirm_base.silent().run().command
+    command = silent.run().command
+    columns = signatures(silent, machine, command)
     effect = quiet - command
-    fixed = tuple(SECTION[name] for name in names if name in SECTION)
-    steps = signal.absorbed(signal.difference(main), fixed)
-    columns = signatures(confirm_base.silent(), signal.machine, command)
-    rest = effect - sum(step * columns[name] for name, step in steps.items() if name not in START)
-    return {
-        "confirm_effect": float(np.sqrt(np.mean(effect[moving] ** 2))),
-        "confirm_rest": float(np.sqrt(np.mean(rest[moving] ** 2))),
-        "confirm_closable": float(np.mean((rest + noise)[moving] ** 2 - noise[moving] ** 2)),
-    }
+    rest = (effect - sum(step * columns[name] for name, step in steps.items() if name not in START))[moving]
+    closable = float(np.mean((rest + noise) ** 2 - noise**2))
+    return {"confirm_effect": _rms(effect[moving]), "confirm_rest": _rms(rest), "confirm_closable": closable}
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _require_separable(
@@ -272,9 +251,10 @@ def _require_separable(
             raise Unreachable(f"{entry['name']}: hidden by the other effect")
 
 
-def _require_sane(run: Run, motion: Motion, machine: Machine) -> None:
-    """The loop follows its reference, as a machine that is in use does."""
+def _sane_run(plan: Plan, motion: Motion, machine: Machine) -> Run:
+    """A run that follows its reference, as a machine that is in use does."""
+    run = plan.run()
     error = np.abs(run.reading - motion.position).max()
-    length = machine.travel[1] - machine.travel[0]
-    if not (error < 0.03 * length and np.abs(run.command).max() < 4 * machine.peak):
+    if not (error < 0.03 * machine.length and np.abs(run.command).max() < 4 * machine.peak):
         raise ArithmeticError("the loop does not follow")
+    return run

@@ -92,16 +92,6 @@ def quadratures(phase: float, unit: str) -> Parameters:
     }
 
 
-def shares(plan: Plan, machine: Machine) -> np.ndarray:
-    """Position along the travel, 0 to 1, at the points of the maps."""
-    return (plan.positions - machine.travel[0]) / (machine.travel[1] - machine.travel[0])
-
-
-def times(plan: Plan) -> np.ndarray:
-    """Time of the samples from the first row, s."""
-    return plan.instants - plan.instants[0]
-
-
 def add_map(name: str, shape: Callable[[Plan], np.ndarray]) -> Apply:
     """Make an effect that adds amplitude times a shape to a map over the travel."""
     row = truth.MAPS.index(name)

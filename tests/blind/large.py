@@ -115,9 +115,8 @@ def power_ratio(plan: Plan, base: Plan, power: float | None = None) -> float:
 
 def multisine(rng: np.random.Generator, machine: Machine, time: np.ndarray, *, closed: bool) -> Motion:
     """Tones of random phase, even in acceleration, that swell and fade; in open loop the command over the mass."""
-    span, s = float(time[-1]), machine.scalars
-    omega = (s["kd"] if s["controller"] == truth.PID else s["kv"]) / s["mass"]
-    lowest, highest = max(0.5, 0.3 * omega / (2 * np.pi)), min(150.0, machine.rate / 6)
+    span = float(time[-1])
+    lowest, highest = max(0.5, 0.3 * machine.bandwidth / (2 * np.pi)), min(150.0, machine.rate / 6)
     lines = 2 * np.pi * np.unique(np.round(np.geomspace(lowest, max(highest, 3 * lowest), 60) * span)) / span
     size = 0.5 * machine.acceleration * np.sqrt(2 / len(lines))
     angle = np.outer(time, lines) + rng.uniform(0, 2 * np.pi, len(lines))
@@ -153,12 +152,8 @@ def _stated(rng: np.random.Generator, machine: Machine, statement: str, *, close
         del axis["uncertainty"]
     machine.stated_controller = closed and bool(rng.random() < 0.5)
     machine.reference_columns = closed and bool(rng.random() < 0.65)
-    for name, chance in (
-        ("cogging", 0.25),
-        ("encoder", 0.6),
-        ("noise", 0.4),
-        ("controller", machine.stated_controller),
-    ):
+    chances = {"cogging": 0.25, "encoder": 0.6, "noise": 0.4, "controller": machine.stated_controller}
+    for name, chance in chances.items():
         if rng.random() >= chance:
             machine.model.pop(name, None)
     if "cogging" not in machine.model:
@@ -179,7 +174,7 @@ def _try_case(rng: np.random.Generator, specification: Specification, count: int
     machine = draw_machine(rng, law=str(rng.choice(laws)), friction=0.5 if shaken else log_uniform(rng, 0.5, 8.0))
     statement = str(rng.choice([key for key in DEVIATIONS if DEVIATIONS[key] or "mass_change" not in names]))
     _stated(rng, machine, statement, closed=closed)
-    machine.jitter, length = 0.0, machine.travel[1] - machine.travel[0]
+    machine.jitter, length = 0.0, machine.length
     turns = "gravity" in names or rng.random() < 0.5
     units = (log_uniform(rng, 1e-3, 1e2), 2 * np.pi * rng.uniform(0.8, 4.5) / length, log_uniform(rng, 0.5, 5.0))
     if not turns:

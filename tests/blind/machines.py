@@ -17,29 +17,20 @@ from .truth import Plan
 
 #: Families of nulls: each forces one trait, all else is drawn.
 NULL_FAMILIES = (
-    "plain",
-    "other_friction",
-    "sticking",
-    "bristles",
-    "sharp_friction",
-    "wide_friction",
-    "coloured_noise",
-    "pink_noise",
-    "heavy_tails",
-    "loud_noise",
-    "quiet_noise",
-    "jitter",
-    "fine_steps",
-    "coarse_encoder",
-    "wrong_nominals",
-    "no_controller",
-    "poor_motion",
+    *("plain", "other_friction", "sticking", "bristles", "sharp_friction", "wide_friction", "coloured_noise"),
+    *("pink_noise", "heavy_tails", "loud_noise", "quiet_noise", "jitter", "fine_steps", "coarse_encoder"),
+    *("wrong_nominals", "no_controller", "poor_motion"),
 )
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     """Draw from low to high, even in the logarithm."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def rounded(value: float, digits: int) -> float:
+    """A number as a user would write it: so many digits."""
+    return float(f"{value:.{digits}g}")
 
 
 @dataclass
@@ -72,20 +63,34 @@ class Machine:
     cosine: np.ndarray
     drift: Callable[[np.ndarray], np.ndarray]
     colour: str
-    noise_rms: float
+    noise: float
     noise_corner: float
     encoder_noise: float
-    jitter: float
-    poor: bool
+    poor_motion: bool
     stated_controller: bool
-    reference_columns: bool
+    jitter: float
     uncertainty: dict[str, float]
+    reference_columns: bool = True
     model: dict[str, Any] = field(default_factory=dict)
 
     @property
     def periods(self) -> list[float]:
         """Of the known cogging, m."""
         return [self.pitch / h for h in self.harmonics]
+
+    @property
+    def length(self) -> float:
+        """Of the travel, m."""
+        return self.travel[1] - self.travel[0]
+
+    @property
+    def bandwidth(self) -> float:
+        """Cross-over of the loop, rad/s."""
+        return self.scalars["kv" if self.scalars["controller"] == truth.CASCADE else "kd"] / self.scalars["mass"]
+
+    def along(self, x: np.ndarray) -> np.ndarray:
+        """Share of the travel at x, 0 to 1."""
+        return (x - self.travel[0]) / self.length
 
     def cogging(self, x: np.ndarray, index: int, *, cosine: bool) -> np.ndarray:
         """One unit harmonic of the known cogging over x, with its drift, as force towards +x."""
@@ -95,7 +100,7 @@ class Machine:
     def draw_motion(self, rng: np.random.Generator) -> tuple[np.ndarray, Motion]:
         """Draw a motion of this machine and its nominal sampling instants."""
         time = np.arange(int(self.duration * self.rate)) / self.rate
-        return time, draw_motion(rng, time, self.travel, self.velocity, self.acceleration, poor=self.poor)
+        return time, draw_motion(rng, time, self.travel, self.velocity, self.acceleration, poor=self.poor_motion)
 
     def plan(self, rng: np.random.Generator, motion: Motion, time: np.ndarray) -> Plan:
         """Make the plan of this machine on a motion, noise included, no effect."""
@@ -110,7 +115,7 @@ class Machine:
         plan.rows[:, truth.R_POSITION] = motion.position
         plan.rows[:, truth.R_VELOCITY] = motion.velocity
         plan.rows[:, truth.R_ACCELERATION] = motion.acceleration
-        noise = draw_noise(rng, self.colour, len(time), 1 / self.rate, self.noise_rms, self.noise_corner)
+        noise = draw_noise(rng, self.colour, len(time), 1 / self.rate, self.noise, self.noise_corner)
         plan.add_noise(noise, self.encoder_noise * rng.standard_normal(len(time)))
         for index in range(len(self.harmonics)):
             x = plan.positions
@@ -151,13 +156,9 @@ def draw_machine(
     elif family == "wide_friction":
         width = log_uniform(rng, 3e-3, 8e-3)
     if law is None:
-        laws = {
-            "sticking": ["stick"],
-            "bristles": ["bristle"],
-            "other_friction": ["tanh", "algebraic", "mixture", "ramp"],
-        }
-        usual = ["tanh", "algebraic", "arctangent", "arctangent", "mixture", "ramp", "bristle", "stick"]
-        law = str(rng.choice(laws.get(family, usual)))
+        laws = {"sticking": "stick", "bristles": "bristle", "other_friction": "tanh algebraic mixture ramp"}
+        usual = "tanh algebraic arctangent arctangent mixture ramp bristle stick"
+        law = str(rng.choice(laws.get(family, usual).split()))
     substeps = max(10, int(np.ceil(1 / rate / 5e-5)))
     if family == "fine_steps":
         substeps *= 4
@@ -172,18 +173,16 @@ def draw_machine(
         resolution = log_uniform(rng, 1e-6, 5e-6)
     else:  # the derivative must not shout: a count is worth at most 2 % of the peak
         resolution = min(resolution, 0.02 * peak / (2 * mass * omega * rate))
-    resolution = float(f"{resolution:.2g}")
+    resolution = rounded(resolution, 2)
 
-    sigma = (
-        {"mass": 0.01, "viscous": 0.03, "coulomb": 0.03} if tight else {"mass": 0.03, "viscous": 0.2, "coulomb": 0.2}
-    )
-    spread = 2.0 if family == "wrong_nominals" else 1.0
     true_of = {"mass": mass, "viscous": viscous, "coulomb": coulomb}
+    sigma = dict(zip(true_of, (0.01, 0.03, 0.03) if tight else (0.03, 0.2, 0.2), strict=True))
+    spread = 2.0 if family == "wrong_nominals" else 1.0
     nominal = {}
     for name, value in true_of.items():
         draw = float(np.clip(spread * rng.standard_normal(), -2.3, 2.3))
-        nominal[name] = float(f"{value / (1 + sigma[name] * draw):.4g}")
-    nominal_width = float(f"{width * log_uniform(rng, 0.3, 3.0):.3g}")
+        nominal[name] = rounded(value / (1 + sigma[name] * draw), 4)
+    nominal["coulomb_width"] = rounded(width * log_uniform(rng, 0.3, 3.0), 3)
 
     feed = rng.random() < 0.85
     scalars: dict[str, float] = {
@@ -195,33 +194,28 @@ def draw_machine(
         "bristle_damping": 0.0,
         "controller": truth.CASCADE if cascade else truth.PID,
         "rate": rate,
-        "ff_mass": float(f"{nominal['mass'] * rng.uniform(0.9, 1.1):.3g}") if feed else 0.0,
+        "ff_mass": rounded(nominal["mass"] * rng.uniform(0.9, 1.1), 3) if feed else 0.0,
         "ff_viscous": nominal["viscous"] if feed else 0.0,
-        "ff_coulomb": float(f"{nominal['coulomb'] * rng.uniform(0.6, 1.0):.3g}")
-        if feed and rng.random() < 0.8
-        else 0.0,
-        "ff_width": float(f"{nominal_width * log_uniform(rng, 1.0, 4.0):.3g}"),
+        "ff_coulomb": rounded(nominal["coulomb"] * rng.uniform(0.6, 1.0), 3) if feed and rng.random() < 0.8 else 0.0,
+        "ff_width": rounded(nominal["coulomb_width"] * log_uniform(rng, 1.0, 4.0), 3),
     }
     # a bristle that is too stiff for the step would ring: its frequency stays below 0.2 of the step's
-    stiffest = coulomb / mass * (1 / rate / substeps / 0.3) ** 2
-    scalars["bristle"] = max(scalars["bristle"], stiffest)
+    scalars["bristle"] = max(scalars["bristle"], coulomb / mass * (1 / rate / substeps / 0.3) ** 2)
     scalars["bristle_damping"] = 0.7 * np.sqrt(coulomb / scalars["bristle"] * mass)
     if cascade:
-        scalars |= {"kp": float(f"{omega / 2.5:.3g}"), "kv": float(f"{nominal['mass'] * omega:.3g}")}
+        scalars |= {"kp": rounded(omega / 2.5, 3), "kv": rounded(nominal["mass"] * omega, 3)}
     else:
-        scalars["kp"] = float(f"{nominal['mass'] * omega**2 / 2:.3g}")
-        scalars["kd"] = float(f"{nominal['mass'] * omega:.3g}")
-        scalars["ki"] = float(f"{scalars['kp'] * omega / rng.uniform(8, 25):.3g}") if rng.random() < 0.8 else 0.0
+        scalars |= {"kp": rounded(nominal["mass"] * omega**2 / 2, 3), "kd": rounded(nominal["mass"] * omega, 3)}
+        scalars["ki"] = rounded(scalars["kp"] * omega / rng.uniform(8, 25), 3) if rng.random() < 0.8 else 0.0
     if rng.random() < 0.3:
-        scalars["limit"] = float(f"{8 * peak:.2g}")
+        scalars["limit"] = rounded(8 * peak, 2)
 
-    pitch = float(f"{min(log_uniform(rng, 0.012, 0.06), length / 4):.3g}")
+    pitch = rounded(min(log_uniform(rng, 0.012, 0.06), length / 4), 3)
     harmonics = [list(h) for h in ([1], [1, 2], [1, 2, 3], [1, 3], [2, 6], [1, 2, 6])][int(rng.integers(6))]
     size = peak * log_uniform(rng, 0.003, 0.1)
     angle = rng.uniform(0, 2 * np.pi, len(harmonics))
     share = np.array([1.0 / (1 + i) ** rng.uniform(0.3, 1.5) for i in range(len(harmonics))])
-    drifting = rng.random() < 0.5
-    depth = rng.uniform(0.1, 0.3) if drifting else 0.0
+    depth = rng.uniform(0.1, 0.3) if rng.random() < 0.5 else 0.0
     profile = any_profile(rng)
 
     def drift(x: np.ndarray) -> np.ndarray:
@@ -245,80 +239,57 @@ def draw_machine(
         cosine=size * share * np.sin(angle),
         drift=drift,
         colour=str(rng.choice(colours.get(family, list(DRAWN_COLOURS)))),
-        noise_rms=peak * log_uniform(rng, 5e-4, 5e-3),
+        noise=peak * log_uniform(rng, 5e-4, 5e-3),
         noise_corner=log_uniform(rng, 15.0, min(200.0, rate / 8)),
         encoder_noise=resolution * float(rng.choice([0.0, rng.uniform(0.1, 1.0)])),
-        jitter=0.0,
-        poor=family == "poor_motion" or rng.random() < 0.08,
-        stated_controller=family != "no_controller" and rng.random() < 0.7,
-        reference_columns=True,
+        poor_motion=family == "poor_motion" or rng.random() < 0.08,
+        stated_controller=family != "no_controller" and (rng.random() < 0.7 or family != "plain"),
+        jitter=log_uniform(rng, 0.003, 0.08) if family == "jitter" or rng.random() < 0.15 else 0.0,
         uncertainty=sigma,
     )
-    if family == "jitter" or rng.random() < 0.15:
-        machine.jitter = log_uniform(rng, 0.003, 0.08)
-    if family not in ("no_controller", "plain") and family in NULL_FAMILIES:
-        machine.stated_controller = True
-    if not machine.stated_controller and rng.random() < 0.5:
-        machine.reference_columns = False
-    machine.model = _model(rng, machine, nominal, nominal_width)
+    machine.reference_columns = machine.stated_controller or rng.random() >= 0.5
+    machine.model = _model(rng, machine, nominal)
     return machine
 
 
-def _model(
-    rng: np.random.Generator, machine: Machine, nominal: dict[str, float], nominal_width: float
-) -> dict[str, Any]:
+def _model(rng: np.random.Generator, machine: Machine, nominal: dict[str, float]) -> dict[str, Any]:
     """The model file that the user has: wrong within its stated uncertainty."""
-    columns = {"sine": [], "cosine": []}
-    length = machine.travel[1] - machine.travel[0]
-    knots = max(machine.pitch, length / 12)
-    points = int(np.ceil(length / knots)) + 2
-    x = np.linspace(*machine.travel, 40 * points)
-    basis = BSpline.design_matrix(
-        np.clip(x, machine.travel[0], machine.travel[1] - 1e-9),
-        machine.travel[0] + knots * np.arange(-2, points + 1),
-        2,
-    ).toarray()[:, :points]
+    low, high = machine.travel
+    pitch = max(machine.pitch, machine.length / 12)
+    points = int(np.ceil(machine.length / pitch)) + 2
+    knots, x = low + pitch * np.arange(-2, points + 1), np.linspace(low, high, 40 * points)
+    basis = BSpline.design_matrix(np.clip(x, low, high - 1e-9), knots, 2).toarray()[:, :points]
     shape = np.linalg.lstsq(basis, machine.drift(x), rcond=None)[0]
-    constant = bool(np.ptp(shape) < 1e-6)
-    if not constant:
-        # The axis has the drift that the map can hold: what the spline misses of another would be a missing effect.
-        held = BSpline(machine.travel[0] + knots * np.arange(-2, points + 1), shape, 2)
-        machine.drift = lambda at: held(np.clip(at, machine.travel[0], machine.travel[1] - 1e-9))
-    for index in range(len(machine.harmonics)):
-        wrong = (1 + 0.1 * rng.standard_normal()) * np.exp(0.1j * rng.standard_normal())
-        amplitude = (machine.sine[index] + 1j * machine.cosine[index]) * wrong
-        row = np.ones(1) if constant else shape
-        columns["sine"].append((amplitude.real * row).tolist())
-        columns["cosine"].append((amplitude.imag * row).tolist())
-    cogging: dict[str, Any] = {"pitch": knots, "order": 3, "origin": machine.travel[0]}
-    if knots == machine.pitch:
-        cogging["harmonics"] = machine.harmonics
+    if np.ptp(shape) < 1e-6:
+        shape = np.ones(1)
     else:
-        cogging["periods"] = machine.periods
+        # The axis has the drift that the map can hold: what the spline misses of another would be a missing effect.
+        held = BSpline(knots, shape, 2)
+        machine.drift = lambda at: held(np.clip(at, low, high - 1e-9))
+    amplitudes = []
+    for sine, cosine in zip(machine.sine, machine.cosine, strict=True):
+        wrong = (1 + 0.1 * rng.standard_normal()) * np.exp(0.1j * rng.standard_normal())
+        amplitudes.append((sine + 1j * cosine) * wrong)
+    cogging: dict[str, Any] = {"pitch": pitch, "order": 3, "origin": low}
+    cogging |= {"harmonics": machine.harmonics} if pitch == machine.pitch else {"periods": machine.periods}
+    cogging["sine"] = [(one.real * shape).tolist() for one in amplitudes]
+    cogging["cosine"] = [(one.imag * shape).tolist() for one in amplitudes]
     scalars = machine.scalars
     model: dict[str, Any] = {
-        "axis": {
-            **nominal,
-            "coulomb_width": nominal_width,
-            "travel": list(machine.travel),
-            "uncertainty": machine.uncertainty,
-        },
-        "cogging": {**cogging, **columns},
+        "axis": {**nominal, "travel": list(machine.travel), "uncertainty": machine.uncertainty},
+        "cogging": cogging,
         "encoder": {"resolution": scalars["resolution"], "noise": machine.encoder_noise},
     }
     stated = {"loud_noise": 1 / 3, "quiet_noise": 3.0}.get(machine.family, float(rng.choice([1.0, 1.0, 0.7, 1.5, 3.0])))
     if rng.random() > 0.3 or machine.family in ("loud_noise", "quiet_noise"):
-        model["noise"] = {
-            "force": float(f"{stated * machine.noise_rms:.2g}"),
-            "bandwidth": float(rng.choice([30, 50, 100])),
-        }
+        force = rounded(stated * machine.noise, 2)
+        model["noise"] = {"force": force, "bandwidth": float(rng.choice([30, 50, 100]))}
     if machine.stated_controller:
-        names = {"mass": "ff_mass", "viscous": "ff_viscous", "coulomb": "ff_coulomb", "coulomb_width": "ff_width"}
-        controller: dict[str, Any] = {"type": "cascade" if scalars["controller"] == truth.CASCADE else "pid"}
-        controller["sample_rate"] = machine.rate
-        keys = ("kp", "kv") if controller["type"] == "cascade" else ("kp", "ki", "kd")
-        controller |= {key: float(scalars.get(key, 0.0)) for key in keys}
-        controller |= {key: float(scalars[name]) for key, name in names.items()}
+        fed = {"mass": "ff_mass", "viscous": "ff_viscous", "coulomb": "ff_coulomb", "coulomb_width": "ff_width"}
+        cascade = scalars["controller"] == truth.CASCADE
+        controller: dict[str, Any] = {"type": "cascade" if cascade else "pid", "sample_rate": machine.rate}
+        controller |= {key: float(scalars.get(key, 0.0)) for key in (("kp", "kv") if cascade else ("kp", "ki", "kd"))}
+        controller |= {key: float(scalars[name]) for key, name in fed.items()}
         if scalars.get("limit"):
             controller["command_limit"] = scalars["limit"]
         model["controller"] = controller

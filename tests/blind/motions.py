@@ -60,11 +60,7 @@ def sine(amplitude: float, frequency: float, cycles: int) -> Segment:
 
 def rest(duration: float) -> Segment:
     """Standstill."""
-
-    def at(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
-
-    return duration, at, 0.0
+    return duration, lambda t: (np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)), 0.0
 
 
 def play(start: float, segments: list[Segment], time: np.ndarray) -> Motion:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from . import truth
-from .hidden import Draw, Hidden, add_map, add_row, listed, set_scalars, shares, sign, sizes, times
+from .hidden import Draw, Hidden, add_map, add_row, listed, set_scalars, sign, sizes
 from .machines import Machine, log_uniform
 from .motions import Motion
 from .truth import Plan
@@ -28,7 +28,7 @@ def intermittent_rub(rng: np.random.Generator, machine: Machine, motion: Motion)
 
     def bursts(plan: Plan) -> np.ndarray:
         draws = np.random.default_rng(seed)
-        t, level = times(plan), np.zeros(len(plan.instants))
+        t, level = plan.times, np.zeros(len(plan.instants))
         for _ in range(int(0.8 * t[-1])):
             begin = draws.uniform(0.2, t[-1])
             level[(t > begin) & (t < begin + draws.uniform(0.05, 0.4))] = 1.0
@@ -55,7 +55,7 @@ def warming_friction(rng: np.random.Generator, machine: Machine, motion: Motion)
     """Viscous friction that falls as the lubricant warms up."""
     tau = rng.uniform(2.0, 6.0)
     level = machine.scalars["viscous"]
-    shape = add_row("viscous", lambda plan: np.exp(-times(plan) / tau))
+    shape = add_row("viscous", lambda plan: np.exp(-plan.times / tau))
     return Hidden(*sizes(level, 0.1, 1e-4, 3), shape)
 
 
@@ -71,7 +71,7 @@ def eddy_cogging(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
 def position_dependent_viscous(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """Viscous friction that changes along the travel."""
     waves, shift, level = rng.uniform(0.5, 1.5), rng.uniform(0, 2 * np.pi), machine.scalars["viscous"]
-    shape = add_map("viscous", lambda plan: np.sin(2 * np.pi * waves * shares(plan, machine) + shift))
+    shape = add_map("viscous", lambda plan: np.sin(2 * np.pi * waves * machine.along(plan.positions) + shift))
     return Hidden(*sizes(level, 0.1, 1e-4, 0.9), shape)
 
 
@@ -91,7 +91,7 @@ def dither_burst(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
 
     def bursts(plan: Plan) -> np.ndarray:
         draws = np.random.default_rng(seed)
-        t = times(plan)
+        t = plan.times
         noise = lfilter([1.0], [1.0, -0.6], draws.standard_normal(len(t)))
         window = np.zeros(len(t))
         for _ in range(4):
@@ -113,7 +113,7 @@ def magnetic_hysteresis(rng: np.random.Generator, machine: Machine, motion: Moti
 @listed(OUTSIDE)
 def hysteretic_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """A cable chain whose spring force lags behind the position by centimetres."""
-    span = machine.travel[1] - machine.travel[0]
+    span = machine.length
     length, center = span * rng.uniform(0.03, 0.12), machine.travel[0] + span * rng.uniform(0.2, 0.8)
 
     def apply(plan: Plan, amplitude: float) -> None:
@@ -146,7 +146,7 @@ def random_walk_force(rng: np.random.Generator, machine: Machine, motion: Motion
     seed, peak = int(rng.integers(2**31)), machine.peak
 
     def walk(plan: Plan) -> np.ndarray:
-        t = times(plan)
+        t = plan.times
         knots = np.arange(0.0, t[-1] + 0.5, 0.25)
         path = np.cumsum(np.random.default_rng(seed).standard_normal(len(knots)))
         return np.interp(t, knots, path - path.mean()) / np.sqrt(len(knots))

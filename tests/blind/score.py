@@ -24,18 +24,11 @@ DETECTED = ("named", "ambiguous", "unlisted")
 ALARMS = (*DETECTED, "controller_mismatch", "error")
 BINS = (0.0, 0.5, 0.7, 0.9, 0.97, 1.0)
 #: Pairs that shared/diagnosis.md lists as looking alike, of the vocabulary.
-LOOK_ALIKE = tuple(
-    set(names.split())
-    for names in (
-        "constant_force coulomb_asymmetry",
-        "command_delay actuator_lag",
-        "cogging_harmonic force_constant_ripple",
-        "cogging_harmonic encoder_periodic_error",
-        "cable_spring end_effect",
-        "stribeck_friction presliding_friction",
-        "force_constant_drift disturbance_step",
-        "viscous_change quadratic_drag",
-    )
+LOOK_ALIKE = (
+    *({"constant_force", "coulomb_asymmetry"}, {"command_delay", "actuator_lag"}, {"cable_spring", "end_effect"}),
+    *({"cogging_harmonic", "force_constant_ripple"}, {"cogging_harmonic", "encoder_periodic_error"}),
+    *({"stribeck_friction", "presliding_friction"}, {"force_constant_drift", "disturbance_step"}),
+    {"viscous_change", "quadratic_drag"},
 )
 
 
@@ -128,38 +121,24 @@ def judge(key: Mapping[str, Any], result: Mapping[str, Any], seconds: float = ma
     if key["kind"] == "large" and not misreading:
         largest = bool(classes and classes[0] & set(key["largest"]))
     return SimpleNamespace(
-        kind=key["kind"],
-        family=key["family"],
-        ratio=key["ratio"],
-        truths=tuple(truths),
-        verdict=verdict,
-        detected=verdict in DETECTED,
-        right=right,
-        exact=exact,
-        names=sum(len(one) for one in classes),
-        apart=sum(len(_apart(one, listed)) for one in classes),
-        first=effects[0]["name"] if effects else "",
-        wrong=tuple(wrong),
-        stated=stated,
-        closed=closed,
-        worse=worse,
-        covered=covered,
-        errors=errors,
-        seconds=seconds,
-        largest=largest,
-        found=len(named & set(truths)),
+        kind=key["kind"], family=key["family"], ratio=key["ratio"], truths=tuple(truths),
+        verdict=verdict, detected=verdict in DETECTED, right=right, exact=exact,
+        names=sum(map(len, classes)), apart=sum(len(_apart(one, listed)) for one in classes),
+        first=effects[0]["name"] if effects else "", wrong=tuple(wrong), stated=stated,
+        closed=closed, worse=worse, covered=covered, errors=errors, seconds=seconds,
+        largest=largest, found=len(named & set(truths)), grows=_grows(result.get("gap") or {}),
         said=_said(misreading, verdict, f"{result.get('mismatch')} {result.get('error')}") if misreading else None,
-        grows=_grows(result.get("gap") or {}),
-    )
+    )  # fmt: skip
 
 
 def _said(misreading: Mapping[str, Any], verdict: str, told: str) -> str:
     # an axis with the other sign of its command is one with the other sign of its position
     columns = ("command", "position") if misreading["kind"] == "sign" else misreading["columns"]
-    kind = misreading["kind"] in told.lower() and any(column in told.lower() for column in columns)
-    if verdict == "error":  # refused at once, with the scale that would mend it
-        return "kind" if kind else ""
-    return ("kind" if kind else "verdict") if verdict == "data_mismatch" else ""
+    if verdict not in ("error", "data_mismatch"):
+        return ""
+    if misreading["kind"] in told.lower() and any(column in told.lower() for column in columns):
+        return "kind"  # an error says it that refuses the log at once, with the scale that would mend it
+    return "verdict" if verdict == "data_mismatch" else ""
 
 
 def _grows(gap: Mapping[str, Any]) -> bool:
@@ -178,13 +157,12 @@ def _gap(key: Mapping[str, Any], gap: Mapping[str, Any]) -> tuple[float | None, 
     before, after = gap.get("confirm_before"), gap.get("confirm_after")
     if before is None or after is None:
         return None, None
-    worse = bool(after > 1.01 * before)
-    if not key["stated_controller"] or "confirm_closable" not in key or gap.get("floor") is None:
-        return None, worse
-    shows = key["confirm_rest"] > 0.03 * key["confirm_floor"] and key["confirm_rest"] < 1.5 * key["confirm_effect"]
-    if shows and key["confirm_closable"] > 0.25 * key["confirm_rest"] ** 2:
-        return (before**2 - after**2) / key["confirm_closable"], worse
-    return None, worse
+    worse, closed = bool(after > 1.01 * before), None
+    if key["stated_controller"] and "confirm_closable" in key and gap.get("floor") is not None:
+        shows = 0.03 * key["confirm_floor"] < key["confirm_rest"] < 1.5 * key["confirm_effect"]
+        if shows and key["confirm_closable"] > 0.25 * key["confirm_rest"] ** 2:
+            closed = (before**2 - after**2) / key["confirm_closable"]
+    return closed, worse
 
 
 def table(outcomes: list[SimpleNamespace]) -> dict[str, Any]:
@@ -278,11 +256,7 @@ def confusion(outcomes: list[SimpleNamespace]) -> dict[str, dict[str, int]]:
     rows: dict[str, Counter[str]] = {}
     for o in outcomes:
         row = " + ".join(sorted(o.truths)) or "nothing"
-        column = o.verdict
-        if o.verdict == "named":
-            column = o.first
-        elif o.verdict == "ambiguous":
-            column = f"{o.first or 'ambiguous'}?"
+        column = {"named": o.first, "ambiguous": f"{o.first or 'ambiguous'}?"}.get(o.verdict, o.verdict)
         rows.setdefault(row, Counter())[column] += 1
     return {row: dict(counts.most_common()) for row, counts in sorted(rows.items())}
 

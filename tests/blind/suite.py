@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +44,7 @@ def plan_suite(
     specifications: list[Specification] = []
     for kind, number in zip(kinds, numbers, strict=True):
         if kind == "null":
-            chosen = _even(rng, families, number)
-            specifications += [Specification("null", family=family) for family in chosen]
+            specifications += [Specification(kind, family=family) for family in _even(rng, families, number)]
         elif kind == "large":
             pool = NAMES if set(VOCABULARY) <= set(effects) else [name for name in NAMES if name in effects]
             specifications += [Specification(kind, (name,)) for name in _even(rng, pool, number)]
@@ -61,7 +61,7 @@ def plan_suite(
     # a change below five times its stated deviation is none: the smallest ratio goes to another effect
     for index, one in enumerate(specifications):
         if 0.0 < one.ratio < 25.0 and set(one.names) & set(CHANGES):
-            specifications[index] = Specification(one.kind, one.names, 30.0)
+            specifications[index] = replace(one, ratio=30.0)
     rng.shuffle(specifications)  # type: ignore[arg-type]
     return specifications
 
@@ -74,6 +74,15 @@ def _even(rng: np.random.Generator, pool: Sequence[Any], count: int) -> list[Any
     return drawn[:count]
 
 
+def mapped(function: Callable[[Any], Any], tasks: Sequence[Any], jobs: int) -> Iterator[Any]:
+    """Answers of a function in the order of its tasks; by so many processes if more than one."""
+    if jobs > 1:
+        with ProcessPoolExecutor(jobs) as pool:
+            yield from pool.map(function, tasks)
+    else:
+        yield from map(function, tasks)
+
+
 def draw_suite(
     seed: int, folder: Path, key_folder: Path, specifications: Sequence[Specification | None], jobs: int = 1
 ) -> dict[str, Any]:
@@ -84,14 +93,9 @@ def draw_suite(
     A ratio that no machine of some dozens can show (below what is physical for the effect) is replaced by the next
     larger one; a pair that cannot be told apart by another pair. What still fails is named in the key.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     key_folder.mkdir(parents=True, exist_ok=True)
-    tasks = [(seed, index, str(folder), one) for index, one in enumerate(specifications) if one is not None]
-    if jobs > 1:
-        with ProcessPoolExecutor(jobs) as pool:
-            answers = list(pool.map(_draw_and_write, tasks, chunksize=1))
-    else:
-        answers = [_draw_and_write(task) for task in tasks]
+    tasks = [(seed, index, folder, one) for index, one in enumerate(specifications) if one is not None]
+    answers = list(mapped(_draw_and_write, tasks, jobs))
     key = {
         "seed": seed,
         "cases": {name: entry for name, entry in answers if "unreachable" not in entry},
@@ -101,7 +105,7 @@ def draw_suite(
     return key
 
 
-def _draw_and_write(task: tuple[int, int, str, Specification]) -> tuple[str, dict[str, Any]]:
+def _draw_and_write(task: tuple[int, int, Path, Specification]) -> tuple[str, dict[str, Any]]:
     seed, index, folder, specification = task
     name = f"case_{index:04d}"
     for retry in range(6):
@@ -110,18 +114,18 @@ def _draw_and_write(task: tuple[int, int, str, Specification]) -> tuple[str, dic
             case = draw([seed, index, retry], specification)
         except Unreachable as error:
             reason = str(error)
-            if specification.kind in ("pair", "triple"):
-                rng = np.random.default_rng([seed, index, retry, 1])
-                names = tuple(str(n) for n in rng.choice(list(VOCABULARY), len(specification.names), replace=False))
-                specification = Specification(specification.kind, names, specification.ratio)
-                continue
-            larger = [ratio for ratio in LAMBDAS if ratio > specification.ratio]
-            if larger and specification.names:
-                specification = Specification(specification.kind, specification.names, larger[0])
-                continue
-            return name, {"unreachable": reason}
-        write_case(case, Path(folder) / name)
-        return name, case.key
+        else:
+            write_case(case, folder / name)
+            return name, case.key
+        larger = [ratio for ratio in LAMBDAS if ratio > specification.ratio]
+        if specification.kind in ("pair", "triple"):
+            rng = np.random.default_rng([seed, index, retry, 1])
+            names = tuple(str(n) for n in rng.choice(list(VOCABULARY), len(specification.names), replace=False))
+            specification = replace(specification, names=names)
+        elif larger and specification.names:
+            specification = replace(specification, ratio=larger[0])
+        else:
+            break
     return name, {"unreachable": reason}
 
 
@@ -139,9 +143,6 @@ def write_log(path: Path, machine: Machine, plan: Plan, run: Run, factors: Mappi
     columns = [plan.stamps, run.reading, run.command]
     if machine.reference_columns:
         names += ["reference", "reference_velocity", "reference_acceleration"]
-        columns += [plan.rows[:, 0], plan.rows[:, 1], plan.rows[:, 2]]
-    rows = np.column_stack(
-        [(factors or {}).get(name, 1.0) * c for name, c in zip(names, columns, strict=True)]
-    ).tolist()
-    pattern = ",".join(["%.12g"] * len(names))
-    path.write_text("\n".join([",".join(names), *(pattern % tuple(row) for row in rows)]) + "\n")
+        columns += [*plan.rows[:, :3].T]
+    scaled = [(factors or {}).get(name, 1.0) * column for name, column in zip(names, columns, strict=True)]
+    np.savetxt(path, np.transpose(scaled), "%.12g", ",", header=",".join(names), comments="")

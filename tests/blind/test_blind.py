@@ -193,7 +193,7 @@ def test_machines_have_laws_and_noises_of_many_kinds_and_those_of_a_family_its_t
     assert draw_machine(rng, "jitter").jitter > 0
     assert "controller" not in draw_machine(rng, "no_controller").model
     loud = draw_machine(rng, "loud_noise")
-    assert loud.model["noise"]["force"] == pytest.approx(loud.noise_rms / 3, rel=0.06)
+    assert loud.model["noise"]["force"] == pytest.approx(loud.noise / 3, rel=0.06)
 
 
 # cases

@@ -28,7 +28,7 @@ def outcomes(request, tmp_path_factory):
     found = []
     for name, key in sorted(draw_suite(SEED, folder / "cases", folder / "key", plan)["cases"].items()):
         answer = folder / f"{name}.json"
-        _, result, seconds = run_case((str(folder / "cases" / name), str(answer)))
+        _, result, seconds = run_case((folder / "cases" / name, answer))
         assert json.loads(answer.read_text())["result"] == json.loads(json.dumps(result))
         print(name, key["kind"], [e["name"] for e in key["effects"]], "->", result.get("verdict", result))
         found.append(judge(key, result, seconds))

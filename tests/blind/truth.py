@@ -124,6 +124,11 @@ class Plan:
         """Where the maps are known, m."""
         return self.grid_start + GRID_STEP * np.arange(self.maps.shape[1])
 
+    @property
+    def times(self) -> np.ndarray:
+        """Of the samples from the first row, s."""
+        return self.instants - self.instants[0]
+
     def __getitem__(self, name: str) -> float:
         return float(self.scalars[name][0])
 
@@ -137,12 +142,12 @@ class Plan:
             ArithmeticError: the axis left its maps or the numbers: such a loop is unstable.
         """
         active = np.any(self.maps != 0.0, axis=1)
-        ok, readings, commands, positions, velocities = _loop(
+        ok, *columns = _loop(
             self.scalars[0], self.instants, self.rows, self.maps, active, self.grid_start, self.substeps
         )
         if not ok:
             raise ArithmeticError("the closed loop is unstable or leaves the travel")
-        return Run(readings, commands, positions, velocities)
+        return Run(*columns)
 
 
 @dataclass(frozen=True)
@@ -166,13 +171,6 @@ def _smooth_sign(law, v, width, share):
     if law == ALGEBRAIC:
         return v / np.sqrt(v * v + width * width)
     return 2.0 / np.pi * np.arctan(v / width)
-
-
-@njit(cache=True, error_model="numpy")
-def _controller_sign(v, width):
-    if width > 0.0:
-        return 2.0 / np.pi * np.arctan(v / width)
-    return np.sign(v)
 
 
 @njit(cache=True, error_model="numpy")
@@ -278,15 +276,11 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
     ts = 1.0 / p.rate
     law = int(p.law)
     x, v = p.x_start, p.v_start
-    xl, vl = x, v
-    engaged = 0
-    bristle, hysteresis = 0.0, 0.0
+    xl, vl, engaged = x, v, 0
+    bristle, hysteresis, lost = 0.0, 0.0, 0.0
     lag_1, lag_2, lag_slope = 0.0, 0.0, 0.0
-    lost = 0.0
     error_sum, error_before, reading_before = 0.0, 0.0, 0.0
-    stiffness = 0.0
-    damping = 0.0
-    m_motor, m_load = p.mass, 0.0
+    m_motor, m_load, stiffness, damping = p.mass, 0.0, 0.0, 0.0
     if p.coupling != RIGID:
         m_load = p.mass * p.load_ratio
         m_motor = p.mass - m_load
@@ -302,14 +296,13 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
         y = x + p.encoder_scale * x + rows[k, R_READING] + lost
         if p.encoder_sine != 0.0 or p.encoder_cosine != 0.0:
             phase = 2.0 * np.pi * x / p.encoder_period
+            amplitude = np.hypot(p.encoder_sine, p.encoder_cosine)
             if p.encoder_triangular > 0.0:
-                amplitude = np.hypot(p.encoder_sine, p.encoder_cosine)
                 shift = np.arctan2(p.encoder_cosine, p.encoder_sine)
                 y += amplitude * 2.0 / np.pi * np.arcsin(np.sin(phase + shift))
             else:
                 y += p.encoder_sine * np.sin(phase) + p.encoder_cosine * np.cos(phase)
             if p.encoder_harmonics > 0.0:
-                amplitude = np.hypot(p.encoder_sine, p.encoder_cosine)
                 for order in range(2, 5):
                     turned = order * phase + (order - 1) * p.encoder_turn
                     y += amplitude * p.encoder_harmonics ** (order - 1) * np.sin(turned)
@@ -322,7 +315,8 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
             error_before, reading_before = error, y
         measured = (y - reading_before) / ts
         u = p.ff_mass * rows[k, R_ACCELERATION] + p.ff_viscous * rows[k, R_VELOCITY]
-        u += p.ff_coulomb * _controller_sign(rows[k, R_VELOCITY], p.ff_width)
+        speed = rows[k, R_VELOCITY]
+        u += p.ff_coulomb * (_smooth_sign(ARCTANGENT, speed, p.ff_width, 0.0) if p.ff_width > 0.0 else np.sign(speed))
         step = error * ts
         if p.controller == PID:
             error_sum += step
@@ -357,8 +351,7 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                 elif since < h and active_index > 0:  # the change falls into this step: its mean over the step
                     u_before = _actuator(p, held[active_index - 1])
                     u_now = u_before + (u_now - u_before) * since / h
-            u_0 = u_now
-            u_1 = u_now
+            u_0 = u_1 = u_now
             if p.lag > 0.0:
                 u_0 = lag_1
                 if k == 0 and j == 0:

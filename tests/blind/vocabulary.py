@@ -5,20 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import truth
-from .hidden import (
-    Draw,
-    Hidden,
-    add_map,
-    add_row,
-    listed,
-    quadratures,
-    set_scalars,
-    shares,
-    sign,
-    sizes,
-    times,
-    wave,
-)
+from .hidden import Draw, Hidden, add_map, add_row, listed, quadratures, set_scalars, sign, sizes, wave
 from .machines import Machine, log_uniform
 from .motions import Motion
 from .shapes import any_decay, any_profile, any_pulse, any_rise, any_spring, any_wave
@@ -36,10 +23,6 @@ def _shape(rng: np.random.Generator, *others: str) -> str:
     return str(rng.choice(others)) if others and rng.random() < ODD else "usual"
 
 
-def _length(machine: Machine) -> float:
-    return machine.travel[1] - machine.travel[0]
-
-
 @listed(VOCABULARY)
 def constant_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     way = sign(rng)
@@ -49,25 +32,24 @@ def constant_force(rng: np.random.Generator, machine: Machine, motion: Motion) -
 
 @listed(VOCABULARY)
 def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    shape, way, length = _shape(rng, DRAWN), float(rng.choice([-1, 1, 1, 1])), _length(machine)
+    shape, way, length = _shape(rng, DRAWN), float(rng.choice([-1, 1, 1, 1])), machine.length
     center = machine.travel[0] + length * rng.uniform(0.1, 0.9)
     spring = any_spring(rng)
 
     def pull(plan: Plan) -> np.ndarray:
         if shape == DRAWN:
-            s = np.clip(shares(plan, machine), 0.0, 1.0)
+            s = np.clip(machine.along(plan.positions), 0.0, 1.0)
             return -way * (spring(s) - spring(np.array([(center - machine.travel[0]) / length])))
         return -way * (plan.positions - center) / length
 
     fields = {"stiffness": (lambda a: way * a / length, "V/m", 1.0), "center": (center, "m", None)}
-
     return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.5), add_map("force", pull), fields, shape)
 
 
 @listed(VOCABULARY)
 def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, way = _shape(rng, DRAWN), sign(rng)
-    decay, fall = _length(machine) * rng.uniform(0.03, 0.12), any_decay(rng)
+    decay, fall = machine.length * rng.uniform(0.03, 0.12), any_decay(rng)
     # the two ends of a machine are not alike, and often one alone has a magnet's edge or a stop near
     left_side, right_side = [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (1.0, rng.uniform(0.3, 0.9))][int(rng.integers(4))]
 
@@ -79,7 +61,6 @@ def end_effect(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hi
         return way * (np.exp(-right) - np.exp(-left))
 
     fields = {"force": (lambda a: way * a, "V", 1.0), "decay_length": (decay, "m", None)}
-
     return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.5), add_map("force", push), fields, shape)
 
 
@@ -88,21 +69,20 @@ def local_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> H
     """At a place that the motion passes: a bell, or a pulse of any kind that is as wide."""
     shape, way, pulse = _shape(rng, DRAWN), sign(rng), any_pulse(rng)
     center = float(np.quantile(motion.position, rng.uniform(0.1, 0.9)))
-    width = _length(machine) * log_uniform(rng, 0.004, 0.06)
+    width = machine.length * log_uniform(rng, 0.004, 0.06)
 
     def push(plan: Plan) -> np.ndarray:
         distance = (plan.positions - center) / width
         return way * (pulse(distance / 3 + 0.5) if shape == DRAWN else np.exp(-(distance**2)))
 
     fields = {"force": (lambda a: way * a, "V", 1.0), "center": (center, "m", None), "width": (width, "m", None)}
-
     return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.5), add_map("force", push), fields, shape)
 
 
 def _free_period(rng: np.random.Generator, machine: Machine) -> float:
     while True:
         period = log_uniform(rng, 4e-3, 0.09)
-        if all(abs(np.log(period / known)) > 0.12 for known in machine.periods) and period < 0.4 * _length(machine):
+        if all(abs(np.log(period / known)) > 0.12 for known in machine.periods) and period < 0.4 * machine.length:
             return period
 
 
@@ -123,7 +103,7 @@ def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motio
     waves, shift, profile = rng.uniform(0.4, 1.3), rng.uniform(0, 2 * np.pi), any_profile(rng)
 
     def force(plan: Plan) -> np.ndarray:
-        s = shares(plan, machine)
+        s = machine.along(plan.positions)
         if shape == DRAWN:
             envelope = profile(s)
         elif shape == "unknown_period":
@@ -158,7 +138,6 @@ def stribeck_friction(rng: np.random.Generator, machine: Machine, motion: Motion
     apply = set_scalars("stribeck", stribeck_velocity=speed, stribeck_exponent=exponent, stribeck_shape=form)
 
     fields = {"static_excess": (lambda a: a, "V", None), "velocity": (speed, "m/s", None)}
-
     return Hidden(*sizes(machine.scalars["coulomb"], 0.05, 1e-5, 1.5), apply, fields, shape)
 
 
@@ -186,7 +165,7 @@ def position_dependent_friction(rng: np.random.Generator, machine: Machine, moti
     profile = any_profile(rng)
 
     def extra(plan: Plan) -> np.ndarray:
-        s = shares(plan, machine)
+        s = machine.along(plan.positions)
         return way * (profile(s) if shape == DRAWN else np.interp(s, nodes, heights))
 
     return Hidden(*sizes(machine.scalars["coulomb"], 0.05, 1e-4, 0.8), add_map("coulomb", extra), shape=shape)
@@ -203,7 +182,6 @@ def quadratic_drag(rng: np.random.Generator, machine: Machine, motion: Motion) -
         plan["drag_exponent"] = exponent
 
     fields = {"coefficient": (lambda a: way * a * unit, "V/(m/s)^2", 1.0)}
-
     return Hidden(0.01, 1e-5, 0.4 if way > 0 else 0.05, apply, fields, shape)
 
 
@@ -221,17 +199,16 @@ def force_constant_drift(rng: np.random.Generator, machine: Machine, motion: Mot
     rise = any_rise(rng)
 
     def change(plan: Plan) -> np.ndarray:
-        t = times(plan)
+        t = plan.times
         return way * (rise(t / t[-1]) if shape == DRAWN else 1 - np.exp(-t / tau))
 
     fields = {"change": (lambda a: way * a, "", None), "time_constant": (tau, "s", None)}
-
     return Hidden(5e-3, 1e-5, 0.3, add_row("gain", change), fields, shape)
 
 
 @listed(VOCABULARY)
 def command_delay(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    high = min(6e-3, 0.25 / _bandwidth(machine))
+    high = min(6e-3, 0.25 / machine.bandwidth)
     return Hidden(3e-4, 2e-6, high, set_scalars("delay"), {"delay": (lambda a: a, "s", 1.0)})
 
 
@@ -245,14 +222,8 @@ def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
         plan["second_lag"] = ratio * amplitude if shape == "two_lags" else 0.0
         plan["lag_damping"] = damping if shape == "second_order" else 0.0
 
-    high = min(8e-3, 0.3 / _bandwidth(machine))
+    high = min(8e-3, 0.3 / machine.bandwidth)
     return Hidden(5e-4, 5e-6, high, apply, {"time_constant": (lambda a: a, "s", 1.0)}, shape)
-
-
-def _bandwidth(machine: Machine) -> float:
-    """Cross-over of the loop, rad/s."""
-    s = machine.scalars
-    return (s["kv"] if s["controller"] == truth.CASCADE else s["kd"]) / s["mass"]
 
 
 @listed(VOCABULARY)
@@ -340,11 +311,10 @@ def disturbance_step(rng: np.random.Generator, machine: Machine, motion: Motion)
     pulse = any_pulse(rng)
 
     def force(plan: Plan) -> np.ndarray:
-        t = times(plan)
+        t = plan.times
         return way * (pulse((t - begin) / (end - begin)) if shape == DRAWN else (t >= begin) & (t <= end))
 
     fields = {"force": (lambda a: way * a, "V", 1.0), "start": (begin, "s", None), "stop": (end, "s", None)}
-
     return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.5), add_row("force", force), fields, shape)
 
 
@@ -352,6 +322,6 @@ def disturbance_step(rng: np.random.Generator, machine: Machine, motion: Motion)
 def disturbance_tone(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     shape, phase = _shape(rng, DRAWN), rng.uniform(0, 2 * np.pi)
     frequency, form = log_uniform(rng, 2.0, min(120.0, machine.rate / 12)), any_wave(rng)
-    push = add_row("force", lambda plan: wave(times(plan), 1 / frequency, phase, form if shape == DRAWN else np.sin))
+    push = add_row("force", lambda plan: wave(plan.times, 1 / frequency, phase, form if shape == DRAWN else np.sin))
     fields = {"frequency": (frequency, "Hz", None)} | quadratures(phase, "V")
     return Hidden(*sizes(machine.peak, 2e-3, 1e-6, 0.3), push, fields, shape)
