@@ -1,9 +1,11 @@
-"""Calls in a process of their own, on one thread, and the most memory that a process has held."""
+"""Calls in turns, or in a process of their own on one thread; the most memory that a process has held."""
 
 import json
 import os
+import statistics
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -17,6 +19,17 @@ def call(function, *arguments):
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, cwd=ROOT, env=os.environ | ONE_THREAD, stdout=subprocess.PIPE, text=True, check=True)
     return json.loads(done.stdout.splitlines()[-1])
+
+
+def measure(runs, repeats, clock=time.perf_counter):
+    """Median seconds of each function, called in turns."""
+    seconds = {name: [] for name in runs}
+    for _ in range(repeats):
+        for name, run in runs.items():
+            start = clock()
+            run()
+            seconds[name].append(clock() - start)
+    return {name: statistics.median(values) for name, values in seconds.items()}
 
 
 def peak_megabytes():

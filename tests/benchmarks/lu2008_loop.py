@@ -9,10 +9,8 @@ packs are machines that differ in mass, friction and cogging. hand_written.cpp u
 import ctypes
 import os
 import shutil
-import statistics
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +19,7 @@ import cogging
 from cogging import _core
 from cogging.papers import comparison
 from cogging.papers.lu2008 import gantry as lu2008
+from tests.benchmarks.child import measure
 
 WIDTHS = {"v2": 2, "v3": 4, "v4": 8, "neon": 2}  # doubles in a register
 PLANT_HARMONICS, CONTROLLER_HARMONICS = [1, 2, 3, 6, 12], [1, 2, 3]
@@ -111,17 +110,6 @@ def compile_hand_written(*definitions, instructions=""):
         return columns
 
     return run
-
-
-def measure(runs, repeats):
-    """Median seconds of each function, called in turns."""
-    seconds = {name: [] for name in runs}
-    for _ in range(repeats):
-        for name, run in runs.items():
-            start = time.perf_counter()
-            run()
-            seconds[name].append(time.perf_counter() - start)
-    return {name: statistics.median(values) for name, values in seconds.items()}
 
 
 def check_agreement(name, logs, by_hand):

@@ -5,12 +5,12 @@ core that gives the same commands, less the object's own two calls made by a loo
 by the processor time of the thread; medians.
 """
 
-import statistics
 import time
 
 import numpy as np
 
 import cogging
+from tests.benchmarks import child
 
 RATE, DURATION = 5000.0, 4.0
 PLANT = cogging.Plant(cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=0.1))
@@ -71,17 +71,11 @@ def measure(repeats):
     core = cogging.Pid(cogging.PidParameters(sample_rate=RATE, kp=GAIN))
     log = run(core)
     with_calls, without = own_calls(log)
-    mine = Proportional()
+    mine, fast = Proportional(), compiled()
     runs = {"core": lambda: run(core), "Python": lambda: run(mine), "own calls": with_calls, "their loop": without}
-    fast = compiled()
     if fast is not None:
         runs["compiled"] = lambda: run(fast)
     for name in ("Python", "compiled"):
         assert name not in runs or np.array_equal(runs[name]().command, log.command), name
-    seconds = {name: [] for name in runs}
-    for _ in range(repeats):
-        for name, call in runs.items():
-            start = time.thread_time()
-            call()
-            seconds[name].append(time.thread_time() - start)
-    return {name: 1e9 * statistics.median(values) / len(log) for name, values in seconds.items()}
+    seconds = child.measure(runs, repeats, time.thread_time)
+    return {name: 1e9 * value / len(log) for name, value in seconds.items()}

@@ -195,13 +195,7 @@ def by_casadi(problem: Problem) -> Run:
     return run
 
 
-PEERS: dict[str, Callable[[Problem], Run]] = {
-    "cogging": by_cogging,
-    "numba": by_numba,
-    "JAX": by_jax,
-    "CasADi": by_casadi,
-    "numpy": by_numpy,
-}
+PEERS = {"cogging": by_cogging, "numba": by_numba, "JAX": by_jax, "CasADi": by_casadi, "numpy": by_numpy}
 
 
 def differences(names: list[str], runs: int, rows: int) -> dict[str, float]:
@@ -219,16 +213,12 @@ def measured(name: str, rows: int, repeats: int, counts: list[int]) -> list[dict
     """For each number of runs: median seconds of all runs, seconds of the first call beyond that, peak MB so far."""
     found = []
     for runs in counts:
-        problem, seconds = Problem.drawn(runs, rows), []
+        problem = Problem.drawn(runs, rows)
         begin = time.perf_counter()
         run = PEERS[name](problem)
         run()
         first = time.perf_counter() - begin
-        for _ in range(1 if first > LONG else repeats):
-            begin = time.perf_counter()
-            run()
-            seconds.append(time.perf_counter() - begin)
-        usual = statistics.median(seconds)
+        usual = child.measure({name: run}, 1 if first > LONG else repeats)[name]
         found.append({"seconds": usual, "compile": max(first - usual, 0.0), "megabytes": child.peak_megabytes()})
     return found
 
@@ -247,15 +237,10 @@ def figures(counts: list[int], rows: int, rounds: int, repeats: int) -> list[tup
             print(f"  round {number} of {rounds}: {name}", file=sys.stderr, flush=True)
             for runs, one in zip(counts, child.call(measured, name, rows, repeats, counts), strict=True):
                 found.setdefault((runs, name), []).append(one)
-    usual = {which: statistics.median(one["seconds"] for one in some) for which, some in found.items()}
-    return [
-        (
-            runs,
-            name,
-            usual[runs, name] / usual[runs, "cogging"],
-            statistics.median(one["compile"] for one in found[runs, name]),
-            max(one["megabytes"] for one in found[runs, name]),
-        )
-        for runs in counts
-        for name in names
-    ]
+    answer = []
+    for (runs, name), some in sorted(found.items(), key=lambda one: counts.index(one[0][0])):
+        of_core = statistics.median(one["seconds"] for one in found[runs, "cogging"])
+        ratio = statistics.median(one["seconds"] for one in some) / of_core
+        compiling = statistics.median(one["compile"] for one in some)
+        answer.append((runs, name, ratio, compiling, max(one["megabytes"] for one in some)))
+    return answer

@@ -32,23 +32,10 @@ FLAGS = ["-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-Wall", "-Wextra
 AXIS = comparison.AXIS
 #: Columns of the table: figure and width with its decimals.
 COLUMNS = {
-    "mean": "7.1f",
-    "median": "8.0f",
-    "99.99 %": "9.0f",
-    "worst": "11.0f",
-    "> 10 us": "9.0f",
-    "own worst": "11.0f",
-    "cold": "6.0f",
-    "gap": "6.0f",
-    "at rest": "9.1f",
-    "tiny": "6.0f",
-    "flushed": "9.0f",
-    "bytes": "7.0f",
-    "heap": "6.0f",
-    "allocations": "13.0f",
-    "denormal": "10.0f",
-    "stack": "7.0f",
-}
+    "mean": "7.1f", "median": "8.0f", "99.99 %": "9.0f", "worst": "11.0f", "> 10 us": "9.0f", "own worst": "11.0f",
+    "cold": "6.0f", "gap": "6.0f", "at rest": "9.1f", "tiny": "6.0f", "flushed": "9.0f", "bytes": "7.0f",
+    "heap": "6.0f", "allocations": "13.0f", "denormal": "10.0f", "stack": "7.0f",
+}  # fmt: skip
 
 
 def settings():
