@@ -55,11 +55,7 @@ def place(call: hostile_calls.Call, folder: Path) -> None:
 
 def everything(folder: Path) -> dict[str, bytes]:
     """The contents of the files below a folder by their paths."""
-    return {
-        os.path.relpath(path, folder): path.read_bytes()
-        for where, _, names in os.walk(folder)
-        for path in (Path(where, name) for name in names)
-    }
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def faults(call: hostile_calls.Call, folder: Path) -> Iterator[str]:

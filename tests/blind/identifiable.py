@@ -113,27 +113,23 @@ def signatures(base: Plan, machine: Machine, command: np.ndarray) -> dict[str, n
     """
     columns: dict[str, np.ndarray] = {}
 
-    def change(name: str, plan: Plan, step: float) -> None:
-        columns[name] = (plan.smooth().run().command - command) / step
+    def change(name: str, step: float, force: np.ndarray | float = 0.0, **scalars: float) -> None:
+        plan = base.smooth()
+        plan.maps[truth.M_FORCE] += force
+        for scalar, value in scalars.items():
+            plan[scalar] = value
+        columns[name] = (plan.run().command - command) / step
 
     for name in ("mass", "viscous", "coulomb"):
-        plan = base.copy()
-        plan[name] *= 1.02
-        change(name, plan, 0.02)
+        change(name, 0.02, **{name: 1.02 * base[name]})
     stable = 0.5 * base["coulomb"] / base["mass"] / base["rate"] / base.substeps
     for factor in (0.7, 1.0, 1.6):
-        plan = base.copy()
-        plan["law"] = truth.ARCTANGENT
-        plan["width"] = max(factor * machine.model["axis"]["coulomb_width"], stable)
-        change(f"width {factor}", plan, 1.0)
-    for index in range(len(machine.harmonics)):
+        width = max(factor * machine.model["axis"]["coulomb_width"], stable)
+        change(f"width {factor}", 1.0, law=truth.ARCTANGENT, width=width)
+    for index, size in enumerate(0.1 * np.hypot(machine.sine, machine.cosine)):
         for cosine in (False, True):
-            plan = base.copy()
-            size = 0.1 * np.hypot(machine.sine[index], machine.cosine[index])
-            plan.maps[truth.M_FORCE] += size * machine.cogging(plan.positions, index, cosine=cosine)
-            change(f"cogging {index} {cosine}", plan, 0.1)
+            force = size * machine.cogging(base.positions, index, cosine=cosine)
+            change(f"cogging {index} {cosine}", 0.1, force)
     for name, step in zip(START, (1e-6, 1e-4), strict=True):
-        plan = base.copy()
-        plan[name] += step
-        change(name, plan, step)
+        change(name, step, **{name: base[name] + step})
     return columns

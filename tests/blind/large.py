@@ -7,6 +7,7 @@ sign or in another unit. A machine of another size is the same one in other unit
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -47,18 +48,17 @@ OF_UNITS = {"": (0, 0, 0), "rad": (0, 0, 0), "V": (1, 0, 0), "m": (0, 1, 0), "s"
 OF_UNITS |= {"V/m": (1, -1, 0), "m/s": (0, 1, -1), "V/(m/s)": (1, -1, 1), "V/(m/s)^2": (1, -2, 2)}
 
 
-def gravity(rng: np.random.Generator, machine: Machine, turn: float) -> Hidden:
+def gravity(rng: np.random.Generator, machine: Machine, motion: Motion, turn: float) -> Hidden:
     """An unbalanced mass on an axis that turns once in `turn` metres of the drawn machine."""
     angle, peak = rng.uniform(-np.pi, np.pi), machine.peak
     push = add_map("force", lambda plan: -np.sin(2 * np.pi * plan.positions / turn - angle))
-
     fields = {"moment": (lambda a: a, "V", None), "angle": (angle, "rad", None)}
     return Hidden(peak, 1e-3 * peak, 20 * peak, push, fields, name="gravity")
 
 
-def mass_change(rng: np.random.Generator, machine: Machine, nominal: float) -> Hidden:
+def mass_change(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """A payload beyond what the model states of its mass."""
-    bare = machine.scalars["mass"]
+    bare, nominal = machine.scalars["mass"], machine.model["axis"]["mass"]
 
     def apply(plan: Plan, amplitude: float) -> None:
         plan["mass"] = bare * (1 + amplitude)
@@ -188,9 +188,8 @@ def _try_case(rng: np.random.Generator, specification: Specification, count: int
 
     motion, base = planned()
     command, _, moving = gap(base, base)
-    drawn = {"gravity": lambda: gravity(rng, machine, 2 * np.pi / units[1])}
-    drawn["mass_change"] = lambda: mass_change(rng, machine, machine.model["axis"]["mass"])
-    hidden = [drawn[name]() if name in drawn else VOCABULARY[name](rng, machine, motion) for name in names]
+    draws = VOCABULARY | {"gravity": partial(gravity, turn=2 * np.pi / units[1]), "mass_change": mass_change}
+    hidden = [draws[name](rng, machine, motion) for name in names]
     power = float(np.mean(command[moving] ** 2))
     share = rng.uniform(SHARES[0], 0.5 if misread else SHARES[1])
     parts = rng.dirichlet(np.full(len(hidden), 2.0)) * share / (1 - share)

@@ -34,8 +34,7 @@ def intermittent_rub(rng: np.random.Generator, machine: Machine, motion: Motion)
             level[(t > begin) & (t < begin + draws.uniform(0.05, 0.4))] = 1.0
         return level
 
-    level = machine.scalars["coulomb"]
-    return Hidden(*sizes(level, 0.1, 1e-4, 3), add_row("coulomb", bursts))
+    return Hidden(*sizes(machine.scalars["coulomb"], 0.1, 1e-4, 3), add_row("coulomb", bursts))
 
 
 @listed(OUTSIDE)
@@ -54,17 +53,16 @@ def held_packets(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
 def warming_friction(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """Viscous friction that falls as the lubricant warms up."""
     tau = rng.uniform(2.0, 6.0)
-    level = machine.scalars["viscous"]
-    shape = add_row("viscous", lambda plan: np.exp(-plan.times / tau))
-    return Hidden(*sizes(level, 0.1, 1e-4, 3), shape)
+    falling = add_row("viscous", lambda plan: np.exp(-plan.times / tau))
+    return Hidden(*sizes(machine.scalars["viscous"], 0.1, 1e-4, 3), falling)
 
 
 @listed(OUTSIDE)
 def eddy_cogging(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """A force that is periodic in position and proportional to speed."""
-    phase, level = rng.uniform(0, 2 * np.pi), machine.scalars["viscous"]
-    shape = add_map("viscous", lambda plan: np.sin(2 * np.pi * plan.positions / machine.pitch + phase))
-    return Hidden(*sizes(level, 0.1, 1e-4, 2), shape)
+    phase = rng.uniform(0, 2 * np.pi)
+    waves = add_map("viscous", lambda plan: np.sin(2 * np.pi * plan.positions / machine.pitch + phase))
+    return Hidden(*sizes(machine.scalars["viscous"], 0.1, 1e-4, 2), waves)
 
 
 @listed(OUTSIDE)
@@ -78,20 +76,18 @@ def position_dependent_viscous(rng: np.random.Generator, machine: Machine, motio
 @listed(OUTSIDE)
 def reluctance_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """A force with the square of the command, periodic in position."""
-    phase, peak = rng.uniform(0, 2 * np.pi), machine.peak
-    period = machine.pitch * rng.uniform(0.5, 1.5)
-    shape = add_map("reluctance", lambda plan: np.sin(2 * np.pi * plan.positions / period + phase) / peak)
-    return Hidden(0.01, 1e-5, 0.3, shape)
+    phase, period = rng.uniform(0, 2 * np.pi), machine.pitch * rng.uniform(0.5, 1.5)
+    waves = add_map("reluctance", lambda plan: np.sin(2 * np.pi * plan.positions / period + phase) / machine.peak)
+    return Hidden(0.01, 1e-5, 0.3, waves)
 
 
 @listed(OUTSIDE)
 def dither_burst(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """Bursts of band-limited force noise, each of some tenths of a second."""
-    seed, peak = int(rng.integers(2**31)), machine.peak
+    seed = int(rng.integers(2**31))
 
     def bursts(plan: Plan) -> np.ndarray:
-        draws = np.random.default_rng(seed)
-        t = plan.times
+        draws, t = np.random.default_rng(seed), plan.times
         noise = lfilter([1.0], [1.0, -0.6], draws.standard_normal(len(t)))
         window = np.zeros(len(t))
         for _ in range(4):
@@ -99,7 +95,7 @@ def dither_burst(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
             window[(t > begin) & (t < begin + draws.uniform(0.1, 0.4))] = 1.0
         return noise * window
 
-    return Hidden(*sizes(peak, 2e-3, 1e-5, 0.3), add_row("force", bursts))
+    return Hidden(*sizes(machine.peak, 2e-3, 1e-5, 0.3), add_row("force", bursts))
 
 
 @listed(OUTSIDE)
@@ -120,8 +116,7 @@ def hysteretic_spring(rng: np.random.Generator, machine: Machine, motion: Motion
         plan["hysteresis"], plan["hysteresis_length"] = amplitude, length
         plan.maps[truth.M_FORCE] -= 0.5 * amplitude * (plan.positions - center) / span
 
-    alike = ("cable_spring", "presliding_friction")
-    return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.3), apply, tolerated=alike)
+    return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.3), apply, tolerated=("cable_spring", "presliding_friction"))
 
 
 @listed(OUTSIDE)
@@ -130,11 +125,9 @@ def clock_glitch(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
     seed = int(rng.integers(2**31))
 
     def apply(plan: Plan, amplitude: float) -> None:
-        draws = np.random.default_rng(seed)
-        count = len(plan.instants)
-        late = np.zeros(count)
-        for _ in range(8):
-            late[int(draws.uniform(0.05, 0.98) * count) :] += amplitude
+        late = np.zeros(len(plan.instants))
+        for share in np.random.default_rng(seed).uniform(0.05, 0.98, 8):
+            late[int(share * len(late)) :] += amplitude
         plan.instants = plan.instants + late
 
     return Hidden(0.3 / machine.rate, 1e-3 / machine.rate, 10 / machine.rate, apply)
@@ -143,15 +136,14 @@ def clock_glitch(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
 @listed(OUTSIDE)
 def random_walk_force(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """An offset force that wanders."""
-    seed, peak = int(rng.integers(2**31)), machine.peak
+    seed = int(rng.integers(2**31))
 
     def walk(plan: Plan) -> np.ndarray:
-        t = plan.times
-        knots = np.arange(0.0, t[-1] + 0.5, 0.25)
+        knots = np.arange(0.0, plan.times[-1] + 0.5, 0.25)
         path = np.cumsum(np.random.default_rng(seed).standard_normal(len(knots)))
-        return np.interp(t, knots, path - path.mean()) / np.sqrt(len(knots))
+        return np.interp(plan.times, knots, path - path.mean()) / np.sqrt(len(knots))
 
-    return Hidden(*sizes(peak, 3e-3, 1e-5, 0.3), add_row("force", walk))
+    return Hidden(*sizes(machine.peak, 3e-3, 1e-5, 0.3), add_row("force", walk))
 
 
 @listed(OUTSIDE)
@@ -171,7 +163,6 @@ def encoder_slip(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
     moment, way = rng.uniform(0.3, 0.7), sign(rng)
 
     def jump(plan: Plan) -> np.ndarray:
-        after = np.arange(len(plan.instants)) >= int(moment * len(plan.instants))
-        return way * after
+        return way * (np.arange(len(plan.instants)) >= int(moment * len(plan.instants)))
 
     return Hidden(1e-5, 1e-7, 3e-3, add_row("reading", jump))

@@ -142,9 +142,8 @@ class Plan:
             ArithmeticError: the axis left its maps or the numbers: such a loop is unstable.
         """
         active = np.any(self.maps != 0.0, axis=1)
-        ok, *columns = _loop(
-            self.scalars[0], self.instants, self.rows, self.maps, active, self.grid_start, self.substeps
-        )
+        places = self.maps, active, self.grid_start
+        ok, *columns = _loop(self.scalars[0], self.instants, self.rows, *places, self.substeps)
         if not ok:
             raise ArithmeticError("the closed loop is unstable or leaves the travel")
         return Run(*columns)

@@ -39,7 +39,7 @@ def cable_spring(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
     def pull(plan: Plan) -> np.ndarray:
         if shape == DRAWN:
             s = np.clip(machine.along(plan.positions), 0.0, 1.0)
-            return -way * (spring(s) - spring(np.array([(center - machine.travel[0]) / length])))
+            return -way * (spring(s) - spring(machine.along(center)))
         return -way * (plan.positions - center) / length
 
     fields = {"stiffness": (lambda a: way * a / length, "V/m", 1.0), "center": (center, "m", None)}
@@ -104,12 +104,9 @@ def cogging_modulation(rng: np.random.Generator, machine: Machine, motion: Motio
 
     def force(plan: Plan) -> np.ndarray:
         s = machine.along(plan.positions)
-        if shape == DRAWN:
-            envelope = profile(s)
-        elif shape == "unknown_period":
-            envelope = 1 + 0.8 * np.sin(2 * np.pi * waves * s + shift)
-        else:
-            envelope = np.sin(2 * np.pi * waves * s + shift)
+        envelope = profile(s) if shape == DRAWN else np.sin(2 * np.pi * waves * s + shift)
+        if shape == "unknown_period":
+            envelope = 1 + 0.8 * envelope
         return -envelope * np.sin(2 * np.pi * plan.positions / period + phase)
 
     fields = {"period": (period, "m", None)}
@@ -125,9 +122,8 @@ def coulomb_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion
 @listed(VOCABULARY)
 def viscous_asymmetry(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     way, amplitudes = sign(rng), sizes(machine.scalars["viscous"], 0.05, 1e-5, 1.5)
-    return Hidden(
-        *amplitudes, set_scalars("viscous_asymmetry", way), {"difference": (lambda a: way * a, "V/(m/s)", 1.0)}
-    )
+    fields = {"difference": (lambda a: way * a, "V/(m/s)", 1.0)}
+    return Hidden(*amplitudes, set_scalars("viscous_asymmetry", way), fields)
 
 
 @listed(VOCABULARY)
