@@ -55,7 +55,6 @@ def run_case(seed: int, kind: str, whole: bool = False) -> str | None:
 
 
 def fault_of(path: str, whole: bool) -> str | None:
-    """What is wrong with how a file is read."""
     try:
         kind = format_of(path)
         if whole or kind is None:

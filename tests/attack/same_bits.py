@@ -62,7 +62,6 @@ class Condition:
 
 
 def write_inputs(folder: Path) -> None:
-    """Write all files that the commands read."""
     folder.mkdir(parents=True)
     command_files.write(folder)
     noisy = {**command_files.MODEL, "noise": {"force": 0.02}, "encoder": {"resolution": 1e-6, "noise": 2e-7}}

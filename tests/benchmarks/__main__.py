@@ -19,7 +19,6 @@ ROWS_OF_X = 192_001
 
 
 def one_run(options):
-    """Ratios of a run to hand-written code."""
     motion = lu2008_loop.MOTION.replace(repeats=1 if options.short else 20)
     rows, seconds = lu2008_loop.time_one_run(3 if options.short else 15, motion)
     yield "one run, C3 on X", f"{1e9 * seconds['core'] / rows:.0f} ns a step", ""
@@ -43,7 +42,6 @@ def packs(options):
 
 
 def libraries(options):
-    """Ratios of other libraries to the core."""
     counts, rows, rounds = ([1, 20], 201, 1) if options.short else ([1, 100, 2000], 2001, 2)
     for runs, name, ratio, seconds, megabytes in peers.figures(counts, rows, rounds, repeats=2 if options.short else 3):
         beside = f"compiles {seconds:.1f} s, {megabytes:.0f} MB"
@@ -96,7 +94,6 @@ PARTS = {part.__name__: part for part in (one_run, packs, libraries, many, own, 
 
 
 def main(options):
-    """Print the table, part by part."""
     sets = ", ".join(_core.instruction_sets()) or "none"
     print(f"{real_time.processor()}: instruction sets {sets}; {os.cpu_count()} cores", flush=True)
     begin, lines, parts = time.monotonic(), [], options.parts or list(PARTS)

@@ -58,7 +58,6 @@ def case(what, size):
 
 
 def seconds_of(what, size, repeats):
-    """The least time of some repeats, s."""
     arguments, options = case(what, size)
     clock = time.perf_counter if what in BY_WATCH else time.process_time
     found = []

@@ -81,7 +81,6 @@ def drawn_machines(runs):
 
 
 def compiler():
-    """The C++ compiler, or None."""
     return shutil.which(os.environ.get("CXX", "c++")) or shutil.which("g++") or shutil.which("clang++")
 
 

@@ -75,7 +75,6 @@ def setups():
 
 
 def build(folder, *flags):
-    """Build the program in a folder and return its path."""
     (folder / "setups.hpp").write_text(setups())
     program = folder / "real_time"
     sources = [HERE / f"{name}.cpp" for name in ("real_time", "real_time_step")]
@@ -187,7 +186,6 @@ def stack_of_each(made):
 
 
 def undefined_symbols(made):
-    """Names that the object leaves to the linker, by `nm`."""
     printed = subprocess.run(["nm", "-u", made.with_suffix(".o")], check=True, capture_output=True, text=True).stdout
     return {line.split()[-1] for line in printed.splitlines()} - {"_GLOBAL_OFFSET_TABLE_"}
 
@@ -196,7 +194,6 @@ def undefined_symbols(made):
 
 
 def processor():
-    """What the processor calls itself."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
@@ -205,7 +202,6 @@ def processor():
 
 
 def rows(calls):
-    """Figures of every controller's step, by its name."""
     with tempfile.TemporaryDirectory() as folder:
         found = measure(build(Path(folder)), calls)
         made = compile_unit(Path(folder))

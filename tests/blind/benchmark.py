@@ -32,7 +32,6 @@ def tuning_seeds() -> list[int]:
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
-    """Read the command line."""
     parser = argparse.ArgumentParser(prog="python -m tests.blind.benchmark", description=__doc__)
 
     def kinds(text: str) -> list[str]:
@@ -97,7 +96,6 @@ def score_suite(out: Path) -> dict[str, Any]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Draw, run, score, print; exit status 0."""
     options = parse(arguments)
     if not (options.keep or options.rescore):
         specifications = plan_suite(options.seed, options.cases, kinds=options.kinds, ratios=options.lambdas)

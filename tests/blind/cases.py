@@ -179,12 +179,8 @@ def _change(
     if not -0.6 < change < 1.5:
         raise Unreachable(f"{name}: {change:g} is no physical change")
     nominal = machine.model["axis"][section]
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan[section] = nominal * (1 + sign * amplitude)
-
     fields = {"change": (lambda a: sign * a, "", lambda a: own * size / deviation / a)}
-    effect = Hidden(size, 0.0, 2.0, apply, fields, name=name)
+    effect = Hidden(size, 0.0, 2.0, lambda plan, a: plan.set(**{section: nominal * (1 + sign * a)}), fields, name=name)
     return effect, size, float((size / deviation) ** 2)
 
 

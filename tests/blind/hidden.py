@@ -69,7 +69,6 @@ def listed(effects: dict[str, Draw]) -> Callable[[Draw], Draw]:
 
 
 def sign(rng: np.random.Generator) -> float:
-    """Draw -1 or 1."""
     return float(rng.choice([-1.0, 1.0]))
 
 
@@ -78,7 +77,7 @@ def sizes(unit: float, start: float, low: float, high: float) -> tuple[float, fl
     return start * unit, low * unit, high * unit
 
 
-def wave(x: np.ndarray, period: float, phase: float, form: Callable[[np.ndarray], np.ndarray] = np.sin) -> np.ndarray:
+def wave(x: np.ndarray, period: float, phase: float, form: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """A wave over x: a form of its angle, a sine or one of shapes.any_wave."""
     return form(2 * np.pi * x / period + phase)
 
@@ -114,10 +113,4 @@ def add_row(name: str, shape: Callable[[Plan], np.ndarray]) -> Apply:
 
 def set_scalars(amplitude_field: str, factor: float = 1.0, **others: float) -> Apply:
     """Make an effect whose amplitude times `factor` is one scalar of the plan, beside others that are fixed."""
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan[amplitude_field] = factor * amplitude
-        for name, value in others.items():
-            plan[name] = value
-
-    return apply
+    return lambda plan, amplitude: plan.set(**{amplitude_field: factor * amplitude}, **others)

@@ -116,8 +116,7 @@ def signatures(base: Plan, machine: Machine, command: np.ndarray) -> dict[str, n
     def change(name: str, step: float, force: np.ndarray | float = 0.0, **scalars: float) -> None:
         plan = base.smooth()
         plan.maps[truth.M_FORCE] += force
-        for scalar, value in scalars.items():
-            plan[scalar] = value
+        plan.set(**scalars)
         columns[name] = (plan.run().command - command) / step
 
     for name in ("mass", "viscous", "coulomb"):

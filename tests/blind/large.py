@@ -59,12 +59,8 @@ def gravity(rng: np.random.Generator, machine: Machine, motion: Motion, turn: fl
 def mass_change(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
     """A payload beyond what the model states of its mass."""
     bare, nominal = machine.scalars["mass"], machine.model["axis"]["mass"]
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan["mass"] = bare * (1 + amplitude)
-
     fields = {"change": (lambda a: bare * (1 + a) / nominal - 1, "", None)}
-    return Hidden(1.0, 0.5, 6.0, apply, fields, name="mass_change")
+    return Hidden(1.0, 0.5, 6.0, lambda plan, a: plan.set(mass=bare * (1 + a)), fields, name="mass_change")
 
 
 NAMES = (*(name for name in VOCABULARY if name not in LEFT_OUT), "gravity", "mass_change")
@@ -131,9 +127,8 @@ def multisine(rng: np.random.Generator, machine: Machine, time: np.ndarray, *, c
 
 def _driven(plan: Plan, mass: float) -> Plan:
     """In open loop: the command is the mass times the motion's acceleration."""
-    for name in ("kp", "ki", "kd", "kv", "ff_viscous", "ff_coulomb", "limit"):
-        plan[name] = 0.0
-    plan["controller"], plan["ff_mass"] = truth.PID, mass
+    off = dict.fromkeys(("kp", "ki", "kd", "kv", "ff_viscous", "ff_coulomb", "limit"), 0.0)
+    plan.set(**off, controller=truth.PID, ff_mass=mass)
     return plan
 
 

@@ -105,23 +105,18 @@ class Machine:
     def plan(self, rng: np.random.Generator, motion: Motion, time: np.ndarray) -> Plan:
         """Make the plan of this machine on a motion, noise included, no effect."""
         plan = Plan.empty(time, self.travel, self.substeps)
-        for name, value in self.scalars.items():
-            plan[name] = value
-        plan["law"] = truth.LAWS.index(self.law)
+        plan.set(**self.scalars, law=truth.LAWS.index(self.law))
         if self.jitter > 0.0:
             plan.instants += np.clip(self.jitter * rng.standard_normal(len(time)), -0.3, 0.3) / self.rate
             plan.instants -= plan.instants[0]
             plan.stamps = plan.instants.copy()
-        plan.rows[:, truth.R_POSITION] = motion.position
-        plan.rows[:, truth.R_VELOCITY] = motion.velocity
-        plan.rows[:, truth.R_ACCELERATION] = motion.acceleration
+        plan.follow(motion)
         noise = draw_noise(rng, self.colour, len(time), 1 / self.rate, self.noise, self.noise_corner)
         plan.add_noise(noise, self.encoder_noise * rng.standard_normal(len(time)))
         for index in range(len(self.harmonics)):
-            x = plan.positions
-            plan.maps[truth.M_FORCE] += self.sine[index] * self.cogging(x, index, cosine=False)
-            plan.maps[truth.M_FORCE] += self.cosine[index] * self.cogging(x, index, cosine=True)
-        plan["x_start"] = motion.position[0] + self.scalars["resolution"] * rng.uniform(-1.0, 1.0)
+            plan.maps[truth.M_FORCE] += self.sine[index] * self.cogging(plan.positions, index, cosine=False)
+            plan.maps[truth.M_FORCE] += self.cosine[index] * self.cogging(plan.positions, index, cosine=True)
+        plan.set(x_start=motion.position[0] + self.scalars["resolution"] * rng.uniform(-1.0, 1.0))
         return plan
 
 

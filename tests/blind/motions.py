@@ -59,7 +59,6 @@ def sine(amplitude: float, frequency: float, cycles: int) -> Segment:
 
 
 def rest(duration: float) -> Segment:
-    """Standstill."""
     return duration, lambda t: (np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)), 0.0
 
 

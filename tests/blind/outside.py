@@ -67,7 +67,6 @@ def eddy_cogging(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
 
 @listed(OUTSIDE)
 def position_dependent_viscous(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    """Viscous friction that changes along the travel."""
     waves, shift, level = rng.uniform(0.5, 1.5), rng.uniform(0, 2 * np.pi), machine.scalars["viscous"]
     shape = add_map("viscous", lambda plan: np.sin(2 * np.pi * waves * machine.along(plan.positions) + shift))
     return Hidden(*sizes(level, 0.1, 1e-4, 0.9), shape)
@@ -113,7 +112,7 @@ def hysteretic_spring(rng: np.random.Generator, machine: Machine, motion: Motion
     length, center = span * rng.uniform(0.03, 0.12), machine.travel[0] + span * rng.uniform(0.2, 0.8)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["hysteresis"], plan["hysteresis_length"] = amplitude, length
+        plan.set(hysteresis=amplitude, hysteresis_length=length)
         plan.maps[truth.M_FORCE] -= 0.5 * amplitude * (plan.positions - center) / span
 
     return Hidden(*sizes(machine.peak, 5e-3, 1e-5, 0.3), apply, tolerated=("cable_spring", "presliding_friction"))
@@ -148,13 +147,8 @@ def random_walk_force(rng: np.random.Generator, machine: Machine, motion: Motion
 
 @listed(OUTSIDE)
 def speed_dependent_gain(rng: np.random.Generator, machine: Machine, motion: Motion) -> Hidden:
-    """The force constant falls with speed."""
     way = float(rng.choice([-1, -1, 1]))
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan["gain_speed"] = way * amplitude / machine.velocity
-
-    return Hidden(0.02, 1e-4, 0.4, apply)
+    return Hidden(0.02, 1e-4, 0.4, lambda plan, a: plan.set(gain_speed=way * a / machine.velocity))
 
 
 @listed(OUTSIDE)

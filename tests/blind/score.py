@@ -41,7 +41,6 @@ class Rate:
 
     @classmethod
     def of(cls, flags: Iterable[bool]) -> Rate:
-        """Count the true ones."""
         flags = list(flags)
         return cls(sum(map(bool, flags)), len(flags))
 
@@ -52,7 +51,6 @@ class Rate:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Wilson's score interval of 95 %."""
         if not self.count:
             return 0.0, 1.0
         interval = binomtest(self.hits, self.count).proportion_ci(method="wilson")
@@ -65,7 +63,6 @@ class Rate:
         return f"{100 * self.value:5.1f} % ({self.hits}/{self.count}; {100 * low:.1f} to {100 * high:.1f})"
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
         return {"hits": self.hits, "count": self.count, "value": self.value, "wilson95": list(self.bounds)}
 
 

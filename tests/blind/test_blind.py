@@ -32,12 +32,10 @@ def plan_of(count=300, substeps=10, **scalars):
     time = np.arange(count) / LOOP["rate"]
     plan = Plan.empty(time, (0.0, 0.2), substeps)
     motion = play(0.05, [rest(0.02), move(0.03, 0.4, 8.0), move(-0.02, 0.3, 8.0)], time)
-    plan.rows[:, 0], plan.rows[:, 1], plan.rows[:, 2] = motion.position, motion.velocity, motion.acceleration
+    plan.follow(motion)
     if "kp" not in scalars:
         plan.maps[truth.M_FORCE] += -0.2 * np.sin(2 * np.pi * plan.positions / 0.011)
-    plan["law"], plan["x_start"] = truth.TANH, motion.position[0]
-    for name, value in {**LOOP, **scalars}.items():
-        plan[name] = value
+    plan.set(**{"law": truth.TANH, "x_start": motion.position[0], **LOOP, **scalars})
     return plan
 
 
@@ -103,7 +101,7 @@ def test_an_axis_that_sticks_rests_exactly_until_the_force_exceeds_the_friction(
 
 def test_two_masses_ring_at_the_stated_frequency():
     plan = plan_of(1000, 20, **FREE, viscous=0.0, coulomb=0.0, coupling=truth.FLEXIBLE, load_ratio=0.3)
-    plan["mode_frequency"], plan["mode_damping"] = 30.0, 1e-6
+    plan.set(mode_frequency=30.0, mode_damping=1e-6)
     plan.rows[:5, truth.R_FORCE] = 1.0
     velocity = plan.run().velocity[10:]
     ringing = velocity - velocity.mean()
@@ -115,8 +113,7 @@ def test_two_masses_ring_at_the_stated_frequency():
 def force_of(**scalars):
     """Force on a free mass of one after each sample, of a command of one."""
     plan = Plan.empty(np.arange(400) / 1000.0, (-1.0, 1.0))
-    for name, value in {"rate": 1000.0, "mass": 1.0, "ff_mass": 1.0, "law": truth.TANH, **scalars}.items():
-        plan[name] = value
+    plan.set(**{"rate": 1000.0, "mass": 1.0, "ff_mass": 1.0, "law": truth.TANH, **scalars})
     plan.rows[1:, truth.R_ACCELERATION] = 1.0  # the first sample rests: actuators start there
     return np.diff(plan.run().velocity)[1:] * 1000.0
 
@@ -145,7 +142,7 @@ def test_without_noise_and_effects_the_core_draws_the_same_log():
     machine.jitter = 0.0
     time, motion = machine.draw_motion(np.random.default_rng(14))
     plan = machine.plan(np.random.default_rng(15), motion, time).silent()
-    plan["x_start"] = motion.position[0]
+    plan.set(x_start=motion.position[0])
     run, s = plan.run(), machine.scalars
     axis = {name: s[name] for name in ("mass", "viscous", "coulomb")} | {"coulomb_width": s["width"]}
     rows = {name: getattr(machine, name)[:, None].tolist() for name in ("sine", "cosine")}
@@ -210,7 +207,7 @@ def test_the_stated_ratio_counts_noise_as_one_a_sample_and_what_is_re_tuned_as_n
     assert np.abs(noise[1:] @ noise[:-1]) < 0.02 * len(noise), "white"
     for name, factor in (("mass", 0.99), ("viscous", 1.03), ("coulomb", 0.97)):
         plan = case.base.copy()
-        plan[name] *= factor
+        plan.set(**{name: factor * plan[name]})
         assert signal.difference(plan) @ signal.difference(plan) > 100.0 * signal.ratio(signal.difference(plan))
     twice = with_hidden(case.base, [(effect, 2.0 * amplitude) for effect, amplitude in case.hidden])
     assert signal.ratio(signal.difference(twice)) == pytest.approx(4.0 * found, rel=0.05)

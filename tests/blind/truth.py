@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from .motions import Motion
+
 _SCALARS = """
 mass viscous coulomb width law bristle bristle_damping resolution x_start v_start
 controller rate kp ki kd kv ff_mass ff_viscous ff_coulomb ff_width limit
@@ -93,9 +95,12 @@ class Plan:
             force_noise=np.zeros(len(instants)),
             reading_noise=np.zeros(len(instants)),
         )
-        for name, value in AT_REST.items():
-            plan[name] = value
+        plan.set(**AT_REST)
         return plan
+
+    def follow(self, motion: Motion) -> None:
+        """Make a motion the reference, in place."""
+        self.rows[:, : R_ACCELERATION + 1] = np.transpose([motion.position, motion.velocity, motion.acceleration])
 
     def add_noise(self, force: np.ndarray, reading: np.ndarray) -> None:
         """Add force noise (command unit) and white noise of the reading (m), in place."""
@@ -106,7 +111,7 @@ class Plan:
     def smooth(self) -> Plan:
         """A copy without the quantiser."""
         plan = self.copy()
-        plan["resolution"] = 0.0
+        plan.set(resolution=0.0)
         return plan
 
     def silent(self) -> Plan:
@@ -132,8 +137,10 @@ class Plan:
     def __getitem__(self, name: str) -> float:
         return float(self.scalars[name][0])
 
-    def __setitem__(self, name: str, value: float) -> None:
-        self.scalars[name] = value
+    def set(self, **scalars: float) -> None:
+        """Give scalars these values, in place."""
+        for name, value in scalars.items():
+            self.scalars[name] = value
 
     def run(self) -> Run:
         """Simulate.

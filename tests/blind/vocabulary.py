@@ -145,8 +145,8 @@ def presliding_friction(rng: np.random.Generator, machine: Machine, motion: Moti
     ratio = rng.uniform(0.3, 0.9)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["bristle"] = amplitude
-        plan["bristle_damping"] = ratio * np.sqrt(level / amplitude * mass) if shape == "lugre" else 0.0
+        damping = ratio * np.sqrt(level / amplitude * mass) if shape == "lugre" else 0.0
+        plan.set(bristle=amplitude, bristle_damping=damping)
 
     low = max(3.0 * machine.scalars["bristle"], 2 * machine.scalars["resolution"], 5e-7)  # below, it is sticking
     return Hidden(3 * low, low, 1e-3, apply, {"stiffness": (lambda a: level / a, "V/m", None)}, shape, True)
@@ -172,13 +172,11 @@ def quadratic_drag(rng: np.random.Generator, machine: Machine, motion: Motion) -
     shape, way = _shape(rng, "other_power"), float(rng.choice([-1, 1, 1, 1]))
     exponent = 2.0 if shape == "usual" else float(rng.choice([rng.uniform(1.6, 1.85), rng.uniform(2.2, 3.0)]))
     unit = machine.peak / machine.velocity**exponent
-
-    def apply(plan: Plan, amplitude: float) -> None:
-        plan["drag"] = way * amplitude * unit
-        plan["drag_exponent"] = exponent
-
     fields = {"coefficient": (lambda a: way * a * unit, "V/(m/s)^2", 1.0)}
-    return Hidden(0.01, 1e-5, 0.4 if way > 0 else 0.05, apply, fields, shape)
+    high = 0.4 if way > 0 else 0.05
+    return Hidden(
+        0.01, 1e-5, high, lambda plan, a: plan.set(drag=way * a * unit, drag_exponent=exponent), fields, shape
+    )
 
 
 @listed(VOCABULARY)
@@ -214,9 +212,8 @@ def actuator_lag(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
     damping = rng.uniform(0.4, 0.95)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["lag"] = amplitude
-        plan["second_lag"] = ratio * amplitude if shape == "two_lags" else 0.0
-        plan["lag_damping"] = damping if shape == "second_order" else 0.0
+        second = ratio * amplitude if shape == "two_lags" else 0.0
+        plan.set(lag=amplitude, second_lag=second, lag_damping=damping if shape == "second_order" else 0.0)
 
     high = min(8e-3, 0.3 / machine.bandwidth)
     return Hidden(5e-4, 5e-6, high, apply, {"time_constant": (lambda a: a, "s", 1.0)}, shape)
@@ -233,13 +230,12 @@ def command_saturation(rng: np.random.Generator, machine: Machine, motion: Motio
     def apply(plan: Plan, amplitude: float) -> None:
         limit = full * (1.1 - amplitude)
         if shape == "soft":
-            plan["saturation_soft"], plan["saturation_knee"] = full / amplitude, 2.0
+            plan.set(saturation_soft=full / amplitude, saturation_knee=2.0)
         elif shape == "knee":
-            plan["saturation_soft"], plan["saturation_knee"] = limit, knee
-        elif shape == "one_sided":
-            plan[side] = limit
+            plan.set(saturation_soft=limit, saturation_knee=knee)
         else:
-            plan["saturation_up"] = plan["saturation_down"] = limit
+            sides = [side] if shape == "one_sided" else ["saturation_up", "saturation_down"]
+            plan.set(**dict.fromkeys(sides, limit))
 
     return Hidden(0.2, 0.01, 0.7, apply, {"limit": (lambda a: full * (1.1 - a), "V", None)}, shape)
 
@@ -256,13 +252,14 @@ def encoder_periodic_error(rng: np.random.Generator, machine: Machine, motion: M
     shape, phase = _shape(rng, "triangular", "harmonics"), rng.uniform(0, 2 * np.pi)
     period, second, turn = log_uniform(rng, 5e-4, 0.03), rng.uniform(0.2, 0.6), rng.uniform(0, 2 * np.pi)
 
+    others = {"encoder_period": period, "encoder_turn": turn, "encoder_triangular": float(shape == "triangular")}
+    others["encoder_harmonics"] = second if shape == "harmonics" else 0.0
+
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["encoder_period"] = period
-        plan["encoder_sine"], plan["encoder_cosine"] = amplitude * np.cos(phase), amplitude * np.sin(phase)
-        plan["encoder_triangular"] = 1.0 if shape == "triangular" else 0.0
-        plan["encoder_harmonics"] = second if shape == "harmonics" else 0.0
-        plan["encoder_turn"] = turn
-        plan["x_start"] -= amplitude * np.sin(2 * np.pi * plan["x_start"] / period + phase) * (shape == "usual")
+        start = plan["x_start"]
+        start -= amplitude * np.sin(2 * np.pi * start / period + phase) * (shape == "usual")
+        waves = {"encoder_sine": amplitude * np.cos(phase), "encoder_cosine": amplitude * np.sin(phase)}
+        plan.set(**waves, **others, x_start=start)
 
     high = min(1e-4, period / 20)
     return Hidden(1e-6, 1e-8, high, apply, {"period": (period, "m", None)} | quadratures(phase, "m"), shape)
@@ -274,8 +271,7 @@ def encoder_scale_error(rng: np.random.Generator, machine: Machine, motion: Moti
     way = sign(rng)
 
     def apply(plan: Plan, amplitude: float) -> None:
-        plan["encoder_scale"] = way * amplitude
-        plan["x_start"] /= 1 + way * amplitude
+        plan.set(encoder_scale=way * amplitude, x_start=plan["x_start"] / (1 + way * amplitude))
 
     return Hidden(1e-3, 1e-6, 0.03, apply, {"scale": (lambda a: way * a, "", 1.0)})
 

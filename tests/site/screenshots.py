@@ -19,7 +19,6 @@ COLOURS = 64  # of the palette: such a picture is a tenth as large
 
 
 def main(site, folder):
-    """Write one picture a view."""
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])

@@ -26,7 +26,6 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def pages(site):
-    """Every page by its path."""
     found = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
     assert len(found) > 50
     return {path: page for path, page in found.items() if path.name not in ("search.html", "genindex.html")}
