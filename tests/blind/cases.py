@@ -142,7 +142,7 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
 
             amplitude, value = scale(measure, effect, ratio)
         hidden.append((effect, amplitude))
-        truths.append(_truth(effect, amplitude, value))
+        truths.append(told(effect, amplitude, value))
     if len(names) > 1:
         _require_separable(signal, base, hidden, truths, ratio)
     main = with_hidden(base, hidden)
@@ -192,24 +192,16 @@ def with_hidden(base: Plan, hidden: list[tuple[Hidden, float]]) -> Plan:
     return plan
 
 
-def _truth(effect: Hidden, amplitude: float, value: float) -> dict[str, Any]:
+def told(effect: Hidden, amplitude: float, ratio: float, **more: float) -> dict[str, Any]:
+    """What the key says of an effect; a parameter's deviation is that of the Cramer-Rao bound, where it is simple."""
     parameters = {
-        name: {
-            "value": float(true),
-            "unit": unit,
-            "deviation": None if share is None else float(abs(true) * share / np.sqrt(value)),
-        }
+        name: {"value": float(true), "unit": unit}
+        | {"deviation": None if share is None or not ratio else float(abs(true) * share / np.sqrt(ratio))}
         for name, (true, unit, share) in effect.parameters(amplitude).items()
     }
-    return {
-        "name": effect.name,
-        "shape": effect.shape,
-        "amplitude": float(amplitude),
-        "ratio": value,
-        "in_vocabulary": effect.name not in OUTSIDE,
-        "tolerated": list(effect.tolerated),
-        "parameters": parameters,
-    }
+    known = {"name": effect.name, "shape": effect.shape, "amplitude": float(amplitude), **more, "ratio": ratio}
+    known |= {"in_vocabulary": effect.name not in OUTSIDE, "tolerated": list(effect.tolerated)}
+    return known | {"parameters": parameters}
 
 
 def _closable(

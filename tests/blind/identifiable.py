@@ -39,7 +39,7 @@ class Signal:
     """
 
     def __init__(self, plan: Plan, machine: Machine) -> None:
-        self.machine, self._skip = machine, int(SKIP * plan["rate"])
+        self._skip = int(SKIP * plan["rate"])
         self.base = plan.smooth().run().command
         noise = (plan.run().command - plan.silent().run().command)[self._skip :]
         self.taps, self.variance = whitening_filter(noise)

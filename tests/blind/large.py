@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import truth
-from .cases import Case, Specification, Unreachable, with_hidden
+from .cases import Case, Specification, Unreachable, told, with_hidden
 from .hidden import Hidden, add_map
 from .machines import Machine, draw_machine, log_uniform
 from .motions import Motion
@@ -265,9 +265,7 @@ def in_units(model: dict[str, Any], units: tuple[float, float, float], *, turns:
 
 
 def _truth(effect: Hidden, amplitude: float, size: float, units: tuple[float, float, float]) -> dict[str, Any]:
-    parameters = {
-        name: {"value": float(value * np.prod(np.power(units, OF_UNITS[unit]))), "unit": unit, "deviation": None}
-        for name, (value, unit, _) in effect.parameters(amplitude).items()
-    }
-    told = {"name": effect.name, "shape": effect.shape, "amplitude": float(amplitude), "size": float(size * units[0])}
-    return told | {"ratio": 0.0, "in_vocabulary": True, "tolerated": [], "parameters": parameters}
+    truth = told(effect, amplitude, 0.0, size=float(size * units[0]))
+    for parameter in truth["parameters"].values():
+        parameter["value"] *= float(np.prod(np.power(units, OF_UNITS[parameter["unit"]])))
+    return truth

@@ -62,9 +62,6 @@ class Rate:
         low, high = self.bounds
         return f"{100 * self.value:5.1f} % ({self.hits}/{self.count}; {100 * low:.1f} to {100 * high:.1f})"
 
-    def to_dict(self) -> dict[str, Any]:
-        return {"hits": self.hits, "count": self.count, "value": self.value, "wilson95": list(self.bounds)}
-
 
 def judge(key: Mapping[str, Any], result: Mapping[str, Any], seconds: float = math.nan) -> SimpleNamespace:
     """Judge one result (the contract's JSON, or {"error": text}) by the case's key.
@@ -261,7 +258,7 @@ def confusion(outcomes: list[SimpleNamespace]) -> dict[str, dict[str, int]]:
 def plain(value: Any) -> Any:
     """Make a table fit for JSON."""
     if isinstance(value, Rate):
-        return plain(value.to_dict())
+        value = {"hits": value.hits, "count": value.count, "value": value.value, "wilson95": list(value.bounds)}
     if isinstance(value, Mapping):
         return {key: plain(entry) for key, entry in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

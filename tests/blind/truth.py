@@ -359,10 +359,9 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                     u_now = u_before + (u_now - u_before) * since / h
             u_0 = u_1 = u_now
             if p.lag > 0.0:
-                u_0 = lag_1
                 if k == 0 and j == 0:
-                    lag_1 = u_now
-                    u_0 = u_now
+                    lag_1 = lag_2 = u_now
+                u_0 = lag_1
                 if p.lag_damping > 0.0:  # two poles that are no real ones, solved exactly for a command that is held
                     lag_1, lag_slope = _swung(lag_1 - u_now, lag_slope, p.lag, p.lag_damping, h)
                     lag_1 += u_now
@@ -370,8 +369,6 @@ def _loop(p, t, rows, maps, active, grid_start, substeps):
                     lag_1 += (u_now - lag_1) * (1.0 - np.exp(-h / p.lag))
                 u_1 = lag_1
                 if p.second_lag > 0.0:
-                    if k == 0 and j == 0:
-                        lag_2 = u_now
                     before = lag_2
                     lag_2 += (0.5 * (u_0 + u_1) - lag_2) * (1.0 - np.exp(-h / p.second_lag))
                     u_0, u_1 = before, lag_2

@@ -11,6 +11,14 @@ sys.path.append(str(ROOT / "docs" / "_ext"))  # the code that makes the site is 
 
 
 @pytest.fixture(scope="session")
+def paths(site):
+    """Of every page but those for the search."""
+    found = [path for path in sorted(site.rglob("*.html")) if path.name not in ("search.html", "genindex.html")]
+    assert len(found) > 50
+    return found
+
+
+@pytest.fixture(scope="session")
 def site():
     """The folder of the built site: COGGING_SITE, or build/site."""
     folder = Path(os.environ.get("COGGING_SITE", ROOT / "build" / "site"))
