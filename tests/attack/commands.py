@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
 import os
@@ -10,6 +9,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 from unittest import mock
 
@@ -45,7 +45,7 @@ def place(call: hostile_calls.Call, folder: Path) -> None:
     """Write the files of a call into a folder, but those that the file system refuses."""
     (folder / "folder").mkdir()
     for name, content in call.files.items():
-        with contextlib.suppress(OSError, ValueError):
+        with suppress(OSError, ValueError):
             path = os.path.join(folder, name)
             if content is None:
                 os.mkdir(path)
@@ -62,11 +62,7 @@ def faults(call: hostile_calls.Call, folder: Path) -> Iterator[str]:
     """Make a call in its folder, which is the current one; what is wrong with its answer, a few words each."""
     before, begin, status = everything(folder), time.process_time(), None
     out, err = io.StringIO(), io.StringIO()
-    with (
-        warnings.catch_warnings(record=True) as warned,
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-    ):
+    with warnings.catch_warnings(record=True) as warned, redirect_stdout(out), redirect_stderr(err):
         warnings.resetwarnings()
         for kind in NOT_SHOWN:
             warnings.simplefilter("ignore", kind)

@@ -43,17 +43,15 @@ def case(what, size):
     """Arguments and options of the batch in which one thing has a size and all others their usual one."""
     sizes = {"harmonics": 3, "control points": 13, "effects": 0, "seconds of a run": 1, "runs": 16, "threads": 1}
     sizes[what] = size
-    points = int(sizes["control points"])
-    order = min(points, 3)
-    harmonics = list(range(1, int(sizes["harmonics"]) + 1))
+    points, harmonics = sizes["control points"], list(range(1, sizes["harmonics"] + 1))
     amplitudes = 0.05 / np.sqrt(len(harmonics)) * np.ones((2, len(harmonics), points))
-    basis = cogging.SplineHarmonics(pitch=PITCH, harmonics=harmonics, order=order, control_points=points)
-    effects = [cogging.EFFECTS[name](**fields) for name, fields in EFFECTS[: int(sizes["effects"])]]
+    basis = cogging.SplineHarmonics(pitch=PITCH, harmonics=harmonics, order=min(points, 3), control_points=points)
+    effects = [cogging.EFFECTS[name](**fields) for name, fields in EFFECTS[: sizes["effects"]]]
     axis = cogging.AxisParameters(mass=0.12, viscous=0.17, coulomb=0.15, coulomb_width=0.01)
     plant = cogging.Plant(axis, cogging=cogging.CoggingModel(basis, *amplitudes), effects=effects)
     controller = cogging.Pid(cogging.PidParameters(sample_rate=RATE, kp=9600.0, ki=1e5, kd=48.0, mass=0.12))
-    count = 128 if what == "threads" else int(sizes["runs"])
-    options = {"duration": float(sizes["seconds of a run"]), "threads": int(sizes["threads"])}
+    count = 128 if what == "threads" else sizes["runs"]
+    options = {"duration": float(sizes["seconds of a run"]), "threads": sizes["threads"]}
     return ([plant] * count, [controller] * count, MOTION), options
 
 

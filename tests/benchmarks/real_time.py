@@ -40,8 +40,7 @@ COLUMNS = {
 
 def settings():
     """Parameters of every controller of the list by its name: its paper's, else those of the golden logs."""
-    tuned = comparison.controllers()
-    made = {}
+    tuned, made = comparison.controllers(), {}
     for name, (struct, _) in CONTROLLERS.items():
         found = tuned.get(name) or tuned.get(f"{name} C3")
         made[name] = found.parameters if found else struct(**FIELDS[name])
@@ -145,12 +144,11 @@ def reports_stack():
     return "-fcallgraph-info" in printed.stdout
 
 
-def compile_unit(folder, *flags, source=HERE / "real_time_step.cpp"):
+def compile_unit(folder, *flags):
     """Compile the unit of the steps with its report; returns the path of both without their suffix."""
-    made = folder / source.stem
-    report = ["-fcallgraph-info=su"] if reports_stack() else []
-    command = [compiler(), *FLAGS, *flags, *report, f"-I{ROOT / 'cpp'}", f"-I{HERE}", "-c", source, "-o", f"{made}.o"]
-    subprocess.run(command, check=True, cwd=folder)
+    made, source = folder / "real_time_step", HERE / "real_time_step.cpp"
+    flags = [*FLAGS, *flags, *(["-fcallgraph-info=su"] if reports_stack() else []), f"-I{ROOT / 'cpp'}", f"-I{HERE}"]
+    subprocess.run([compiler(), *flags, "-c", source, "-o", f"{made}.o"], check=True, cwd=folder)
     return made
 
 

@@ -14,21 +14,16 @@ from pathlib import Path
 from typing import Any
 
 import cogging
+from cogging.files import parse_toml
 from cogging_command import run_command
 
 from .score import format_table, judge, plain, table
 from .suite import KINDS, LAMBDAS, SHARES, draw_suite, mapped, plan_suite
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 
 def tuning_seeds() -> list[int]:
     """Seeds that were looked at while the method was built."""
-    with (Path(__file__).parent / "seeds.toml").open("rb") as file:
-        return [int(seed) for seed in tomllib.load(file)["tuning"]]
+    return parse_toml(Path(__file__).with_name("seeds.toml").read_text())["tuning"]
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:

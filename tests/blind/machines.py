@@ -218,21 +218,9 @@ def draw_machine(
 
     colours = {"coloured_noise": ["second_order"], "pink_noise": ["pink"], "heavy_tails": ["heavy_tails"]}
     machine = Machine(
-        family=family,
-        travel=travel,
-        velocity=velocity,
-        acceleration=acceleration,
-        peak=peak,
-        rate=rate,
-        duration=float(rng.uniform(8.0, 15.0)),
-        substeps=substeps,
-        law=law,
-        scalars=scalars,
-        pitch=pitch,
-        harmonics=harmonics,
-        sine=size * share * np.cos(angle),
-        cosine=size * share * np.sin(angle),
-        drift=drift,
+        family=family, travel=travel, velocity=velocity, acceleration=acceleration, peak=peak, rate=rate,
+        duration=float(rng.uniform(8.0, 15.0)), substeps=substeps, law=law, scalars=scalars, pitch=pitch,
+        harmonics=harmonics, sine=size * share * np.cos(angle), cosine=size * share * np.sin(angle), drift=drift,
         colour=str(rng.choice(colours.get(family, list(DRAWN_COLOURS)))),
         noise=peak * log_uniform(rng, 5e-4, 5e-3),
         noise_corner=log_uniform(rng, 15.0, min(200.0, rate / 8)),
@@ -241,7 +229,7 @@ def draw_machine(
         stated_controller=family != "no_controller" and (rng.random() < 0.7 or family != "plain"),
         jitter=log_uniform(rng, 0.003, 0.08) if family == "jitter" or rng.random() < 0.15 else 0.0,
         uncertainty=sigma,
-    )
+    )  # fmt: skip
     machine.reference_columns = machine.stated_controller or rng.random() >= 0.5
     machine.model = _model(rng, machine, nominal)
     return machine
