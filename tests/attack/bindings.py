@@ -4,8 +4,6 @@ A call may return, or raise one of ERRORS with words of ours. Faults are a crash
 hang, any other exception, one that shows the insides of a library, and a truth value or text taken for a number.
 """
 
-from __future__ import annotations
-
 import copy
 import functools
 import gc

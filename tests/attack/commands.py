@@ -1,7 +1,5 @@
 """Calls of the command with hostile options, models, references, names: one line and status 2, or a sound answer."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """Every call into the core and its arguments, as its docstrings state them."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ Binary formats are read here without the process of its own that a user has arou
 is wrong then is tried again with it (`whole`).
 """
 
-from __future__ import annotations
-
 import functools
 import random
 import tempfile

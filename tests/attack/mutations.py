@@ -1,7 +1,5 @@
 """Mutations of files: bytes that differ, and tables with cells, headers and marks that no logger would write."""
 
-from __future__ import annotations
-
 import random
 
 NUMBERS = (

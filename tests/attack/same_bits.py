@@ -6,8 +6,6 @@ our packs. On another processor what the core alone computes has the same bits; 
 choices and counts are the same, and numbers within ALLOWED.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import platform

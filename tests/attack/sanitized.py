@@ -7,8 +7,6 @@ prints its processor time. Needs a compiler with its sanitizers' libraries, as G
 of the package. `--cases N` drawn calls, `--build FOLDER` keeps the builds, `--long` adds slow tests and a longer soak.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import platform

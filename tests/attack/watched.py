@@ -1,7 +1,5 @@
 """Cases run in watched processes: a crash or a hang is reported by its seed, and the rest goes on."""
 
-from __future__ import annotations
-
 import gc
 import importlib
 import multiprocessing

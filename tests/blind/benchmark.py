@@ -4,8 +4,6 @@ DIR/cases holds what `cogging.diagnose` sees, DIR/key what only the scorer reads
 second call with --rescore scores the answers that are there; with --keep it draws nothing and runs what is missing.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

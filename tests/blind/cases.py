@@ -1,7 +1,5 @@
 """One blind case: a machine, two motions, hidden effects scaled to a stated identifiable ratio, and the key to it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any

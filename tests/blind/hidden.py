@@ -1,7 +1,5 @@
 """What a hidden effect is to the generator: a name, a shape, an amplitude that is scaled, and its true parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any

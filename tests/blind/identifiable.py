@@ -6,8 +6,6 @@ without the effect; Pi removes what re-tuned nuisances could do: mass, viscous, 
 amplitudes of the known cogging, the initial state. A constant force is no nuisance.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter

@@ -5,8 +5,6 @@ friction loosely, tightly or not at all, has a controller in half of the cases, 
 sign or in another unit. A machine of another size is the same one in other units of command, position and time.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

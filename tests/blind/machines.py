@@ -1,7 +1,5 @@
 """Machines of the blind suite: axes small and large, their controllers, noise and nominal models."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """References of a blind case: jerk-limited moves, sines, slow creep with small reversals, in random order."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

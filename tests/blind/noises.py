@@ -1,7 +1,5 @@
 """Force noise of the truth: coloured, sometimes 1/f-like, resonant or with heavy tails."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.signal import lfilter
 

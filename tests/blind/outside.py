@@ -1,7 +1,5 @@
 """Effects outside the vocabulary: none of its names is right, and the honest verdict is `unlisted`."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.signal import lfilter
 

@@ -4,8 +4,6 @@ Each function draws once and gives a function that is fixed from then on. What i
 and has a size of about one: the amplitude stands elsewhere.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A blind suite: cases under opaque names, logs and models as a user has them, and the key in a folder of its own."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor

@@ -1,7 +1,5 @@
 """The effects of the vocabulary as the truth makes them: random sign, off-grid, in other shapes of each cause too."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from . import truth

@@ -4,8 +4,6 @@ Only `cogging.Model.from_dict`, `cogging.simulate` and a log's `time`, `position
 is behind them may be rebuilt.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

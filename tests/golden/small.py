@@ -1,7 +1,5 @@
 """The part of the golden comparison that stays as a test: seconds in all, its values in values.json."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
