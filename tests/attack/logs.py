@@ -63,9 +63,8 @@ def fault_of(path: str, whole: bool) -> str | None:
             found = {name: np.asarray(column) for name, column in columns.items()}
     except InputError as refused:
         text = str(refused)
-        return (
-            f"no line for a user: {text[:200]!r}" if "\n" in text or "Traceback" in text or len(text) > 4000 else None
-        )
+        is_line = "\n" not in text and "Traceback" not in text and len(text) <= 4000
+        return None if is_line else f"no line for a user: {text[:200]!r}"
     if len({len(column) for column in found.values()}) != 1 or not all(map(len, found.values())):
         return "columns of different lengths, or none, accepted"
     if not all(np.isfinite(column).all() for column in found.values()):

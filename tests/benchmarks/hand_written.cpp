@@ -138,11 +138,6 @@ void load(Number& value, const double* machines, int columns, int column) {
   for (int lane = 0; lane < LANES; ++lane) Register::set(value, lane, machines[lane * columns + column]);
 }
 
-struct Machines {
-  Number mass, viscous, coulomb;
-  Number cogging[10 * control_points];
-};
-
 }  // namespace
 
 // `machines`: for each machine a row of mass, viscous, coulomb and the coefficients. `reference` has four rows: time,
@@ -164,12 +159,11 @@ extern "C" void lu2008_loop(const Setup* setup, const double* machines, int rows
     reference_acceleration[k] = point.acceleration;
   }
 
-  static thread_local Machines m;
   constexpr int columns = 3 + 10 * control_points;
-  load(m.mass, machines, columns, 0), load(m.viscous, machines, columns, 1), load(m.coulomb, machines, columns, 2);
-  for (int c = 0; c < 10 * control_points; ++c) load(m.cogging[c], machines, columns, 3 + c);
-  const Number inverse_mass = 1.0 / m.mass, plant_viscous = m.viscous, plant_coulomb = m.coulomb * two_over_pi;
-  const Number* cogging = m.cogging;
+  static thread_local Number m[columns];
+  for (int c = 0; c < columns; ++c) load(m[c], machines, columns, c);
+  const Number inverse_mass = 1.0 / m[0], plant_viscous = m[1], plant_coulomb = m[2] * two_over_pi;
+  const Number* cogging = m + 3;
 
   const auto acceleration = [&](Number x, Number v, Number u) {
     Number s1, c1;

@@ -171,7 +171,7 @@ def table(outcomes: list[SimpleNamespace]) -> dict[str, Any]:
         return {f"{ratio:g}": Rate.of(flag(o) for o in group if o.ratio == ratio) for ratio in ratios}
 
     found = [o for o in single if o.right]
-    large = [o for o in single + many if o.ratio >= 300]
+    closed = [o.closed for o in single + many if o.ratio >= 300 and o.closed is not None]
     stated = [pair for o in outcomes for pair in o.stated]
     large_cases = [o for o in outcomes if o.kind == "large"]
     times = [o.seconds for o in outcomes if math.isfinite(o.seconds)]
@@ -199,7 +199,7 @@ def table(outcomes: list[SimpleNamespace]) -> dict[str, Any]:
         "outside_confident_wrong_all": Rate.of(bool(o.wrong) for o in outside),
         "pairs_right": Rate.of(o.right for o in many if o.kind == "pair"),
         "triples_right": Rate.of(o.right for o in many if o.kind == "triple"),
-        "gap_closed_median": _median([o.closed for o in large]),
+        "gap_closed_median": float(np.median(closed)) if closed else None,
         "made_worse": Rate.of(bool(o.worse) for o in outcomes if o.worse is not None),
         "coverage": Rate.of(coverage),
         "error_to_bound_robust": float(np.median(np.abs(errors)) / 0.67449) if len(errors) else None,
@@ -238,11 +238,6 @@ def in_the_large(outcomes: list[SimpleNamespace]) -> dict[str, Rate]:
 
 def _within(value: float, low: float, high: float) -> bool:
     return low <= value < high or (value == high == BINS[-1])
-
-
-def _median(values: Iterable[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return float(np.median(known)) if known else None
 
 
 def confusion(outcomes: list[SimpleNamespace]) -> dict[str, dict[str, int]]:

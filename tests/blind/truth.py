@@ -84,17 +84,9 @@ class Plan:
         """Make a plan at rest: no forces, infinite limits, no encoder faults."""
         margin = 0.05 * (travel[1] - travel[0]) + 4 * GRID_STEP
         points = int(np.ceil((travel[1] - travel[0] + 2 * margin) / GRID_STEP)) + 1
-        plan = cls(
-            scalars=np.zeros(1, [(name, float) for name in SCALARS]),
-            instants=instants.copy(),
-            stamps=instants.copy(),
-            rows=np.zeros((len(instants), len(ROWS))),
-            grid_start=travel[0] - margin,
-            maps=np.zeros((len(MAPS), points)),
-            substeps=substeps,
-            force_noise=np.zeros(len(instants)),
-            reading_noise=np.zeros(len(instants)),
-        )
+        scalars, maps = np.zeros(1, [(name, float) for name in SCALARS]), np.zeros((len(MAPS), points))
+        rows, noises = np.zeros((len(instants), len(ROWS))), np.zeros((2, len(instants)))
+        plan = cls(scalars, instants.copy(), instants.copy(), rows, travel[0] - margin, maps, substeps, *noises)
         plan.set(**AT_REST)
         return plan
 
