@@ -18,14 +18,14 @@ ORDER = 40  # of the whitening filter
 SKIP = 0.06  # s at the start that do not count
 
 
-def whitening_filter(noise: np.ndarray, order: int = ORDER) -> tuple[np.ndarray, float]:
+def whitening_filter(noise: np.ndarray) -> tuple[np.ndarray, float]:
     """Autoregressive filter of a record (Yule and Walker) and the variance of its output."""
     noise = noise - noise.mean()
     spectrum = np.fft.rfft(noise, 2 * len(noise))
-    covariance = np.fft.irfft(np.abs(spectrum) ** 2)[: order + 1] / len(noise)
+    covariance = np.fft.irfft(np.abs(spectrum) ** 2)[: ORDER + 1] / len(noise)
     covariance[0] *= 1 + 1e-9
     taps = np.concatenate([[1.0], -solve_toeplitz(covariance[:-1], covariance[1:])])
-    return taps, float(np.var(lfilter(taps, 1.0, noise)[order:]))
+    return taps, float(np.var(lfilter(taps, 1.0, noise)[ORDER:]))
 
 
 class Signal:
@@ -104,10 +104,9 @@ START = ("x_start", "v_start")
 
 
 def signatures(base: Plan, machine: Machine, command: np.ndarray) -> dict[str, np.ndarray]:
-    """What the nuisances do to the command of a plan without effects, per unit of relative (or SI) change.
+    """What the nuisances do to the command of a plan without effects, per unit of relative (or SI) change, (n,) each.
 
-    Args:
-        base: the plan. machine: its machine. command: of the base, quantiser off, (n,).
+    `command` is that of the plan, quantiser off.
     """
     columns: dict[str, np.ndarray] = {}
 

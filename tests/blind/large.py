@@ -245,17 +245,13 @@ def _misreading(rng: np.random.Generator, resolution: float, *, turns: bool) -> 
     return {"kind": kind, "columns": list(columns) if subject == "position" else [subject], "factor": factor}
 
 
-def _times(value: Any, factor: float) -> Any:
-    return [_times(one, factor) for one in value] if isinstance(value, list) else value * factor
-
-
 def in_units(model: dict[str, Any], units: tuple[float, float, float], *, turns: bool) -> dict[str, Any]:
     """A model file in other units of command, position and time: so many of the new in one of the old."""
 
     def section(values: dict[str, Any]) -> dict[str, Any]:
         powers = OF_KEYS | ({"kp": (0, 0, -1)} if values.get("type") == "cascade" else {})
         return {
-            name: _times(value, float(np.prod(np.power(units, powers[name])))) if name in powers else value
+            name: np.multiply(value, np.prod(np.power(units, powers[name]))).tolist() if name in powers else value
             for name, value in values.items()
         }
 

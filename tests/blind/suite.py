@@ -86,10 +86,9 @@ def draw_suite(
 ) -> dict[str, Any]:
     """Draw all cases, write folder/case_XXXX/{log.csv, confirm.csv, model.toml} and key_folder/key.json.
 
-    Returns the key. A case is drawn by its place in the list: one that is None is left out.
-
-    A ratio that no machine of some dozens can show (below what is physical for the effect) is replaced by the next
-    larger one; a pair that cannot be told apart by another pair. What still fails is named in the key.
+    Returns the key. A case is drawn by its place in the list: one that is None is left out. A ratio that no machine of
+    some dozens can show (below what is physical for the effect) is replaced by the next larger one; a pair that cannot
+    be told apart by another pair. What still fails is named in the key.
     """
     key_folder.mkdir(parents=True, exist_ok=True)
     tasks = [(seed, index, folder, one) for index, one in enumerate(specifications) if one is not None]
