@@ -23,18 +23,13 @@ def of_bytes(content: bytes, chance: random.Random) -> bytes:
             break
         at, other = chance.randrange(len(made)), chance.randrange(len(made))
         length = min(chance.choice((1, 1, 2, 4, 8, 64, 512)), len(made) - at)
-        part, copied = slice(at, at + length), made[other : other + length]
-        same = chance.choice((b"\0", b"\xff", b"\x7f", b"\x80")) * length
-        flipped = bytes([made[at] ^ 1 << chance.randrange(8)])
-        part, new = chance.choice(
-            [
-                (slice(at, at + 1), flipped),
-                *((part, bytes_) for bytes_ in (chance.randbytes(length), same, b"", copied)),
-                *((slice(at, at), bytes_) for bytes_ in (chance.randbytes(length), made[part])),
-                (slice(at, None), b""),
-            ]
-        )
-        made[part] = new
+        one, part, before, rest = slice(at, at + 1), slice(at, at + length), slice(at, at), slice(at, None)
+        same, copied = chance.choice((b"\0", b"\xff", b"\x7f", b"\x80")) * length, made[other : other + length]
+        ways = [(one, bytes([made[at] ^ 1 << chance.randrange(8)]))]
+        ways += [(part, chance.randbytes(length)), (part, same), (part, b""), (part, copied)]
+        ways += [(before, chance.randbytes(length)), (before, made[part]), (rest, b"")]
+        where, new = chance.choice(ways)
+        made[where] = new
     return bytes(made)
 
 

@@ -125,11 +125,8 @@ def conditions() -> list[Condition]:
     made += [Condition(f"packs: {name}", {"COGGING_INSTRUCTIONS": name}) for name in sets]
     if platform.machine().lower() in ("x86_64", "amd64"):
         core = (getattr(np, "_core", None) or np.core)._multiarray_umath
-        others = {
-            f"OpenBLAS for {name}": {"OPENBLAS_CORETYPE": name}
-            for name, feature in OPENBLAS.items()
-            if core.__cpu_features__.get(feature)
-        }
+        kernels = [name for name, feature in OPENBLAS.items() if core.__cpu_features__.get(feature)]
+        others = {f"OpenBLAS for {name}": {"OPENBLAS_CORETYPE": name} for name in kernels}
         dispatched = " ".join(name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name))
         others |= {f"NumPy without {dispatched}": {"NPY_DISABLE_CPU_FEATURES": dispatched}} if dispatched else {}
         if platform.libc_ver()[0] == "glibc":

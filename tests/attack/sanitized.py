@@ -74,9 +74,8 @@ def main() -> int:
             words += [calls] if "calls" in parts else []
             running += [pool.submit(run, [sys.executable, "-m", *some], environment) for some in words]
         for name, words in programs.items():
-            running.append(
-                pool.submit(run, [f"{checked / 'tests' / 'cpp' / name}", *([] if options.long else words)], ALONE)
-            )
+            command = [f"{checked / 'tests' / 'cpp' / name}", *([] if options.long else words)]
+            running.append(pool.submit(run, command, ALONE))
         return int(not all(one.result() for one in running))
 
 

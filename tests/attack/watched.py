@@ -44,12 +44,9 @@ class Tally:
 def attack(module: str, seeds: Sequence[int], arguments: Mapping[str, Any] | None = None, processes: int = 2) -> Tally:
     """Run `module.run_case(seed, **arguments)` for each seed in processes."""
     tally = Tally(len(seeds))
+    shares = [seeds[i::processes] for i in range(processes)]
     with ThreadPoolExecutor(processes) as pool:
-        parts = [
-            pool.submit(watch, module, dict(arguments or {}), seeds[i::processes], tally) for i in range(processes)
-        ]
-    for part in parts:
-        part.result()
+        list(pool.map(lambda share: watch(module, dict(arguments or {}), share, tally), shares))
     return tally
 
 

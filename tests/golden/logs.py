@@ -20,12 +20,10 @@ ADAPTIVE = FRICTION | RATE
 ADAPTIVE |= {"mass_adaptation": 1e-3, "viscous_adaptation": 0.05, "coulomb_adaptation": 2.0, "disturbance": 0.01}
 ADAPTIVE |= {"disturbance_adaptation": 50.0, "cogging_harmonics": [1, 2], "cogging_control_points": 13}
 ADAPTIVE |= {"cogging_origin": -0.05, "cogging_adaptation": 20.0, "epsilon": 0.05, "disturbance_bound": 0.02}
+PID = {"kp": 9600.0, "ki": 1e5, "kd": 48.0, "feedforward_velocity": "measured", "command_limit": 1.5}
 OBSERVER = [875.271, 406594.0, 16382100.0, 54587200.0, 9999140.0, 39986800.0, 41501700.0, -5471680.0, 51261100.0]
 CONTROLLERS: dict[str, dict[str, Any]] = {
-    "pid": FRICTION
-    | RATE
-    | {"kp": 9600.0, "ki": 1e5, "kd": 48.0}
-    | {"feedforward_velocity": "measured", "command_limit": 1.5},
+    "pid": FRICTION | RATE | PID,
     "cascade": FRICTION | RATE | {"kp": 160.0, "kv": 40.0},
     "speed": FRICTION | RATE | {"kp": 30.0, "delay": 5e-4},
     "arc": ADAPTIVE,
