@@ -13,7 +13,7 @@ import numpy as np
 from . import truth
 from .cases import Case, Specification, Unreachable, told, with_hidden
 from .hidden import Hidden, add_map
-from .machines import Machine, draw_machine, log_uniform
+from .machines import Machine, draw_machine, log_uniform, rounded
 from .motions import Motion
 from .truth import Plan
 from .vocabulary import VOCABULARY
@@ -123,13 +123,6 @@ def multisine(rng: np.random.Generator, machine: Machine, time: np.ndarray, *, c
     return Motion(0.5 * sum(machine.travel) + x, np.gradient(x, time), a)
 
 
-def _driven(plan: Plan, mass: float) -> Plan:
-    """In open loop: the command is the mass times the motion's acceleration."""
-    off = dict.fromkeys(("kp", "ki", "kd", "kv", "ff_viscous", "ff_coulomb", "limit"), 0.0)
-    plan.set(**off, controller=truth.PID, ff_mass=mass)
-    return plan
-
-
 def _stated(rng: np.random.Generator, machine: Machine, statement: str, *, closed: bool) -> None:
     """Let the model be as wrong as it says, and leave out what its user does not have."""
     axis, limits = machine.model["axis"], DEVIATIONS[statement]
@@ -137,7 +130,7 @@ def _stated(rng: np.random.Generator, machine: Machine, statement: str, *, close
     for name in ("mass", "viscous", "coulomb"):
         wrong = log_uniform(rng, 1 / FACTOR, FACTOR)
         if limits:
-            machine.uncertainty[name] = float(f"{rng.uniform(*limits):.2g}")
+            machine.uncertainty[name] = rounded(rng.uniform(*limits), 2)
             wrong = max(1 + machine.uncertainty[name] * float(np.clip(rng.standard_normal(), -1.8, 1.8)), 1 / FACTOR)
         axis[name] = float(machine.scalars[name] / wrong)
     axis["uncertainty"] = machine.uncertainty
@@ -177,7 +170,10 @@ def _try_case(rng: np.random.Generator, specification: Specification, count: int
         time, motion = machine.draw_motion(rng)
         motion = multisine(rng, machine, time, closed=closed) if shaken else motion
         plan = machine.plan(rng, motion, time)
-        return motion, plan if closed else _driven(plan, machine.scalars["mass"])
+        if not closed:  # the command is the mass times the motion's acceleration
+            off = dict.fromkeys(("kp", "ki", "kd", "kv", "ff_viscous", "ff_coulomb", "limit"), 0.0)
+            plan.set(**off, controller=truth.PID, ff_mass=machine.scalars["mass"])
+        return motion, plan
 
     motion, base = planned()
     command, _, moving = gap(base, base)

@@ -100,8 +100,7 @@ def judge(key: Mapping[str, Any], result: Mapping[str, Any], seconds: float = ma
     exact = right and verdict == "named" and {entry["name"] for entry in effects} == listed
     covered, errors = [], []
     for entry in effects:
-        truth = truths.get(entry["name"])
-        for name, known in (truth or {"parameters": {}})["parameters"].items():
+        for name, known in truths.get(entry["name"], {"parameters": {}})["parameters"].items():
             found = (entry.get("parameters") or {}).get(name)
             if found is None or found.get("value") is None:
                 continue

@@ -171,10 +171,8 @@ def quadratic_drag(rng: np.random.Generator, machine: Machine, motion: Motion) -
     exponent = 2.0 if shape == "usual" else float(rng.choice([rng.uniform(1.6, 1.85), rng.uniform(2.2, 3.0)]))
     unit = machine.peak / machine.velocity**exponent
     fields = {"coefficient": (lambda a: way * a * unit, "V/(m/s)^2", 1.0)}
-    high = 0.4 if way > 0 else 0.05
-    return Hidden(
-        0.01, 1e-5, high, lambda plan, a: plan.set(drag=way * a * unit, drag_exponent=exponent), fields, shape
-    )
+    amplitudes = 0.01, 1e-5, 0.4 if way > 0 else 0.05
+    return Hidden(*amplitudes, lambda plan, a: plan.set(drag=way * a * unit, drag_exponent=exponent), fields, shape)
 
 
 @listed(VOCABULARY)
