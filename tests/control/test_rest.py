@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cogging.model.model import CONTROLLERS
+from tests.control.test_faulty_readings import ask
 from tests.fixtures.covering import covering
 from tests.golden.logs import CONTROLLERS as FIELDS
 
@@ -22,22 +23,14 @@ def states_at_rest(kind, start):
     lags[0] = 0.0  # positions of the output feedback count from here
     for time, lag in zip(t, lags, strict=True):
         x = size * (1 - np.cos(w * time))
-        step(controller, (start + x, size * w * np.sin(w * time), size * w**2 * np.cos(w * time)), start + x + lag)
+        point = (start + x, size * w * np.sin(w * time), size * w**2 * np.cos(w * time))
+        controller.update(ask(controller, point, start + x + lag))
     states = []
     for k in range(int(5 * RATE)):
-        step(controller, (start, 0.0, 0.0), start)
+        controller.update(ask(controller, (start, 0.0, 0.0), start))
         if k % 500 == 0:
             states.append(controller.__getstate__()[1])
     return np.array(states)
-
-
-def step(controller, point, reading):
-    if hasattr(controller, "preview"):
-        command = controller.command(reference=point, ahead=point, reading=reading)
-    else:
-        x, v, a = point
-        command = controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=reading)
-    controller.update(command)
 
 
 @pytest.mark.parametrize(("kind", "start"), covering(FIELDS, [0.0, 0.2]))
