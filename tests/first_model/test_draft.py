@@ -4,7 +4,7 @@ import math
 import random
 import re
 import shlex
-from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ import cogging
 from cogging.cli.main import main
 from cogging.datasets import emps
 from cogging.files import InputError, read_toml
+from tests.fixtures.command_files import table
 from tests.fixtures.measured import FOLDER
 from tests.fixtures.pid_axis import MODEL
 
@@ -28,26 +29,6 @@ STYLES = (
     ("Time in %", "Actual position in %", "Current in %", "Target position in %"),
 )
 BARE = (("time", "position", "command", "reference"), ("t", "qm", "vir", "qg"), ("Zeit", "Weg", "Strom", "Soll"))
-
-
-@dataclass
-class UserLog:
-    """A log as text, and what is true of it."""
-
-    text: str
-    model: cogging.Model
-    motion: str
-    fields: dict
-    headers: dict
-    factors: dict
-    command_unit: str
-    stated: bool
-    flipped: bool
-    has_reference: bool
-    dropped: int
-    quantum: float
-    rate: float
-    log: cogging.Log = field(repr=False, default=None)
 
 
 def axis(draw, rate, length, seconds):
@@ -98,8 +79,8 @@ def written(value, comma):
     return text.replace(".", ",") if comma else text
 
 
-def user_log(seed, kind=None, stated=None):
-    """A drawn log."""
+def user_log(seed, kind=None):
+    """A drawn log as text, and what is true of it."""
     draw = random.Random(seed)
     rate = draw.choice([100.0, 500.0, 1000.0, 2000.0, 5000.0, 20000.0])
     length = math.exp(draw.uniform(math.log(2e-3), math.log(1.0)))
@@ -109,33 +90,31 @@ def user_log(seed, kind=None, stated=None):
     fields, duration = motion(draw, kind, length, seconds)
     reference = {"type": kind, **fields} | ({"duration": duration} if duration else {})
     log = cogging.simulate(model, reference, seed=seed)
-    stated = draw.random() < 0.7 if stated is None else stated
+    stated = draw.random() < 0.7
     style = draw.choice(STYLES if stated else BARE)
     units = [draw.choice(list(TIMES)), draw.choice(list(LENGTHS)), draw.choice("VAN")]
     has_reference, flipped = draw.random() < 0.6, draw.random() < 0.3
     headers = [label.replace("%", unit) for label, unit in zip(style, [*units, units[1]], strict=True)]
     factors = [TIMES[units[0]], LENGTHS[units[1]], -1.0 if flipped else 1.0, LENGTHS[units[1]]]
-    names = ["time", "position", "command", *["reference"] * has_reference]
+    names = ("time", "position", "command", "reference")[: 3 + has_reference]
     kept = np.ones(len(log), dtype=bool)
     if draw.random() < 0.4:
         kept[1:-1] = np.random.default_rng(seed).random(len(log) - 2) > 0.004
     time = log.time + draw.choice([0.0, 3.001])
     if draw.random() < 0.4:
         time = time + np.random.default_rng(seed).uniform(-0.02, 0.02, len(time)) / rate
-    columns = dict(zip(names, [time, log.position, log.command, log.reference], strict=False))
     comma = draw.random() < 0.3
-    table = [
-        [written(value, comma) for value in (columns[name][kept] / factors[k]).tolist()] for k, name in enumerate(names)
+    columns = zip(names, headers, factors, (time, log.position, log.command, log.reference), strict=False)
+    text = [
+        [header, *(written(value, comma) for value in (column[kept] / factor).tolist())]
+        for _, header, factor, column in columns
     ]
-    order = list(range(len(names)))
-    draw.shuffle(order)
+    draw.shuffle(text)
     separator = ";" if comma else draw.choice([",", ";", "\t"])
-    extra = draw.random() < 0.5
-    lines = [separator.join([*(headers[k] for k in order), *["Temperatur"] * extra])]
-    rows = zip(*(table[k] for k in order), *[[written(31.5, comma)] * int(kept.sum())] * extra, strict=True)
-    lines += [separator.join(row) for row in rows]
-    return UserLog(
-        text="\n".join(lines) + "\n",
+    if draw.random() < 0.5:
+        text.append(["Temperatur", *[written(31.5, comma)] * int(kept.sum())])
+    return SimpleNamespace(
+        text="\n".join(separator.join(row) for row in zip(*text, strict=True)) + "\n",
         model=model,
         motion=kind,
         fields=fields,
@@ -143,11 +122,7 @@ def user_log(seed, kind=None, stated=None):
         factors=dict(zip(names, factors, strict=False)),
         command_unit=units[2] if stated else "V",
         stated=stated,
-        flipped=flipped,
-        has_reference=has_reference,
         dropped=int((~kept).sum()),
-        quantum=model.encoder.resolution,
-        rate=rate,
         log=log,
     )
 
@@ -191,13 +166,15 @@ def test_columns_and_units_are_right_or_marked_as_guessed(drafts):
             right.append(math.isclose(draft.scale.get(name, 1.0), drawn.factors[name], rel_tol=1e-6))
             assert right[-1] or (not drawn.stated and about(draft, name)), (header, draft.scale)
             assert drawn.stated or about(draft, "position")
-        assert ("reference" in draft.columns.used) == drawn.has_reference
+        assert ("reference" in draft.columns.used) == ("reference" in drawn.headers)
         assert draft.units.command == drawn.command_unit
-        assert abs(np.ptp(draft.log.position) / unit - np.ptp(drawn.log.position)) < 2.0 * drawn.quantum
-        assert (draft.scale.get("command", 1.0) < 0.0) == drawn.flipped
+        assert (
+            abs(np.ptp(draft.log.position) / unit - np.ptp(drawn.log.position)) < 2.0 * drawn.model.encoder.resolution
+        )
+        assert (draft.scale.get("command", 1.0) < 0.0) == (drawn.factors["command"] < 0.0)
         rate = draft.audit.rate * draft.scale.get("time", 1.0) / drawn.factors["time"]
-        assert rate == pytest.approx(drawn.rate, rel=0.02)
-        assert draft.audit.encoder_quantum / unit == pytest.approx(drawn.quantum, rel=0.01)
+        assert rate == pytest.approx(drawn.model.controller.sample_rate, rel=0.02)
+        assert draft.audit.encoder_quantum / unit == pytest.approx(drawn.model.encoder.resolution, rel=0.01)
         assert len(drawn.log) - len(draft.log) == drawn.dropped
         assert (draft.audit.gaps > 0) == (drawn.dropped > 0)
     assert np.mean(right) > 0.9
@@ -268,9 +245,7 @@ def draft_of(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def draft(labels, values, **options):
-        rows = zip(*[np.asarray(column).tolist() for column in values], strict=True)
-        lines = "".join(",".join(map(repr, row)) + "\n" for row in rows)
-        (tmp_path / "a.csv").write_text(",".join(labels) + "\n" + lines)
+        table(tmp_path / "a.csv", dict(zip(labels, values, strict=True)))
         return cogging.draft_model("a.csv", **options)
 
     return draft

@@ -4,7 +4,7 @@ The machines lack what makes most of the command, their models know mass and fri
 """
 
 import functools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,19 +14,12 @@ from cogging import Log, Model, effects
 from cogging.files import InputError
 from cogging.identification.misreading import misreading
 from tests.fixtures import moving_axis
+from tests.fixtures.identify_coverage import Case
 from tests.fixtures.measured import emps_log, emps_model
 
 #: What a machine has and its model lacks.
-MISSING = ["nothing", "harmonics", "spring", "gravity", "friction", "drag", "resonance", "payload", "delay", "backlash"]
-MISSING += ["dropped rows", "tone"]
-
-
-@dataclass(frozen=True)
-class Unlike:
-    """A model, and the log of a machine that it is not."""
-
-    model: Model
-    log: Log
+MISSING = ["nothing", "harmonics", "spring", "gravity", "stribeck", "friction", "drag", "resonance", "payload", "lag"]
+MISSING += ["delay", "backlash", "dropped rows", "tone"]
 
 
 def moved(kind, random, time, length):
@@ -93,51 +86,39 @@ def drawn(seed, missing, motion, *, with_reference=None):
     model = Model(axis=believed, encoder=machine.encoder, **stated)
     if not (random.random() < 0.5 if with_reference is None else with_reference):
         log = Log(log.time, log.position, log.command)
-    return Unlike(model, log)
+    return Case(machine, model, log)
 
 
 def lacking(missing, random, force, length, top, viscous):
     """Effects that make about `force` (V, rms) of the command."""
-    phase, root = random.uniform(0.0, 2 * np.pi), np.sqrt(2.0)
-    sine, cosine = root * force * np.sin(phase), root * force * np.cos(phase)
-    if missing == "harmonics":
-        period = length / random.uniform(1.0, 30.0)
-        second = {"sine": 0.4 * cosine, "cosine": 0.4 * sine}
-        first = effects.CoggingHarmonic(period=period, sine=sine, cosine=cosine)
-        return [first, effects.CoggingHarmonic(period=period / int(random.integers(2, 5)), **second)]
-    if missing == "spring":
-        return [effects.CableSpring(stiffness=4.0 * force / length, center=length * random.uniform(-0.3, 0.3))]
-    if missing == "gravity":
-        return [effects.ConstantForce(force=force * random.choice([-1.0, 1.0]))]
-    if missing == "friction":
-        if random.random() < 0.5:
-            return [effects.StribeckFriction(static_excess=force, velocity=top * random.uniform(0.03, 0.3))]
-        nodes = length * np.linspace(-0.5, 0.5, 5)
-        levels = force * random.uniform(0.2, 1.5, 5)
-        return [
-            effects.PositionDependentFriction(nodes=nodes.tolist(), levels=levels.tolist()),
+    draw, phase = random.uniform, random.uniform(0.0, 2 * np.pi)
+    sine, cosine = np.sqrt(2.0) * force * np.array([np.sin(phase), np.cos(phase)])
+    period = length / draw(1.0, 30.0)
+    nodes, levels = length * np.linspace(-0.5, 0.5, 5), force * draw(0.2, 1.5, 5)
+    return {
+        "harmonics": [
+            effects.CoggingHarmonic(period=period, sine=sine, cosine=cosine),
+            effects.CoggingHarmonic(period=period / random.integers(2, 5), sine=0.4 * cosine, cosine=0.4 * sine),
+        ],
+        "spring": [effects.CableSpring(stiffness=4.0 * force / length, center=length * draw(-0.3, 0.3))],
+        "gravity": [effects.ConstantForce(force=force * random.choice([-1.0, 1.0]))],
+        "stribeck": [effects.StribeckFriction(static_excess=force, velocity=top * draw(0.03, 0.3))],
+        "friction": [
+            effects.PositionDependentFriction(nodes=nodes, levels=levels),
             effects.CoulombAsymmetry(difference=0.5 * force),
-        ]
-    if missing == "drag":
-        drag = effects.QuadraticDrag(coefficient=6.0 * force / top**2)
-        return [drag, effects.ViscousAsymmetry(difference=viscous)]
-    if missing == "resonance":
-        return [
-            effects.FlexibleMode(
-                frequency=random.uniform(3.0, 60.0),
-                damping_ratio=random.uniform(0.005, 0.1),
-                mass_ratio=random.uniform(0.3, 0.7),
-            )
-        ]
-    if missing == "delay":
-        if random.random() < 0.5:
-            return [effects.ActuatorLag(time_constant=random.uniform(1e-3, 5e-3))]
-        return [effects.CommandDelay(delay=random.uniform(0.5e-3, 4e-3))]
-    if missing == "backlash":
-        return [effects.Backlash(gap=length * random.uniform(3e-3, 3e-2), mass_ratio=random.uniform(0.2, 0.6))]
-    if missing == "tone":
-        return [effects.DisturbanceTone(frequency=random.uniform(0.5, 20.0), sine=sine, cosine=cosine)]
-    return []
+        ],
+        "drag": [
+            effects.QuadraticDrag(coefficient=6.0 * force / top**2),
+            effects.ViscousAsymmetry(difference=viscous),
+        ],
+        "resonance": [
+            effects.FlexibleMode(frequency=draw(3, 60), damping_ratio=draw(5e-3, 0.1), mass_ratio=draw(0.3, 0.7))
+        ],
+        "lag": [effects.ActuatorLag(time_constant=draw(1e-3, 5e-3))],
+        "delay": [effects.CommandDelay(delay=draw(0.5e-3, 4e-3))],
+        "backlash": [effects.Backlash(gap=length * draw(3e-3, 3e-2), mass_ratio=draw(0.2, 0.6))],
+        "tone": [effects.DisturbanceTone(frequency=draw(0.5, 20.0), sine=sine, cosine=cosine)],
+    }.get(missing, [])
 
 
 def times(factor, *names):
@@ -162,7 +143,7 @@ WRONG = {
     "degrees": ("position", times(180 / np.pi, *POSITIONS)),
     "counts": (
         "position",
-        lambda case, columns: columns | {"position": np.round(case.log.position / case.model.encoder.resolution)},
+        lambda case, columns: columns | {"position": np.round(case.log.position / case.nominal.encoder.resolution)},
     ),
     "ms": ("time", times(1e3, "time")),
     "us": ("time", times(1e6, "time")),
@@ -199,48 +180,6 @@ def misread(kind, case, seconds=0.1):
     return Log.of(WRONG[kind][1](case, columns))
 
 
-RATE, MASS, TURNS = 500.0, 0.005, 11
-
-
-def rotary_model():
-    """Mass and friction of the axes, which is all that their user knows."""
-    axis = cogging.AxisParameters(mass=MASS, viscous=0.01, coulomb=0.2, coulomb_width=0.01)
-    return cogging.Model(axis=axis, encoder=cogging.EncoderParameters(resolution=2e-4))
-
-
-def rotary_speeds(random, seconds):
-    """Speeds of moves of 0.5 and 0.25 rad/s by turns, over equal distances, with or without a way back."""
-    time, speed = np.arange(int(seconds * RATE)) / RATE, np.zeros(int(seconds * RATE))
-    distance, rise, rest = random.uniform(0.5, 4.0), random.uniform(0.01, 0.3), random.uniform(0.0, 0.5)
-    back, start, count = random.random() < 0.6, 0.3, 0
-    while start < seconds:
-        top = (0.5, 0.25)[count % 2]
-        stop = start + distance / top
-        way = -1.0 if back and count // 2 % 2 else 1.0
-        speed += way * top * np.clip(np.minimum(time - start, stop - time) / rise, 0.0, 1.0)
-        start, count = stop + rest, count + 1
-    return speed
-
-
-def rotary_logs(seed, amplitudes, poles, seconds=14.0):
-    """Logs of axes with a cogging of these amplitudes (A), 11 a turn, under loops of these triple poles (1/s)."""
-    random, found = np.random.default_rng([33, seed]), []
-    for amplitude, pole in zip(amplitudes, poles, strict=True):
-        phase, speed = random.uniform(0.0, 2.0 * np.pi), rotary_speeds(random, seconds)
-        wave = {"sine": amplitude * np.cos(phase), "cosine": amplitude * np.sin(phase)}
-        gains = dict(zip(("kp", "ki", "kd"), cogging.pid_gains([-pole] * 3, MASS), strict=True))
-        machine = rotary_model().replace(
-            effects=[cogging.effects.CoggingHarmonic(period=2.0 * np.pi / TURNS, **wave)],
-            noise=cogging.NoiseParameters(force=0.005, bandwidth=8.0),
-            controller=cogging.PidParameters(sample_rate=RATE, **gains),
-            controller_type="pid",
-        )
-        reference = cogging.Sampled(np.arange(len(speed)) / RATE, np.cumsum(speed) / RATE, None, None)
-        log = cogging.simulate(machine, reference, seed=seed, duration=seconds - 1.0 / RATE)
-        found.append(cogging.Log(log.time, log.position, log.command))
-    return found
-
-
 def find(log, model):
     """The misreading; "refused" where the log is refused for its units."""
     try:
@@ -254,13 +193,31 @@ def find(log, model):
 def test_a_log_read_right_is_not_doubted(missing):
     for seed, motion in ((59, "multisine"), (45, "slow")):
         case = drawn(seed, missing, motion)
-        assert misreading([case.log], case.model) is None, (missing, motion)
+        assert misreading([case.log], case.nominal) is None, (missing, motion)
 
 
-def test_nor_is_one_that_cogging_drives_back_and_forth():
+@pytest.mark.parametrize(("amplitude", "pole"), [(0.3, 3.45), (0.3, 9.0), (1.0, 5.0), (1.0, 20.0)])
+def test_nor_is_one_that_cogging_drives_back_and_forth(amplitude, pole):
     """Under a soft loop the command follows the axis; but it does work, as no command of the other sign does."""
-    for log in rotary_logs(0, [0.3, 0.3, 1.0, 1.0], [3.45, 9.0, 5.0, 20.0]):
-        assert misreading([log], rotary_model()) is None
+    axis = cogging.AxisParameters(mass=0.005, viscous=0.01, coulomb=0.2, coulomb_width=0.01)
+    model = Model(axis=axis, encoder=cogging.EncoderParameters(resolution=2e-4))
+    gains = dict(zip(("kp", "ki", "kd"), cogging.pid_gains([-pole] * 3, axis.mass), strict=True))
+    machine = model.replace(
+        effects=[effects.CoggingHarmonic(period=2.0 * np.pi / 11, sine=amplitude)],
+        noise=cogging.NoiseParameters(force=0.005, bandwidth=8.0),
+        controller=cogging.PidParameters(sample_rate=500.0, **gains),
+        controller_type="pid",
+    )
+    motion = {
+        "type": "point_to_point",
+        "distance": 3.0,
+        "velocity": 0.5,
+        "acceleration": 5.0,
+        "jerk": 500.0,
+        "dwell": 0.2,
+    }
+    log = cogging.simulate(machine, motion)
+    assert misreading([Log(log.time, log.position, log.command)], model) is None
 
 
 #: What two machines lack and how they move, by seed.
@@ -269,7 +226,7 @@ PLAIN = {59: ("nothing", "strokes"), 45: ("spring", "multisine")}
 
 def judge(kind, case):
     """right, wrong or nothing: the column of the answer, or of one that this log does not tell from it."""
-    found = find(misread(kind, case), case.model)
+    found = find(misread(kind, case), case.nominal)
     if found == "refused":
         return "right"
     if found is None:
