@@ -280,6 +280,7 @@ STRANGE = {
 }
 READ = [(f"{SIMULATE} new.csv", file) for file in ("model.toml", "ref.toml")]
 READ += [("identify log.csv --model model.toml", file) for file in ("model.toml", "log.csv.toml")]
+READ += [("audit other.csv", "other.csv")]
 
 
 @POSIX
