@@ -18,68 +18,31 @@ from fmpy.validation import validate_fmu
 
 import cogging
 from tests.fixtures.plants_by_hand import effect, varied
-from tests.golden.logs import EFFECTS
+from tests.golden.logs import EFFECTS, LOOP, STROKE
 
 TRAVEL = [0.0, 0.5]
-PITCH = 0.04
-
-
-def draw_cogging(rng):
-    """Harmonics of a pitch or free periods, with amplitudes constant or along the travel; or none."""
-    if rng.random() < 0.2:
-        return None
-    order = int(rng.integers(1, 5))
-    points = int(rng.choice([1, order + 12]))
-    knots = {"pitch": PITCH, "order": order, "origin": rng.uniform(-0.02, 0.02), "control_points": points}
-    if rng.random() < 0.5:
-        terms = {"harmonics": sorted(int(h) for h in rng.choice(np.arange(1, 9), size=3, replace=False))}
-    else:
-        terms = {"periods": rng.uniform(0.01, 0.04, 3).tolist()}
-    amplitudes = rng.uniform(-0.1, 0.1, (2, 3, points))
-    return cogging.CoggingModel(cogging.SplineHarmonics(**knots, **terms), *amplitudes)
+MOTION = STROKE | {"start": 0.1, "distance": 0.1}
 
 
 def draw_axis(first, seed):
-    """A model with an effect, some more, and a PID that holds it."""
+    """A model with an effect, some more, cogging periodic or along the travel, and a PID that holds it."""
     rng = np.random.default_rng([seed, *first.encode()])
     alone = {"presliding_friction", "backlash", "flexible_mode", "actuator_lag"}  # each may stand once
     others = rng.choice([name for name in cogging.EFFECTS if name not in alone], size=rng.integers(0, 4))
-    mass, bandwidth = 10 ** rng.uniform(-1.5, 0.5), 2 * np.pi * rng.uniform(10, 20)
-    rate = float(rng.choice([1000.0, 2500.0, 5000.0, rng.uniform(1000, 8000)]))
-    return cogging.Model(
-        axis=cogging.AxisParameters(
-            mass=mass,
-            viscous=rng.uniform(0, 0.5),
-            coulomb=rng.uniform(0, 0.2),
-            coulomb_width=float(rng.choice([0.0, rng.uniform(1e-3, 1e-2)])),
-            travel=TRAVEL,
-        ),
-        cogging=draw_cogging(rng),
+    order = int(rng.integers(1, 5))
+    terms = {"harmonics": [1, 3, 8]} if rng.random() < 0.5 else {"periods": rng.uniform(0.01, 0.04, 3).tolist()}
+    knots = {"order": order, "origin": rng.uniform(-0.02, 0.02), "control_points": int(rng.choice([1, order + 12]))}
+    basis = cogging.SplineHarmonics(pitch=0.04, **knots, **terms)
+    axis = {"mass": rng.uniform(0.25, 0.35), "viscous": rng.uniform(0.0, 2.0), "coulomb": rng.uniform(0.0, 0.6)}
+    axis |= {"coulomb_width": rng.choice([0.0, 5e-3]), "travel": TRAVEL}
+    rate = {"sample_rate": rng.choice([1000.0, 2500.0, 5000.0, rng.uniform(1000.0, 8000.0)])}
+    model = cogging.Model.from_dict(LOOP | {"axis": axis, "controller": LOOP["controller"] | rate})
+    return model.replace(
+        cogging=cogging.CoggingModel(basis, *rng.uniform(-0.1, 0.1, (2, 3, knots["control_points"]))),
         effects=[varied(effect(name, **EFFECTS[name]), rng) for name in (first, *others)],
-        encoder=cogging.EncoderParameters(
-            resolution=float(rng.choice([0.0, 0.5e-6, 5e-6])), noise=float(rng.choice([0.0, 2e-7]))
-        ),
-        noise=cogging.NoiseParameters(force=float(rng.choice([0.0, 0.02])), bandwidth=rng.uniform(20, 200)),
-        controller=cogging.PidParameters(
-            sample_rate=rate, kp=mass * bandwidth**2, ki=0.2 * mass * bandwidth**3, kd=1.4 * mass * bandwidth, mass=mass
-        ),
-        controller_type="pid",
+        encoder=model.encoder.replace(resolution=rng.choice([0.0, 5e-6])),
+        noise=model.noise.replace(force=rng.choice([0.0, 0.02])),
         steps_per_sample=int(rng.integers(1, 4)),
-    )
-
-
-def draw_motion(seed):
-    """A move within the travel, of half a second at most."""
-    rng = np.random.default_rng(seed)
-    return cogging.PointToPoint(
-        cogging.PointToPointParameters(
-            start=rng.uniform(0.1, 0.2),
-            distance=rng.uniform(0.02, 0.1),
-            velocity=rng.uniform(0.1, 0.4),
-            acceleration=rng.uniform(2, 8),
-            jerk=rng.uniform(200, 1000),
-            dwell=0.05,
-        )
     )
 
 
@@ -148,7 +111,7 @@ class Unit:
 def simulated(effect, seed):
     """A drawn model, its log, and what of it a unit gives, (n, 3)."""
     model = draw_axis(effect, seed)
-    log = cogging.simulate(model, draw_motion(seed), seed=seed)
+    log = cogging.simulate(model, MOTION, seed=seed)
     assert np.ptp(log.true_position) > 0.01
     return model, log, np.column_stack([log.position, log.true_position, log.true_velocity])
 
