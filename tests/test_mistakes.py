@@ -1,7 +1,6 @@
-"""Mistakes: another type, a mistyped name in a file, an option or a call. One line says what was meant."""
+"""Mistakes: another type, a mistyped name. One line says what was meant; of commands: cli/test_refused_calls.py."""
 
 import argparse
-import contextlib
 import copy
 import inspect
 import sys
@@ -11,9 +10,7 @@ import pytest
 
 import cogging
 from cogging.cli import completion
-from cogging.cli.main import main
 from cogging.datasets import emps, laas, odrive
-from cogging.outputs import to_toml
 from cogging.shown import nearest_name
 from tests.fixtures.examples import EXAMPLES, LOG, MODEL, MOVE, PLANT
 
@@ -111,15 +108,12 @@ def mistyped(name):
     return name[:2] + name[3:]
 
 
-def assert_said(text, meant):
-    assert "\n" not in text
-    assert f"did you mean {meant}?" in text or f"(did you mean '{meant}'?)" in text, text
-
-
 def assert_meant(call, meant):
     with pytest.raises((ValueError, TypeError, KeyError)) as refused:
         call()
-    assert_said(str(refused.value), meant)
+    text = str(refused.value)
+    assert "\n" not in text
+    assert f"did you mean {meant}?" in text or f"(did you mean '{meant}'?)" in text, text
 
 
 def test_a_mistyped_argument_of_any_class_or_function():
@@ -170,41 +164,6 @@ CALLS = {
 @pytest.mark.parametrize("meant", CALLS)
 def test_a_mistyped_name_in_python(meant):
     assert_meant(CALLS[meant], meant.partition(" ")[0])
-
-
-@pytest.mark.parametrize(
-    ("words", "meant"),
-    [
-        ("dignose log.csv", "diagnose"),
-        ("help dignose", "diagnose"),
-        ("audit log.csv --cloumns x", "--columns"),
-        ("simulate model.toml --reference ref.toml --out x --sed 1", "--seed"),
-        ("audit log.csv --columns positon=x", "position"),
-        ("audit log.csv --scale comand=2", "command"),
-        ("audit log.csv --columns position=postion", "position"),
-        ("audit log.csv --scale log.cvs:command=2", "log.csv"),
-        ("identify log.csv --model model.toml --free axis.mas", "axis.mass"),
-        ("simulate model.toml --reference reference.toml --out x.csv", "frequency"),
-        ("experiment --model model.toml --limits limits.toml --out x.toml", "acceleration"),
-        ("sweep sweep.toml --out x.parquet", "vary"),
-    ],
-)
-def test_a_mistyped_name_on_the_command_line(words, meant, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    LOG.write("log.csv")
-    MODEL.write("model.toml")
-    files = {
-        "reference.toml": {**SINE_MOTION, "frequncy": 1.0},
-        "limits.toml": {**LIMITS, "acceleraton": 1.0},
-        "sweep.toml": {"model": "model.toml", "reference": "reference.toml", "vari": {"axis.mass": [1.0, 2.0]}},
-    }
-    for name, document in files.items():
-        (tmp_path / name).write_text(to_toml(document))
-    before = sorted(tmp_path.iterdir())
-    with contextlib.suppress(SystemExit):
-        assert main(words.split()) == 2
-    assert_said(capsys.readouterr().err.removesuffix("\n"), meant)
-    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_another_word_is_not_guessed_at():

@@ -8,7 +8,6 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
-from cogging.outputs import to_toml
 from tests.fixtures.command_files import LIMITS
 
 CALL = ["experiment", "--model", "model.toml", "--limits", "limits.toml", "--out", "next.toml"]
@@ -30,24 +29,6 @@ def test_from_a_result_to_a_motion_and_to_another(folder, capsys):
     assert main([*CALL, "--result", "result.json", "--logs", "new.csv", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["goal"] == "separate"
     assert (folder / "next.csv").read_text() != first
-
-
-@pytest.mark.parametrize(
-    ("file", "text", "said"),
-    [
-        ("limits.toml", to_toml(LIMITS | {"velocity": -1}), "line 1: velocity: must be a number above 0"),
-        ("limits.toml", to_toml(LIMITS | {"travel": [0.0, 9.0]}), "line 6: travel: must be inside the model's"),
-        ("result.json", "{", "must be the result of diagnose --json (JSON): "),
-        ("result.json", "{}", "must be the result of diagnose --json, got no verdict and effects"),
-    ],
-)
-def test_invalid_input_is_one_line(file, text, said, folder, capsys):
-    (folder / file).write_text(text)
-    assert main([*CALL, "--result", "result.json"]) == 2
-    answer = capsys.readouterr().err
-    assert answer.startswith(f"cogging: {file}: {said}"), answer
-    assert answer.count("\n") == 1
-    assert not list(folder.glob("next*"))
 
 
 def test_missing_limits_are_drafted(folder, capsys):

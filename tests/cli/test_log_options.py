@@ -1,6 +1,5 @@
 """Each log of a call may have its own columns, scale, zero and rows."""
 
-import contextlib
 import json
 import random
 
@@ -49,23 +48,3 @@ def test_options_add_up_in_every_order_and_those_of_a_file_override_those_of_all
         found = json.loads((folder / "found.json").read_text())
         for one, rows in zip(found, (slice(50), slice(10, 900), slice(5, None)), strict=True):
             assert_equal_but_for_rounding(one, rows)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("audit a.csv --scale d.csv:command=2", "'d.csv': must be a file of this call, a.csv"),
-        ("audit a.csv --rows d.csv:0:10", "must be a file of this call"),
-        ("audit a.csv --zero velocity=2", "'velocity': must be a column of a.csv, time, position, command"),
-        ("audit a.csv --rows a.csv:1", "rows"),
-        ("audit a.csv --rows 7", "rows"),
-        ("audit a.csv --zero position=inf", "zero"),
-        ("map scan.csv --pitch 0.05 --zero other.csv:position=1", "must be a file of this call, scan.csv"),
-    ],
-)
-def test_an_option_that_fits_no_log_is_one_line(folder, words, message, capsys):
-    with contextlib.suppress(SystemExit):
-        assert main(words.split()) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert message in error

@@ -119,21 +119,6 @@ def test_an_output_is_a_file(case, make, folder, capsys):
     refused([*call.split(), option, output], capsys, output)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (f"{SIMULATE} model", "its sidecar: model.toml: must not be"),
-        (f"{SIMULATE} ref", "its sidecar: ref.toml: must not be"),
-        ("map scan.csv --pitch 0.05 --out o.png", "--out, its figure: must be different files"),
-        ("map log.png --pitch 0.05 --out log.toml", "its figure: log.png: must not be a file that is"),
-        ("reproduce lu2008 --out scan.csv/deep", "cannot be made"),
-    ],
-)
-def test_what_is_written_beside_an_output_is_checked_too(call, message, folder, capsys):
-    shutil.copy("scan.csv", "log.png")
-    refused(call.split(), capsys, message)
-
-
 def test_a_sidecar_replaces_only_a_sidecar(folder):
     """The model `machine.toml` does not belong to the log `machine`."""
     shutil.copy("model.toml", "machine.toml")
