@@ -3,18 +3,14 @@
 import json
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from cogging.files import parse_toml
 
 ROOT = Path(__file__).resolve().parents[1]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = parse_toml((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 TEXT = (ROOT / "THIRD_PARTY.md").read_text(encoding="utf-8")
 #: Of whoever installs cogging for use; those of its tests and its site are not listed one by one.
 OF_USERS = [name for name in PROJECT["project"]["optional-dependencies"] if name not in ("test", "docs", "lint", "all")]

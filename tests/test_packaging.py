@@ -5,22 +5,16 @@ import gzip
 import re
 import runpy
 import subprocess
-import sys
 import tarfile
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from cogging.files import parse_toml
 
 ROOT = Path(__file__).resolve().parents[1]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-
-
+PROJECT = parse_toml((ROOT / "pyproject.toml").read_text())
 WHEELS = SimpleNamespace(**runpy.run_path(str(ROOT / "packaging" / "build_wheels.py")))
 
 

@@ -54,15 +54,10 @@ def plain_model(model, x, derivative=False):
 @pytest.mark.parametrize("order", [*range(1, 5), 7, 16])
 def test_design_matrix_is_scipys_and_the_printed_recursion(order, origin, pitch):
     for control_points in {max(order, 2), order + 1, order + 10}:
-        spline = cogging.BSpline(order=order, origin=origin, pitch=pitch, control_points=control_points)
-        t = knots(order, origin, pitch, control_points)
+        fields = {"order": order, "origin": origin, "pitch": pitch, "control_points": control_points}
+        spline, t = cogging.BSpline(**fields), knots(**fields)
         end = t[control_points]
-        assert (spline.order, spline.origin, spline.pitch, spline.control_points) == (
-            order,
-            origin,
-            pitch,
-            control_points,
-        )
+        assert {name: getattr(spline, name) for name in fields} == fields
         assert spline.end == pytest.approx(end, rel=1e-15, abs=1e-15)
         # Order 1 jumps at its knots: which side a rounded knot lies on is not the spline's affair.
         x = np.random.default_rng(order).uniform(origin, end, 500)

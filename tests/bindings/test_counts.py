@@ -67,13 +67,10 @@ def test_a_count_of_more_than_32_bits_is_refused_by_name():
 
 
 def test_a_matrix_that_cannot_be_allocated_is_one_error():
-    positions = np.zeros(10**6)
-    for make in (
-        BSpline(order=1, origin=0.0, pitch=1.0, control_points=INT_MAX).design_matrix,
-        basis(5, 10**6).regressor,
-    ):
+    spline = BSpline(order=1, origin=0.0, pitch=1.0, control_points=INT_MAX)
+    for make in (spline.design_matrix, basis(5, 10**6).regressor):
         with pytest.raises(MemoryError, match="more memory was asked for than there is"):
-            make(positions)
+            make(np.zeros(10**6))
 
 
 @pytest.mark.parametrize("kind", [cogging.Arc, cogging.Dcarc])

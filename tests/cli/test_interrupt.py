@@ -33,13 +33,12 @@ SINE = cogging.Sine(cogging.SineParameters(center=0.25, amplitude=0.1, frequency
 TIME = np.arange(300_000) * 2e-4
 
 
-def run(duration=40.0, steps=200, **options):
-    return cogging.closed_loop(PLANT, cogging.Pid(PID), SINE, duration=duration, steps_per_sample=steps, **options)
+LONG = {"duration": 40.0, "steps_per_sample": 200}
 
 
 def batch(count, threads=1, width=0.0):
-    plants, options = [cogging.Plant(AXIS.replace(coulomb_width=width))] * count, {"steps_per_sample": 200}
-    cogging.closed_loop_batch(plants, [cogging.Pid(PID)] * count, SINE, duration=40.0, threads=threads, **options)
+    plants = [cogging.Plant(AXIS.replace(coulomb_width=width))] * count
+    cogging.closed_loop_batch(plants, [cogging.Pid(PID)] * count, SINE, threads=threads, **LONG)
 
 
 def sweep_on_threads():
@@ -48,18 +47,13 @@ def sweep_on_threads():
         cogging.sweep(model, SINE, {"axis.mass": {"from": 0.11, "to": 0.13, "points": 8}}, duration=40.0, executor=pool)
 
 
-def predict_along_a_log():
-    log = TIME, 0.25 + 0.1 * np.sin(TIME), np.cos(TIME)
-    _core.Predictor(*log, steps_per_sample=200).predict(PLANT)
-
-
 #: Each runs for seconds if nothing ends it.
 LOOPS = {
-    "one run": run,
+    "one run": lambda: cogging.closed_loop(PLANT, cogging.Pid(PID), SINE, **LONG),
     "a batch whose first thread ends first": lambda: batch(3, 2),
     "a batch in lanes": lambda: batch(16, width=0.01),
     "a sweep on the threads of an executor": sweep_on_threads,
-    "one prediction": predict_along_a_log,
+    "one prediction": lambda: _core.Predictor(TIME, 0.1 * np.sin(TIME), TIME, steps_per_sample=200).predict(PLANT),
     "an autoregression": lambda: _core.autoregression(np.cos(TIME), np.ones(TIME.size), order=74_000),
     "a filter": lambda: _core.whiten(np.cos(TIME)[None, :], list(np.full(100_000, 1e-9))),
 }
@@ -135,13 +129,6 @@ def start(folder, call):
     return subprocess.Popen([sys.executable, *call], cwd=folder, env=environment, **streams)
 
 
-def wait_until(holds, process):
-    """Wait until holds() is true while the process runs."""
-    while process.poll() is None and not (found := holds()):
-        time.sleep(0.001)
-    return process.poll() is None and found
-
-
 def end(process, number):
     """Send a signal; return the status, standard error and the seconds until the end."""
     sent = time.perf_counter()
@@ -174,7 +161,8 @@ def test_the_command_answers_a_signal_in_one_line_and_leaves_whole_files(call, n
     for _ in range(TRIES):
         out.mkdir()
         process = start(folder, call)
-        wait_until(lambda: is_ready(out), process)
+        while process.poll() is None and not is_ready(out):
+            time.sleep(0.001)
         status, error, took = end(process, number)
         # done in that moment; after its answer Python restores its handlers as it ends
         is_done = status == 0 or (status == -number and process.answer and not error)

@@ -16,6 +16,7 @@ from cogging.cli.main import COMMANDS, main
 from cogging.cli.next_command import command_line
 from tests.fixtures import command_files
 from tests.fixtures.command_files import examples_of
+from tests.fixtures.drawn_results import drawn_result
 from tests.fixtures.hostile_calls import NAMES
 
 # On Windows bash may be one that runs nothing: that of a Linux that is not installed.
@@ -29,23 +30,15 @@ OWN = {"OTHER_LOG.csv": "other.csv", "NEW_LOG.csv": "log.csv", "LOG.csv": "log.c
 OWN |= {f"{name.upper()}.toml": f"{name}.toml" for name in ("model", "ref", "limits", "tune")}
 
 
-@pytest.fixture(scope="module")
-def unmeasured():
-    """A diagnosis of a log in which nothing moves for long."""
-    log = cogging.simulate(command_files.model(), command_files.REFERENCE)
-    short = cogging.Log(log.time[:600], log.position[:600], log.command[:600])
-    return cogging.diagnose(short, command_files.model())
-
-
 @pytest.fixture
-def diagnosed(monkeypatch, unmeasured):
+def diagnosed(monkeypatch):
     """Give the command a result in place of a diagnosis, and see what it has read."""
-    seen = []
+    seen, drawn = [], drawn_result(np.random.default_rng(0), "insufficient_excitation")
 
     def answer(**changes):
         def diagnose(logs, model, **options):
             seen.append((logs, options))
-            return dataclasses.replace(unmeasured, **{"model": model, **changes})
+            return dataclasses.replace(drawn, **{"model": model, **changes})
 
         monkeypatch.setattr(cogging.diagnosis.diagnosis, "diagnose", diagnose)
         return seen

@@ -37,11 +37,10 @@ def settings(monkeypatch, tmp_path):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.chdir(tmp_path)
-    steps = ["step"] * paper.STEPS
 
     def reproduce(done):
-        for step in steps:
-            done(step)
+        for _ in range(paper.STEPS):
+            done("step")
             time.sleep(5e-3)
         return Reproduction("a", [], {})
 

@@ -165,12 +165,9 @@ def test_the_frozen_observer_has_the_certified_gain(design):
     for velocity in (0.1, 0.23, 0.4):
         a = np.zeros((2 * n + 3, 2 * n + 3))
         a[0, 1], a[1, 1], a[1, 2] = 1.0, -1.0, 1.0
-        for i, period in enumerate(PERIODS):
-            a[1, 3 + 2 * i] = 1.0
-            a[3 + 2 * i, 4 + 2 * i], a[4 + 2 * i, 3 + 2 * i] = (
-                2 * np.pi * velocity / period,
-                -2 * np.pi * velocity / period,
-            )
+        for row, period in zip(range(3, 2 * n + 3, 2), PERIODS, strict=True):
+            a[1, row] = 1.0
+            a[row, row + 1], a[row + 1, row] = 2 * np.pi * velocity / period * np.array([1.0, -1.0])
         a[:, 0] -= design.observer_gain
         c_o = np.array([0.0, design.velocity_gain, 1.0] + [1.0, 0.0] * n)
         b_o = np.eye(2 * n + 3)[:, 3:]

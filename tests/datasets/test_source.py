@@ -165,12 +165,7 @@ BROKEN = [
         "column Velocity: must be",
     ),
     (STEADY, "", tro2021.steady_speeds, "must have a row of units"),
-    (
-        STEADY,
-        "ms;rpm;%\n0;1;2\n40;one;2\n",
-        tro2021.steady_speeds,
-        "line 3: must be three finite numbers, got '40",
-    ),
+    (STEADY, "ms;rpm;%\n0;1;2\n40;one;2\n", tro2021.steady_speeds, "line 3: must be three finite numbers, got '40"),
     (STEADY, "ms;rpm;%\n0;1;2\n40;1;2\n", tro2021.steady_speeds, "rows: must be more than 20, got 2"),
 ]
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import EFFECTS, AxisParameters, CoggingModel, Log, Model, NoiseParameters, SplineHarmonics, identify
+from cogging import EFFECTS, CoggingModel, Log, Model, NoiseParameters, SplineHarmonics, identify
 from cogging.cli.main import main
+from tests.fixtures import moving_axis
 from tests.fixtures.identify_coverage import moves
 
 RATE = 500.0
@@ -13,17 +14,10 @@ RATE = 500.0
 
 def machine(*effects, width=1e-3, noise=0.02, tables=None, rate=RATE, **axis):
     """An axis of 2 V/(m/s^2) with friction, its PID, a quantised encoder and coloured noise."""
-    values = {"mass": 2.0, "viscous": 6.0, "coulomb": 2.0, "coulomb_width": width} | axis
-    kp, ki, kd = cogging.pid_gains([-80.0] * 3, 2.0)
-    return Model(
-        axis=AxisParameters(**values),
-        cogging=tables,
-        effects=effects,
-        encoder=cogging.EncoderParameters(resolution=1e-7),
-        noise=NoiseParameters(force=noise, bandwidth=50.0),
-        controller=cogging.PidParameters(sample_rate=rate, kp=kp, ki=ki, kd=kd),
-        controller_type="pid",
-    )
+    made = moving_axis.machine(effects, noise)
+    values = {"viscous": 6.0, "coulomb": 2.0, "coulomb_width": width} | axis
+    controller = made.controller.replace(sample_rate=rate)
+    return made.replace(axis=made.axis.replace(**values), cogging=tables, controller=controller, uncertainty={})
 
 
 def prior_of(truth, **changes):

@@ -329,10 +329,7 @@ FAILURES = [
     ("bytearray(1 << 46)", "asks for more memory than there is"),
     ("raise RuntimeError('two\\nlines')", "got RuntimeError: two lines"),
     ("raise OSError(28, 'No space left')", "cannot be read: no room for temporary files: No space left"),
-    (
-        "raise ModuleNotFoundError('no', name='h5py')",
-        "needs h5py to read a MATLAB file: pip install 'cogging[matlab]'",
-    ),
+    ("raise ModuleNotFoundError('no', name='h5py')", "needs h5py to read a MATLAB file: pip install 'cogging[matlab]'"),
 ]
 
 

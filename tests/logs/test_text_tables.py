@@ -101,14 +101,10 @@ def test_numbers_are_read_to_the_last_bit_wherever_a_block_ends(tmp_path, monkey
         np.testing.assert_array_equal(few.position, values[100:200])
 
 
-@pytest.mark.parametrize(
-    ("name", "label", "place"),
-    [
-        ("position", "POSITION", 0),
-        ("time", "Time [s]", 4),
-        ("reference", "Reference", 0),
-    ],
-)
+NEARLY = [("position", "POSITION", 0), ("time", "Time [s]", 4), ("reference", "Reference", 0)]
+
+
+@pytest.mark.parametrize(("name", "label", "place"), NEARLY)
 def test_a_column_beside_one_of_nearly_its_name_is_asked_about(name, label, place, tmp_path):
     labels, rows = [*NAMES, "reference"], [[*row, row[1]] for row in ROWS]
     for row, added in zip([labels, *rows], [label, *(repr(1000.0 * k) for k in range(30))], strict=True):

@@ -9,6 +9,7 @@ from cogging.model.model import CONTROLLERS
 from tests.fixtures.log_columns import columns_of
 from tests.fixtures.plants_by_hand import EXAMPLES, example, varied
 from tests.golden.logs import CONTROLLERS as FIELDS
+from tests.simulation.test_simulation import assert_same_bits
 
 SETS = ["none", *_core.instruction_sets()]
 MASS = 0.12
@@ -76,10 +77,7 @@ def assert_same(batch, alone):
     for i, expected in enumerate(alone):
         if i in reasons:
             continue
-        one, other = columns_of(batch[i]), columns_of(expected)
-        assert one.keys() == other.keys()
-        for name in one:
-            assert one[name].tobytes() == other[name].tobytes(), (i, name)
+        assert_same_bits(batch[i], expected)
 
 
 @pytest.mark.parametrize(("kind", "seed"), [(kind, seed) for seed in range(2) for kind in CONTROLLERS])

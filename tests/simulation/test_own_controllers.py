@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 
 import cogging
+from tests.fixtures import pid_axis
 from tests.fixtures.log_columns import columns_of
 
 RATE = 5000.0
-AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1.11e-3, travel=[0.0, 0.51])
-ENCODER = cogging.EncoderParameters(resolution=0.5e-6, noise=2e-7)
-NOISE = cogging.NoiseParameters(force=0.01, bandwidth=50.0)
-MODEL = cogging.Model(axis=AXIS, encoder=ENCODER, noise=NOISE)
+MODEL = pid_axis.MODEL.replace(controller=None, controller_type=None, uncertainty={})
+MODEL = MODEL.replace(encoder=MODEL.encoder.replace(noise=2e-7))
 PLANT = MODEL.plant()
 MOVE = cogging.PointToPoint(
     cogging.PointToPointParameters(start=0.05, distance=0.2, velocity=0.5, acceleration=10.0, jerk=1000.0)
