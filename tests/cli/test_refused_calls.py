@@ -1,7 +1,5 @@
 """Calls that are refused: each in one line that says what was meant, and nothing is written."""
 
-from pathlib import Path
-
 import pytest
 
 from cogging.cli.main import COMMANDS, main
@@ -65,20 +63,11 @@ CALLS = [
 
 
 @pytest.mark.parametrize("case", CALLS, ids=lambda case: f"{case[0][:60]}: {case[1][:40]}")
-def test_a_refused_call_is_one_line_and_writes_nothing(case, folder, capsys):
+def test_a_refused_call_is_one_line_and_writes_nothing(case, folder, refused):
     words, message, *changed = case
     for name, text in (changed[0] if changed else {}).items():
         (folder / name).write_text(text)
-    before = {path: path.read_bytes() for path in Path().iterdir()}
-    try:
-        status = main(words.split())
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
-    out, error = capsys.readouterr()
-    assert (out, error[:7], error.count("\n")) == ("", "cogging", 1)
-    assert message in error
-    assert {path: path.read_bytes() for path in Path().iterdir()} == before
+    refused(words.split(), message)
 
 
 def test_the_commands_are_listed_by_help_and_without_a_command(capsys):
