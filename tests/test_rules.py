@@ -61,28 +61,22 @@ PLAIN = {
     "FlexibleMode": ("", "damping_ratio"),
 }
 #: What further rules say, what they refuse, and of which numbers.
+INFINITE = "PointToPointParameters.jerk CommandSaturation.limit PreslidingFriction.stiffness FlexibleMode.frequency"
+POLES = "OutputFeedbackArcParameters.observer_gain_1 OutputFeedbackArcParameters.observer_gain_2"
 FURTHER = [
     ("must be finite and not 0", (0.0, NAN, INF), "PointToPointParameters.distance"),
-    ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "PointToPointParameters.jerk"),
-    ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "CommandSaturation.limit"),
-    ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "PreslidingFriction.stiffness"),
-    ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), "FlexibleMode.frequency"),
-    ("must be at least 0 and below 1", (-1.0, 1.0, NAN), "Backlash.mass_ratio"),
-    ("must be at least 0 and below 1", (-1.0, 1.0, NAN), "FlexibleMode.mass_ratio"),
+    ("must be above 0 (infinite = none)", (0.0, -1.0, NAN), INFINITE),
+    ("must be at least 0 and below 1", (-1.0, 1.0, NAN), "Backlash.mass_ratio FlexibleMode.mass_ratio"),
     ("must be above start = 0", (0.0, -1.0, NAN), "DisturbanceStep.stop"),
     ("must be 0 to 61 samples", (-1.0, 1.0, NAN), "ObserverBasedParameters.delay"),
-    ("must be above 0, or A_0 is not stable", (0.0, -1.0, NAN), "OutputFeedbackArcParameters.observer_gain_1"),
-    ("must be above 0, or A_0 is not stable", (0.0, -1.0, NAN), "OutputFeedbackArcParameters.observer_gain_2"),
-    ("must lie within mass_bounds [0.1, 0.2]", (0.0, 0.3, NAN), "AdaptiveRobustParameters.mass"),
-    ("must lie within viscous_bounds [0, 1]", (-1.0, 2.0, NAN), "AdaptiveRobustParameters.viscous"),
-    ("must lie within coulomb_bounds [0, 1]", (-1.0, 2.0, NAN), "AdaptiveRobustParameters.coulomb"),
-    ("must lie within disturbance_bounds [-1, 1]", (-2.0, 2.0, NAN), "AdaptiveRobustParameters.disturbance"),
+    ("must be above 0, or A_0 is not stable", (0.0, -1.0, NAN), POLES),
 ]
+for name, low, high in (("mass", 0.1, 0.2), ("viscous", 0, 1), ("coulomb", 0, 1), ("disturbance", -1, 1)):
+    rule = f"must lie within {name}_bounds [{low}, {high}]"
+    FURTHER.append((rule, (low - 1.0, high + 1.0, NAN), f"AdaptiveRobustParameters.{name}"))
 RULE_OF = {f"{name}.{field}": POSITIVE for name, fields in PLAIN.items() for field in fields[0].split()}
 RULE_OF |= {f"{name}.{field}": NOT_NEGATIVE for name, fields in PLAIN.items() for field in fields[1].split()}
-RULE_OF |= {path: (rule, refused) for rule, refused, path in FURTHER}
-
-
+RULE_OF |= {path: (rule, refused) for rule, refused, paths in FURTHER for path in paths.split()}
 assert set(RULE_OF) <= NUMBERS
 
 

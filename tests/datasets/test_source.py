@@ -63,35 +63,31 @@ def test_the_folder_of_the_set_that_of_all_and_the_variable_are_the_same(data, m
     assert all(path.is_file() for path in direct.values())
 
 
-HEADERS = {
-    "stopped_data": "Time, Position, Velocity, Iq, Uq, Vsupply, Error Position",
-    "acc_current": "Time, Position, Velocity, Iq, Uq, Vsupply",
-    "speed_test1": "Time, Position, Velocity, Reference Velocity, Iq, Function Activated",
-}
-CLONE = {
-    "stopped_data": "codes/Stopped/stopped_data",
-    "acc_current": "codes/acceleration_data",
-    "speed_test1": "codes/Get_Data",
+#: Of each file its place in a clone and its header.
+FILES = {
+    "stopped_data": ("codes/Stopped/stopped_data", "Time, Position, Velocity, Iq, Uq, Vsupply, Error Position"),
+    "acc_current": ("codes/acceleration_data", "Time, Position, Velocity, Iq, Uq, Vsupply"),
+    "speed_test1": ("codes/Get_Data", "Time, Position, Velocity, Reference Velocity, Iq, Function Activated"),
 }
 LAAS = {"time": "Time", "position": "Position", "velocity": "Velocity", "current": "Iq"}
 
 
 def write_laas(path, name, rng):
     """A file with the header of theirs and drawn rows: the table by column."""
-    columns = HEADERS[name].split(", ")
+    columns = FILES[name][1].split(", ")
     table = rng.normal(size=(40, len(columns))).round(5)
     table[:, 0] = np.cumsum(rng.uniform(2e-4, 9e-3, 40)).round(5)
     if name == "speed_test1":
         table[:, -1] = np.arange(40) % 2
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n".join([HEADERS[name], *(", ".join(map(str, row)) for row in table)]) + "\n")
+    path.write_text("\n".join([FILES[name][1], *(", ".join(map(str, row)) for row in table)]) + "\n")
     return dict(zip(columns, table.T, strict=True))
 
 
 @pytest.mark.parametrize("where", ["named", "clone"])
 def test_laas_columns_and_rows_with_and_without_the_compensation(tmp_path, where):
     for name in laas.FILES:
-        place = tmp_path / ("laas" if where == "named" else CLONE[name]) / f"{name}.txt"
+        place = tmp_path / ("laas" if where == "named" else FILES[name][0]) / f"{name}.txt"
         table = write_laas(place, name, np.random.default_rng(0))
         on = table.get("Function Activated", np.zeros(40)) == 1
         for is_on in {False, bool(on.any())}:

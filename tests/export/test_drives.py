@@ -353,6 +353,3 @@ def test_the_command_takes_what_map_wrote(tmp_path, monkeypatch, capsys):
     exported = cogging.export.to("map.toml", "moteus", turn=360.0, scale=2.5)
     assert (tmp_path / "table.cfg").read_bytes() == exported.content
     assert (tmp_path / "table.cfg.txt").read_bytes() == exported.beside[".txt"]
-    machine = Machine(None, 360.0, 7, 360.0, {"zero": 0.0, "reverse": False, "sign": 1, "scale": 2.5})
-    left = force - machine.feedforward(moteus(exported, machine), x)
-    assert 0.003 < rms(left) < 0.005

@@ -165,8 +165,9 @@ def test_a_residual_in_bins_is_the_mean_of_its_rows():
     assert in_si(panel.get_ylabel(), panel.lines[1].get_ydata()) == pytest.approx(0.3 * place, abs=0.01)
 
 
-def gap_of(given, before, after, floor):
-    return Gap("V", floor, before, after, None, None, "command", given=given)
+def diagnosis_of(steps, before, after, floor, given=None):
+    gap = Gap("V", floor, before, after, None, None, "command", given=given)
+    return cogging.Diagnosis("named", (), None, gap, None, MODEL, MODEL, ledger=tuple(steps))
 
 
 def step(name, before, after, accepted=True):
@@ -178,9 +179,7 @@ def test_shares_of_a_ledger_add_up_and_are_drawn_end_to_end(given):
     sizes = np.array([0.9, 0.7, 0.72, 0.4])  # with the second effect the gap rose
     steps = [step(f"effect_{k}", *pair) for k, pair in enumerate(itertools.pairwise(sizes))]
     steps.insert(2, step("refused", None, None, accepted=False))
-    gap = gap_of(given, sizes[0], 0.9 * sizes[-1], 0.05)
-    found = cogging.Diagnosis("named", (), None, gap, None, MODEL, MODEL, ledger=tuple(steps))
-    ax = cogging.plot.ledger(found)
+    ax = cogging.plot.ledger(diagnosis_of(steps, sizes[0], 0.9 * sizes[-1], 0.05, given))
     names = [text.get_text() for text in ax.get_yticklabels()]
     widths = {name: bar.get_width() for name, bar in zip(names, ax.patches, strict=True)}
     whole = (given or sizes[0]) ** 2
@@ -247,31 +246,23 @@ def test_predictions_and_trade_off():
 
 # What holds for all ---------------------------------------------------------------------------------------------------
 
+#: The arguments of each, made when they are asked for.
+LEARNED = cogging.Log(LOG.time, LOG.position, LOG.command, estimates=LOG.position[:, None])
 PICTURES = {
-    "log": (LOG, "command"),
-    "error": (LOG,),
-    "cogging_map": (MODEL,),
-    "spectrum": ([1.0, 2.0], [1e-6, 2e-6]),
-    "residual": (LOG.position, LOG.command, "position"),
-    "friction_curve": (MODEL,),
+    "log": lambda: (LOG, "command"),
+    "error": lambda: (LOG,),
+    "cogging_map": lambda: (MODEL,),
+    "spectrum": lambda: ([1.0, 2.0], [1e-6, 2e-6]),
+    "residual": lambda: (LOG.position, LOG.command, "position"),
+    "friction_curve": lambda: (MODEL,),
     "intervals": lambda: (EXAMPLES["Identification"],),
     "sweep": lambda: (EXAMPLES["SweepRuns"],),
     "prediction": lambda: (EXAMPLES["ErrorPrediction"],),
     "trade_off": lambda: (EXAMPLES["Tuning"],),
-    "adaptation": (
-        cogging.Log(LOG.time, LOG.position, LOG.command, estimates=LOG.position[:, None]), [(0.0, 1.0)],
-    ),
-    "ledger": (
-        cogging.Diagnosis("named", (), None, gap_of(None, 1.0, 0.5, 0.1), None, MODEL, MODEL,
-                          ledger=(step("cable_spring", 1.0, 0.5),)),
-    ),
-}  # fmt: skip
+    "adaptation": lambda: (LEARNED, [(0.0, 1.0)]),
+    "ledger": lambda: (diagnosis_of([step("cable_spring", 1.0, 0.5)], 1.0, 0.5, 0.1),),
+}
 EVERY = pytest.mark.parametrize("name", cogging.plot.__all__)
-
-
-def given(name):
-    """The arguments of one picture; some are computed when they are first asked for."""
-    return PICTURES[name]() if callable(PICTURES[name]) else PICTURES[name]
 
 
 @EVERY
@@ -279,11 +270,11 @@ def test_axes_are_taken_and_returned(name):
     function = getattr(cogging.plot, name)
     axes = Figure().subplots(2)[1]
     axes.plot([0.0], [0.0], label="my own")
-    found = function(*given(name), ax=axes)
+    found = function(*PICTURES[name](), ax=axes)
     assert axes in np.atleast_1d(np.asarray(list(found) if hasattr(found, "__len__") else found, dtype=object))
     assert axes.lines[0].get_label() == "my own"
     assert axes.get_xlabel()
-    found = function(*given(name))
+    found = function(*PICTURES[name]())
     assert found._repr_png_().startswith(b"\x89PNG")
 
 
@@ -291,14 +282,14 @@ def test_axes_are_taken_and_returned(name):
 def test_mistakes_are_told_in_one_line(name):
     function = getattr(cogging.plot, name)
     with pytest.raises(TypeError, match=r"ax: must be axes of matplotlib, as plt\.subplots\(\) gives them, got"):
-        function(*given(name), ax="here")
+        function(*PICTURES[name](), ax="here")
     with pytest.raises(TypeError, match=rf"{name}: axs: is not an argument; did you mean ax\?"):
-        function(*given(name), axs=None)
+        function(*PICTURES[name](), axs=None)
     if name != "ledger":
         with pytest.raises(TypeError, match=r"units: must be cogging\.Units\(.*\), got 'A'"):
-            function(*given(name), units="A")
+            function(*PICTURES[name](), units="A")
     with pytest.raises((TypeError, ValueError), match=r"^\w+: must (be|name|have)[^\n]*$"):
-        function(object(), *given(name)[1:])
+        function(object(), *PICTURES[name]()[1:])
 
 
 FURTHER = [
