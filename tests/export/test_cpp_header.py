@@ -22,28 +22,24 @@ def draw_parameters(kind, rng):
     """Parameters of a listed controller: those of the golden log, each field drawn and kept where the rules allow."""
     parameters = CONTROLLERS[kind][0](**USUAL.get(kind, {}))
     for name, value in parameters.to_dict().items():
-        factors = 10 ** rng.uniform(-0.4, 0.4, 2 if name.endswith("_bounds") else 1)
+        factor, ends = 10 ** rng.uniform(-0.4, 0.4), 10 ** rng.uniform(0.0, 0.4, 2)
         if name in WORDS:
             drawn = str(rng.choice(WORDS[name]))
         elif name == "cogging_harmonics":
             drawn = sorted(int(h) for h in rng.choice(range(*COUNTS[name]), rng.integers(0, 6), replace=False))
         elif name in COUNTS:
             drawn = int(rng.integers(*COUNTS[name]))
-        elif name == "command_limit":
-            drawn = float(rng.choice([0.0, 3.0 * factors[0]]))
         elif name == "cogging_estimates":
             count = 2 * len(parameters.cogging_harmonics) * parameters.cogging_control_points
             drawn = rng.uniform(-0.02, 0.02, count).tolist()
-        elif isinstance(value, str):
-            continue
         elif isinstance(value, bool):
             drawn = bool(rng.random() < 0.3)
         elif isinstance(value, float):
-            drawn = float(value * factors[0] * rng.choice([0.0, 1.0], p=[0.1, 0.9]))
+            drawn = float((3.0 if name == "command_limit" else value) * factor * rng.choice([0.0, 1.0], p=[0.2, 0.8]))
         elif name.endswith("_bounds"):
-            drawn = [value[0] / factors.max(), value[1] * factors.max()]
+            drawn = [value[0] / ends[0], value[1] * ends[1]]
         else:
-            drawn = [float(one * factors[0]) for one in value]
+            drawn = value if isinstance(value, str) else [float(one * factor) for one in value]
         try:
             parameters = parameters.replace(**{name: drawn})
         except ValueError:  # a rule that binds it to another field

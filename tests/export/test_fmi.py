@@ -222,41 +222,30 @@ def test_leaving_the_travel_is_an_error_that_says_when_and_where():
 
 def test_calls_out_of_order_and_wrong_arguments_are_errors_in_one_line():
     with Unit(draw_axis("cable_spring", 0)) as unit:
-        axis = unit.first
-        for call, line in (
-            (lambda: axis.setFloat64([unit.references["axis.mass"]], [1.0]), "after initialization"),
-            (lambda: axis.setFloat64([REFERENCES["reading"]], [1.0]), "must be that of an input or a parameter"),
-            (
-                lambda: axis.doStep(0.7, 1e-3),
-                "currentCommunicationPoint: must be the time that is reached, 0 s, got 0.7",
-            ),
-            (lambda: axis.doStep(0.0, float("nan")), "communicationStepSize: must be finite and above 0, got nan"),
-            (lambda: axis.enterInitializationMode(), "must be called first, once"),
-        ):
-            with pytest.raises(FMICallException):
-                call()
-            assert line in unit.lines[-1]
+        axis, of = unit.first, unit.references
+
+        def said(call, *arguments, error=FMICallException, **options):
+            with pytest.raises(error):
+                call(*arguments, **options)
+            return unit.lines[-1]
+
+        assert "after initialization" in said(axis.setFloat64, [of["axis.mass"]], [1.0])
+        assert "must be that of an input or a parameter" in said(axis.setFloat64, [of["reading"]], [1.0])
+        assert "Point: must be the time that is reached, 0 s, got 0.7" in said(axis.doStep, 0.7, 1e-3)
+        assert "StepSize: must be finite and above 0, got nan" in said(axis.doStep, 0.0, float("nan"))
+        assert "must be called first, once" in said(axis.enterInitializationMode)
         unit.run([0.01] * 3)  # none of them has done harm
-        axis.setFloat64([REFERENCES["command"]], [float("nan")])
-        with pytest.raises(FMICallException):
-            axis.doStep(3 / unit.rate, 1 / unit.rate)
-        assert "the command must be a finite number, got nan" in unit.lines[-1]
+        axis.setFloat64([of["command"]], [float("nan")])
+        assert "the command must be a finite number, got nan" in said(axis.doStep, 3 / unit.rate, 1 / unit.rate)
         for name, value, line in (
             ("axis.mass", -1.0, "mass: must be finite and above 0, got -1"),
             ("initial_position", 9.0, "the run diverged at 0 s: position 9,"),
             ("initial_velocity", float("inf"), "initial_velocity: must be a finite number, got inf"),
         ):
-            with pytest.raises(FMICallException):
-                unit.instance(**{name: value})
-            assert unit.lines[-1].startswith(f"x: {line}")
-        for options, line in [
-            ({"token": "{0}"}, "instantiationToken"),
-            ({"eventModeUsed": True}, "neither an event mode"),
-        ]:
-            with pytest.raises(Exception, match="Failed to instantiate"):
-                unit.instantiated(**options)
+            assert said(unit.instance, **{name: value}).startswith(f"x: {line}")
+        for options, line in (({"token": "{0}"}, "Token"), ({"eventModeUsed": True}, "neither an event mode")):
+            assert line in said(unit.instantiated, error=Exception, **options)
             unit.instances.pop()
-            assert line in unit.lines[-1]
 
 
 def test_the_same_model_gives_the_same_bytes_and_another_another_token():
@@ -289,10 +278,10 @@ def test_the_description_says_what_the_model_says():
 def test_the_library_needs_no_python_and_shows_the_interface_alone():
     with Unit(draw_axis("cable_spring", 0)) as unit:
         (library,) = (unit.folder / "unit" / "binaries" / fmpy.platform_tuple).glob("*.so")
-        needed = subprocess.run(["ldd", library], capture_output=True, text=True, check=True).stdout
-        listed = subprocess.run(
-            ["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True
-        ).stdout
+        needed, listed = (
+            subprocess.run([*tool, library], capture_output=True, text=True, check=True).stdout
+            for tool in (["ldd"], ["nm", "-D", "--defined-only"])
+        )
     assert "libc.so" in needed
     assert "python" not in needed
     official = re.findall(r"^FMI3_Export \w+\s+(fmi3\w+);", (OFFICIAL / "fmi3Functions.h").read_text(), re.MULTILINE)
