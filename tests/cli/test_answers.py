@@ -30,32 +30,26 @@ KEYS = {
 }
 
 
-def by_python(function, **options):
-    return function(cogging.read_log("log.csv"), cogging.Model.read("model.toml"), names=["log.csv"], **options)
-
-
-def scan():
-    return np.loadtxt("sensor.csv", delimiter=",", skiprows=1).T * [[1e-3], [1.0]]
-
-
 TUNE = {key: value for key, value in command_files.TUNE.items() if key not in command_files.JOB}
 PYTHON = {
     "audit": lambda: cogging.audit(cogging.read_log("log.csv")),
-    "identify": lambda: by_python(cogging.identify),
-    "map": lambda: cogging.fit_map(*scan(), pitch=0.05, force_sign=-1),
+    "identify": lambda: cogging.identify(
+        cogging.read_log("log.csv"), cogging.Model.read("model.toml"), names=["log.csv"]
+    ),
+    "map": lambda: cogging.fit_map(
+        *np.loadtxt("sensor.csv", delimiter=",", skiprows=1).T * [[1e-3], [1.0]], pitch=0.05, force_sign=-1
+    ),
     "predict": lambda: cogging.predict_error("model.toml", "ref.toml"),
     "tune": lambda: cogging.tune("model.toml", "ref.toml", **TUNE),
 }
 
 
-def reproduction(paper, progress):
-    return Reproduction(paper, [Table("table1", "Table 1", [Row("C1", "e_inf", "m", None, math.nan, "predicted")])], {})
-
-
 @pytest.mark.parametrize("command", KEYS)
 def test_a_result_as_json_alone_on_standard_output(command, folder, monkeypatch, capsys):
     """With its keys, and with the numbers of Python to the last digit."""
-    monkeypatch.setattr("cogging.cli.reproduce.reproduce", reproduction)
+    table = Table("table1", "Table 1", [Row("C1", "e_inf", "m", None, math.nan, "predicted")])
+    answer = Reproduction("xu2001", [table], {})
+    monkeypatch.setattr("cogging.cli.reproduce.reproduce", lambda paper, progress: answer)
     rows = ["--rows", "0:600"] if command == "diagnose" else []  # which is quick
     assert main([*examples_of(command)[command == "map"], *rows, "--quiet", "--json", "-"]) == 0
     out, err = capsys.readouterr()

@@ -21,6 +21,8 @@ import pytest
 
 import cogging
 from cogging import _core
+from cogging.outputs import to_toml
+from tests.fixtures import command_files
 from tests.fixtures.files import MODEL, REFERENCE
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -64,15 +66,6 @@ def threads_alive():
     return len(list(tasks.iterdir())) if tasks.exists() else threading.active_count()
 
 
-def soon(holds):
-    """Return whether a condition becomes true within two seconds: a joined thread ends a moment later."""
-    for _ in range(200):
-        if holds():
-            return True
-        time.sleep(0.01)
-    return False
-
-
 @pytest.mark.parametrize("name", LOOPS)
 def test_an_interrupt_reaches_the_caller_of_a_loop(name):
     delays, before = random.Random(name), threads_alive()
@@ -87,7 +80,11 @@ def test_an_interrupt_reaches_the_caller_of_a_loop(name):
             LOOPS[name]()
         took = time.perf_counter() - sent[0]
         timer.join()
-        assert soon(lambda: threads_alive() <= before), "no thread is left"
+        for _ in range(200):  # a joined thread ends a moment later
+            if threads_alive() <= before:
+                break
+            time.sleep(0.01)
+        assert threads_alive() <= before
         if took < WITHIN:
             break
     assert took < WITHIN
@@ -111,7 +108,6 @@ def test_a_reader_stops_within_its_block_and_accepts_no_other():
 
 
 CONSOLE = ["-c", "import sys; from cogging_command import main; sys.exit(main())"]
-SIMULATE = ["simulate", "model.toml", "--reference", "ref.toml", "--out", "out/log.csv"]
 
 
 @pytest.fixture(scope="module")
@@ -137,19 +133,11 @@ def end(process, number):
     return process.returncode, error, time.perf_counter() - sent
 
 
-SWEEP = """
-model = "model.toml"
-reference = "ref.toml"
-method = "random"
-runs = 40000
-duration = 5.0
-[vary]
-"axis.mass" = {from = 0.11, to = 0.13}
-"""
+SWEEP = to_toml(command_files.SWEEP | {"runs": 40_000, "duration": 5.0})
 #: Command, signal, and when it is sent: while a log is written, and after the first pieces of a sweep.
 SHOTS = [
-    ([*CONSOLE, *SIMULATE], "SIGTERM", lambda out: list(out.iterdir())),
-    ([*CONSOLE, "sweep", "sweep.toml", "--out", "out/runs.csv"], "SIGINT", lambda out: list(out.glob("*.kept"))),
+    ("simulate model.toml --reference ref.toml --out out/log.csv", "SIGTERM", lambda out: list(out.iterdir())),
+    ("sweep sweep.toml --out out/runs.csv", "SIGINT", lambda out: list(out.glob("*.kept"))),
 ]
 
 
@@ -160,7 +148,7 @@ def test_the_command_answers_a_signal_in_one_line_and_leaves_whole_files(call, n
     (folder / "sweep.toml").write_text(SWEEP)
     for _ in range(TRIES):
         out.mkdir()
-        process = start(folder, call)
+        process = start(folder, [*CONSOLE, *call.split()])
         while process.poll() is None and not is_ready(out):
             time.sleep(0.001)
         status, error, took = end(process, number)

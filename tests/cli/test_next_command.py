@@ -52,21 +52,15 @@ def words_of(line, shell="bash"):
     return done.stdout.split(b"\0")[:-1]
 
 
-def next_words(text):
-    """The words of the next command, without `cogging`: the last line, and the only one of its kind."""
-    *before, last = text.splitlines()
-    assert last.startswith("next: cogging "), text
-    assert not any(line.startswith("next:") for line in before)
-    return [os.fsdecode(word) for word in words_of(last.removeprefix("next: "))][1:]
-
-
 def run(words, capsys):
-    """Run a call; the words of the next one."""
+    """Run a call; the words of the next one, without `cogging`: the last line, and the only one of its kind."""
     capsys.readouterr()
     assert main(words) == 0, words
-    printed = capsys.readouterr()
-    assert printed.err == ""
-    return next_words(printed.out)
+    out, err = capsys.readouterr()
+    *before, last = out.splitlines()
+    assert (err, last[:14]) == ("", "next: cogging "), out
+    assert not any(line.startswith("next:") for line in before)
+    return [os.fsdecode(word) for word in words_of(last.removeprefix("next: "))][1:]
 
 
 def filled(words):

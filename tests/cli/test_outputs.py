@@ -52,23 +52,18 @@ def content(folder):
     return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def by_symbolic_link(target):
-    Path("a link").symlink_to(target)
-    return "a link"
-
-
-def by_linked_folder(target):
-    Path("..", "again").symlink_to("work")
-    return os.path.join("..", "again", target)
+#: Names of a file, some of which are made: a link to it, to its folder, and (for what is there) a hard link.
+NAMES = [
+    *(str, os.path.abspath, lambda name: os.path.join("..", "work", ".", name)),
+    lambda name: Path("a link").symlink_to(name) or "a link",
+    lambda name: Path("..", "again").symlink_to("work") or os.path.join("..", "again", name),
+]
 
 
 def by_hard_link(target):
     Path(target).touch()  # a sidecar that only may be there
     os.link(target, "a hard link")
     return "a hard link"
-
-
-NAMES = [str, lambda name: os.path.join("..", "work", ".", name), os.path.abspath, by_symbolic_link, by_linked_folder]
 
 
 @pytest.mark.parametrize(("case", "name"), covering(ONTO, [*NAMES, by_hard_link]))

@@ -180,15 +180,6 @@ def misread(kind, case, seconds=0.1):
     return Log.of(WRONG[kind][1](case, columns))
 
 
-def find(log, model):
-    """The misreading; "refused" where the log is refused for its units."""
-    try:
-        cogging.check_against_model(log, model)
-    except InputError:
-        return "refused"
-    return misreading([log], model)
-
-
 @pytest.mark.parametrize("missing", MISSING)
 def test_a_log_read_right_is_not_doubted(missing):
     for seed, motion in ((59, "multisine"), (45, "slow")):
@@ -226,9 +217,12 @@ PLAIN = {59: ("nothing", "strokes"), 45: ("spring", "multisine")}
 
 def judge(kind, case):
     """right, wrong or nothing: the column of the answer, or of one that this log does not tell from it."""
-    found = find(misread(kind, case), case.nominal)
-    if found == "refused":
+    log = misread(kind, case)
+    try:
+        cogging.check_against_model(log, case.nominal)
+    except InputError:  # refused for its units
         return "right"
+    found = misreading([log], case.nominal)
     if found is None:
         return "nothing"
     options = [found.column, *(option.split()[1] for option in found.alternatives)]

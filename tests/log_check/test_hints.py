@@ -10,18 +10,13 @@ from cogging import Log
 from cogging.log_check.log_audit import hints
 from tests.fixtures import moving_axis
 
-STEP = 1.0 / moving_axis.RATE
+STEP, RANDOM = 1.0 / moving_axis.RATE, np.random.default_rng(5).uniform(-1.0, 1.0, 10_000)
 UNCONTROLLED = moving_axis.machine().replace(controller=None, controller_type=None)
 
 
 @pytest.fixture(scope="module")
 def log():
     return moving_axis.record(moving_axis.machine(), 3)
-
-
-def jitter(log, share):
-    random = np.random.default_rng(5)
-    return replace(log, time=log.time + share * STEP * random.uniform(-1.0, 1.0, len(log)))
 
 
 def rest(log, share):
@@ -37,7 +32,7 @@ CASES = {
     "limit": (lambda log, much: replace(log, command=np.clip(log.command, -much, much)), 2.0, 50.0),
     "at rest": (rest, 0.8, 0.1),
     "missing": (lambda log, much: log[np.arange(len(log)) % 100 >= much], 8, 0),
-    "uneven": (jitter, 0.2, 0.001),
+    "uneven": (lambda log, much: replace(log, time=log.time + much * STEP * RANDOM[: len(log)]), 0.2, 0.001),
     "step by": (lambda log, much: replace(log, position=much * np.round(log.position / much)), 1e-6, 1e-7),
 }
 

@@ -39,10 +39,6 @@ def test_repeats_of_a_motion_with_noise_are_not_the_same(seed):
     assert repeated(one, same).all()
 
 
-def left_out(log, random, share):
-    return bare(log)[np.flatnonzero(random.random(len(log)) >= share)]
-
-
 def resampled(log, random):
     """A copy on another grid, from some row on, by another clock, with commands held or interpolated."""
     step = float(np.median(np.diff(log.time)))
@@ -54,7 +50,7 @@ def resampled(log, random):
 
 
 COPIES = {
-    "40 % left out": lambda log, random: left_out(log, random, 0.4),
+    "40 % left out": lambda log, random: bare(log)[random.random(len(log)) >= 0.4],
     "in mm and mV, from another zero": lambda log, random: Log(log.time, 1e3 * log.position + 7.0, 1e3 * log.command),
     "resampled": resampled,
 }

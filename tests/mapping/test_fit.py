@@ -258,12 +258,6 @@ def test_periodic_fit_is_the_least_squares_solution():
 WAVE = np.sin(2.0 * np.pi * GRID / PITCH)
 
 
-def with_value(values, row, value):
-    changed = values.copy()
-    changed[row] = value
-    return changed
-
-
 JITTER = 1e-6 * np.random.default_rng(5).normal(size=THERE_AND_BACK.size)
 FEW = np.concatenate([np.repeat([0.0, 0.05], 5), np.arange(0.0, 0.05, 0.013)])
 REFUSED = [
@@ -272,7 +266,7 @@ REFUSED = [
         {"position": THERE_AND_BACK + JITTER, "force": np.zeros(JITTER.size), "harmonics": [20]},
         "harmonics: must be at most 19 with points this far apart, got 20",
     ),
-    ({"force": with_value(WAVE, 9, np.inf)}, r"force: must be finite numbers, got inf in row 9"),
+    ({"force": np.where(np.arange(511) == 9, np.inf, WAVE)}, r"force: must be finite numbers, got inf in row 9"),
     ({"force": WAVE[:-1]}, r"force: must have one value for each of the 511 positions, got 510"),
     ({"position": GRID.reshape(7, 73)}, r"position: must be one-dimensional and not empty, got shape \(7, 73\)"),
     ({"position": 0.09 * GRID}, r"position: must travel at least one pitch \(0.05 m\), got 0.0459 m"),

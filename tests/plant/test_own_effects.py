@@ -142,10 +142,6 @@ def law(force, name="mine", **more):
     return lambda: Custom(name, force=force, **more)
 
 
-def with_fields(**fields):
-    return lambda: Parameter(1.0, **fields)
-
-
 def plain(velocity):
     return velocity
 
@@ -162,7 +158,7 @@ REFUSED = [
     (law(plain, parameters={"size": 1.0}), "mine.size: must be an argument of a law"),
     (law(ctypes.CFUNCTYPE(*[ctypes.c_double] * 4)(lambda x, v, t: v)), "mine.force: must be compiled code"),
     (lambda: law(compiled())(), r"must take doubles \(position, velocity, time\) and return one, got"),
-    (with_fields(unit="T"), "low, high: must be given for an amplitude in 'T'"),
+    (lambda: Parameter(1.0, unit="T"), "low, high: must be given for an amplitude in 'T'"),
     (lambda: own_eddy().replace(corner=0.0), "eddy_drag.corner: must be above 0"),
     (lambda: own_friction().replace(levels=1.0), "own_friction.levels: must be a list of numbers"),
     (

@@ -163,43 +163,45 @@ def test_a_diverging_run_says_when_and_where():
 
 
 SINE = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01))
-WRONG_RUNS = [
-    ({"duration": -1.0}, "duration: must be finite and above 0 (or left out), got -1"),
-    ({"duration": 1e-5}, "duration: must hold 1 to 1e9 samples, got 1e-05"),
-    ({"duration": 0.0}, "duration: must be given for a reference without an end of its own, got inf"),
-    ({"steps_per_sample": 10001}, "steps_per_sample: must be from 1 to 10000, got 10001"),
-    ({"reference": stroke(distance=0.5), "duration": 1.0}, "reference: must stay within travel [0, 0.51], got 0.51"),
-    ({"reference": stroke(start=-0.1)}, "reference: must stay within travel [0, 0.51], got -0.1 at 0 s"),
-]
-WRONG_BATCHES = [
-    ({"plants": [PLANT] * 2}, "controllers: must be one for each plant, got 1"),
-    ({"seeds": [1, 2]}, "seeds: must be one for each plant, got 2"),
-    ({"reductions": ["eror_max"]}, "reductions: 'eror_max' is unknown; did you mean error_max?"),
-    ({"columns": ["speed"]}, "columns: must be columns of a log, got speed"),
-    ({"start": 2.0}, "run 0: start, stop: must hold at least 2 rows, got 0"),
-]
+LOOP = {"plant": PLANT, "controller": pid(), "reference": SINE, "duration": 0.5}
+BATCH = {"plants": [PLANT], "controllers": [pid()], "reference": SINE, "duration": 0.5}
 ROWS = {"time": [0, 1], "error": [0, 1], "command": [0, 1]}
-WRONG_INDEXES = [
-    ({"error": [0]}, "error: must be as long as time, got 1"),
-    ({"start": 2.0, "stop": 1.0}, "start: must be below stop = 1, got 2"),
-    ({"start": 0.5}, "start, stop: must hold at least 2 rows, got 1"),
-]
-CALLS = {
-    "closed_loop": (cogging.closed_loop, {"plant": PLANT, "controller": pid(), "reference": SINE, "duration": 0.5}),
-    "batch": (
-        cogging.closed_loop_batch,
-        {"plants": [PLANT], "controllers": [pid()], "reference": SINE, "duration": 0.5},
+#: A call, its usual arguments, others, and the error.
+WRONG = [
+    *(
+        (cogging.closed_loop, LOOP, *case)
+        for case in (
+            ({"duration": -1.0}, "duration: must be finite and above 0 (or left out), got -1"),
+            ({"duration": 1e-5}, "duration: must hold 1 to 1e9 samples, got 1e-05"),
+            ({"duration": 0.0}, "duration: must be given for a reference without an end of its own, got inf"),
+            ({"steps_per_sample": 10001}, "steps_per_sample: must be from 1 to 10000, got 10001"),
+            (
+                {"reference": stroke(distance=0.5), "duration": 1.0},
+                "reference: must stay within travel [0, 0.51], got 0.51",
+            ),
+            ({"reference": stroke(start=-0.1)}, "reference: must stay within travel [0, 0.51], got -0.1 at 0 s"),
+        )
     ),
-    "performance": (cogging.performance, ROWS),
-}
-WRONG = {"closed_loop": WRONG_RUNS, "batch": WRONG_BATCHES, "performance": WRONG_INDEXES}
+    (cogging.closed_loop_batch, BATCH, {"plants": [PLANT] * 2}, "controllers: must be one for each plant, got 1"),
+    (cogging.closed_loop_batch, BATCH, {"seeds": [1, 2]}, "seeds: must be one for each plant, got 2"),
+    (
+        cogging.closed_loop_batch,
+        BATCH,
+        {"reductions": ["eror_max"]},
+        "reductions: 'eror_max' is unknown; did you mean e",
+    ),
+    (cogging.closed_loop_batch, BATCH, {"columns": ["speed"]}, "columns: must be columns of a log, got speed"),
+    (cogging.closed_loop_batch, BATCH, {"start": 2.0}, "run 0: start, stop: must hold at least 2 rows, got 0"),
+    (cogging.performance, ROWS, {"error": [0]}, "error: must be as long as time, got 1"),
+    (cogging.performance, ROWS, {"start": 2.0, "stop": 1.0}, "start: must be below stop = 1, got 2"),
+    (cogging.performance, ROWS, {"start": 0.5}, "start, stop: must hold at least 2 rows, got 1"),
+]
 
 
-@pytest.mark.parametrize(("name", "fields", "message"), [(name, *case) for name in WRONG for case in WRONG[name]])
-def test_a_wrong_argument_is_one_line(name, fields, message):
-    call, arguments = CALLS[name]
+@pytest.mark.parametrize(("call", "usual", "fields", "message"), WRONG)
+def test_a_wrong_argument_is_one_line(call, usual, fields, message):
     with pytest.raises(ValueError) as caught:  # noqa: PT011 the message is compared from its beginning
-        call(**arguments | fields)
+        call(**usual | fields)
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
 
