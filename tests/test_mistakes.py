@@ -20,10 +20,7 @@ MISTAKES = {
     "a plant for a model": (lambda: cogging.simulate(PLANT), r"simulate: model: .* got a Plant: closed_loop\(plant"),
     "a document": (lambda: cogging.simulate(MODEL.to_dict(), MOVE), r"simulate: model: .* Model\.from_dict makes"),
     "no such file": (lambda: cogging.simulate(MODEL, "ref"), r"ref: cannot be read: No such file"),
-    "parameters": (
-        lambda: cogging.simulate(MODEL, cogging.SineParameters()),
-        r"reference: .*Sine\(parameters\) is the",
-    ),
+    "a struct": (lambda: cogging.simulate(MODEL, cogging.SineParameters()), r"reference: .*Sine\(parameters\) is the"),
     "swapped": (lambda: cogging.diagnose(MODEL, LOG), r"diagnose: logs: .* a Model: the log comes before"),
     "no model": (lambda: cogging.identify(LOG), r"identify\(\) missing 1 required positional argument: 'model'"),
     "an array": (lambda: cogging.identify(np.zeros((9, 3)), MODEL), r"logs: .* shape \(9, 3\): Log\(time=\.\.\., posi"),
@@ -35,14 +32,8 @@ MISTAKES = {
     "nothing": (lambda: cogging.Pid(), r"Pid: parameters: must be given, got nothing"),
     "gains for a controller": (lambda: cogging.Pid(9600.0), r"Pid: parameters: must be a PidParameters, got 9600\.0"),
     "the class itself": (lambda: cogging.Pid(cogging.PidParameters), r"got the class PidParameters itself"),
-    "a dict for an effect": (
-        lambda: cogging.Plant(MODEL.axis, effects=[{}]),
-        r"effects: must be a list, each an effect",
-    ),
-    "a fraction": (
-        lambda: cogging.SplineHarmonics(harmonics=[1.5]),
-        r"harmonics: must be a list of whole numbers, got",
-    ),
+    "a dict": (lambda: cogging.Plant(MODEL.axis, effects=[{}]), r"effects: must be a list, each an effect"),
+    "a share": (lambda: cogging.SplineHarmonics(harmonics=[1.5]), r"harmonics: must be a list of whole numbers, got"),
     "a model for a plant": (
         lambda: cogging.closed_loop(MODEL, MODEL.make_controller(), SINE),
         r"closed_loop: plant: must be a Plant, got a Model: simulate\(model, reference\) runs one",

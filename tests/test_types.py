@@ -50,12 +50,6 @@ def test_what_a_user_copies_is_typed(tmp_path):
     options = ["--config-file=mypy.ini", "--strict", f"--cache-dir={HERE / '.mypy_cache'}"]
     if tuple(map(int, importlib.metadata.version("numba").split(".")[:2])) < (0, 66):  # whose decorators have no types
         options.append("--allow-untyped-decorators")
-    done = subprocess.run(
-        [sys.executable, "-m", "mypy", *options, *names],
-        cwd=tmp_path,
-        env={"PATH": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, "-m", "mypy", *options, *names]
+    done = subprocess.run(command, cwd=tmp_path, env={"PATH": ""}, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -27,11 +27,7 @@ CALLS = [
     (EXPERIMENT, "did you mean acceleration?", {"limits.toml": to_toml(LIMITS | {"acceleraton": 1.0})}),
     ("sweep sweep.toml --out x.parquet", "did you mean vary?", LATE),
     # limits and results
-    (
-        EXPERIMENT,
-        "limits.toml: line 1: velocity: must be a number above 0",
-        {"limits.toml": to_toml(LIMITS | {"velocity": -1})},
-    ),
+    (EXPERIMENT, "line 1: velocity: must be a number above 0", {"limits.toml": to_toml(LIMITS | {"velocity": -1})}),
     (EXPERIMENT, "travel: must be inside the model's", {"limits.toml": to_toml(LIMITS | {"travel": [0.0, 9.0]})}),
     (EXPERIMENT, "result.json: must be the result of diagnose --json (JSON): ", {"result.json": "{"}),
     (EXPERIMENT, "must be the result of diagnose --json, got no verdict and effects", {"result.json": "{}"}),
@@ -53,11 +49,7 @@ CALLS = [
     (f"{SIMULATE} model", "its sidecar: model.toml: must not be"),
     (f"{SIMULATE} ref", "its sidecar: ref.toml: must not be"),
     ("map scan.csv --pitch 0.05 --out o.png", "--out, its figure: must be different files"),
-    (
-        "map log.png --pitch 0.05 --out log.toml",
-        "its figure: log.png: must not be a file that is",
-        {"log.png": "x,F\n"},
-    ),
+    ("map log.png --pitch 0.05 --out log.toml", "its figure: log.png: must not be a file that", {"log.png": "x,F\n"}),
     ("reproduce lu2008 --out scan.csv/deep", "cannot be made"),
 ]
 

@@ -28,10 +28,9 @@ def make(kind, **changes):
 
 def ask(controller, point, reading):
     """The command for a reference (position, velocity, acceleration) that continues at the same acceleration."""
-    x, v, a = point
     if not hasattr(controller, "preview"):
-        return controller.command(reference=x, reference_velocity=v, reference_acceleration=a, reading=reading)
-    h = controller.preview
+        return controller.command(point, reading)
+    h, (x, v, a) = controller.preview, point
     return controller.command(reference=point, ahead=(x + h * v + 0.5 * h * h * a, v + h * a, a), reading=reading)
 
 

@@ -94,12 +94,7 @@ def test_command_and_adaptation_against_the_printed_law(switches):
         y, moved = reading - first, (reference[0] + 0.2 - first, *reference[1:])
         u_star, tau, z_1, z_2 = literal.command(y, eta, lam, psi, moved, theta)
         friction = p.coulomb * 2 / np.pi * np.arctan(reference[1] / p.coulomb_width)
-        found = controller.command(
-            reference=0.2 + reference[0],
-            reference_velocity=reference[1],
-            reference_acceleration=reference[2],
-            reading=reading,
-        )
+        found = controller.command((0.2 + reference[0], *reference[1:]), reading)
         at = {"position": y, "eta_1": eta[0], "eta_2": eta[1], "psi_2": psi[1]}
         at |= {"reference": moved[0], "reference_velocity": moved[1]}
         virtual = controller.virtual_control(**at, theta=list(theta))
@@ -130,8 +125,8 @@ def estimation_error(theta, sample_rate, duration, disturbance=lambda time: 0.0)
     step = expm(np.array([[0.0, 1.0, 0.0], [0.0, -theta[1], 1.0], [0.0, 0.0, 0.0]]) / sample_rate)
     x, errors = np.zeros(2), []  # position and velocity
     times = np.arange(int(duration * sample_rate)) / sample_rate
-    for time, q_d, v_d, a_d in zip(times, *xu2001_setup.reference().sample(times), strict=True):
-        u = controller.command(reference=q_d, reference_velocity=v_d, reference_acceleration=a_d, reading=x[0])
+    for time, *point in zip(times, *xu2001_setup.reference().sample(times), strict=True):
+        u = controller.command(point, x[0])
         errors.append(abs(controller.velocity_state(theta) - x[1] - theta[1] * x[0]))
         controller.update(u)
         x = step[:2, :2] @ x + step[:2, 2] * (theta[0] * u + theta[2] + disturbance(time))

@@ -14,15 +14,8 @@ from tests.fixtures.measured import FOLDER
 
 DOCUMENT = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
 CONSTANT = {"scale": 0.04}  # Nm/A
-SAME_MAP = {
-    "csv": {},
-    "akd": {},
-    "sinamics": CONSTANT,
-    "ax8000": CONSTANT,
-    "novanta": {"entries": 256, "pole_pairs": 7},
-    "odrive": {"quantity": "current"},
-    "moteus": {},
-}
+SAME_MAP = {"csv": {}, "akd": {}, "moteus": {}, "sinamics": CONSTANT, "ax8000": CONSTANT}
+SAME_MAP |= {"novanta": {"entries": 256, "pole_pairs": 7}, "odrive": {"quantity": "current"}}
 
 
 def code():

@@ -259,11 +259,7 @@ def test_columns_without_telling_names_are_known_by_how_they_behave(draft_of):
 
 
 UNKNOWN = [
-    (
-        ["t", "ch1", "ch2"],
-        [TIME, np.sin(TIME), np.cos(TIME)],
-        "column position: cannot be identified among .* 'ch1', 'ch2'",
-    ),
+    (["t", "ch1", "ch2"], [TIME, np.sin(TIME), np.cos(TIME)], "column position: cannot be .* 'ch1', 'ch2'"),
     (["t", "speed", "Iq"], [TIME, RANDOM, RANDOM], "column position: .*'speed' looks like a velocity"),
     (["0.0", "1.0", "2.0"], [TIME, WAVE, RANDOM], "line 1: must be a header row with the names of the columns"),
     (["a", "b"], [["x", "u"], ["y", "v"]], "column time: cannot be identified among none"),

@@ -199,14 +199,7 @@ def test_nor_is_one_that_cogging_drives_back_and_forth(amplitude, pole):
         controller=cogging.PidParameters(sample_rate=500.0, **gains),
         controller_type="pid",
     )
-    motion = {
-        "type": "point_to_point",
-        "distance": 3.0,
-        "velocity": 0.5,
-        "acceleration": 5.0,
-        "jerk": 500.0,
-        "dwell": 0.2,
-    }
+    motion = {"type": "point_to_point", "distance": 3.0, "velocity": 0.5, "acceleration": 5.0, "jerk": 500.0}
     log = cogging.simulate(machine, motion)
     assert misreading([Log(log.time, log.position, log.command)], model) is None
 

@@ -85,15 +85,11 @@ def test_a_log_given_four_times_is_fitted_once(log, other):
 
 
 #: Rows of a first and a second log, the note, and the rows that count.
+REST = "counted once, and the other 100 are too few to count"
 OVERLAPS = [
     (2500, 1500, 4001, "first: 1000 of its 2500 rows, from row 1500 on, are in second too: counted once", [1500, 2501]),
     (2600, 2450, 4001, None, [2600, 1551]),  # too few to matter
-    (
-        *(3000, 2500, 3100),
-        "second: 500 of its 600 rows, from row 0 on, are in first too: counted once, and the other 100 are too few "
-        "to count",
-        [3000],
-    ),
+    (3000, 2500, 3100, f"second: 500 of its 600 rows, from row 0 on, are in first too: {REST}", [3000]),
 ]
 
 

@@ -14,13 +14,9 @@ def test_the_steps_along_a_log_are_those_of_the_controller(switches):
     p = epoxy_motor.arc_parameters(**switches)
     log, found = backstepping.run(p, epoxy_motor.plant(epoxy_motor.shipped_unknowns(), "1"), 0.2, seed=1)
     controller = cogging.OutputFeedbackArc(p)
-    for k in range(log.time.size):
-        controller.command(
-            reference=log.reference[k],
-            reference_velocity=log.reference_velocity[k],
-            reference_acceleration=log.reference_acceleration[k],
-            reading=log.position[k],
-        )
+    motion = zip(log.reference, log.reference_velocity, log.reference_acceleration, strict=True)
+    for k, point in enumerate(motion):
+        controller.command(point, log.position[k])
         assert controller.z_1 == pytest.approx(found.z_1[k], abs=1e-15)
         assert controller.z_2 == pytest.approx(found.z_2[k], abs=1e-12)
         controller.update(log.command[k])

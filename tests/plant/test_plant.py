@@ -24,12 +24,8 @@ def test_acceleration_is_eq_10():
     rng = np.random.default_rng(1)
     basis = cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2, 3], order=3, control_points=13)
     for _ in range(50):
-        axis = cogging.AxisParameters(
-            mass=rng.uniform(0.05, 2),
-            viscous=rng.uniform(0, 1),
-            coulomb=rng.uniform(0, 1),
-            coulomb_width=10 ** rng.uniform(-4, -1),
-        )
+        mass, viscous, coulomb, width = rng.uniform([0.05, 0, 0, -4], [2, 1, 1, -1])
+        axis = cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=10**width)
         model = cogging.CoggingModel(basis, *rng.normal(size=(2, 3, 13)))
         x, v, u = rng.uniform(0, 0.5), rng.normal(), rng.normal()
         friction = axis.viscous * v + axis.coulomb * atan_sign(v, axis.coulomb_width)
@@ -198,15 +194,13 @@ def test_presliding_is_stable_however_stiff_and_tends_to_the_exact_form(stiffnes
 
 # Encoder and noise -----------------------------------------------------------------------------------------
 
+FREE = cogging.AxisParameters()
+
 
 @pytest.mark.parametrize("resolution", [0.5e-6, 1e-3])
 def test_the_reading_is_the_nearest_count(resolution):
-    ideal, real = (
-        free(
-            cogging.Plant(cogging.AxisParameters(), encoder=cogging.EncoderParameters(resolution=r)), 2.0, v0=0.1234567
-        )
-        for r in (0.0, resolution)
-    )
+    encoders = (cogging.EncoderParameters(resolution=r) for r in (0.0, resolution))
+    ideal, real = (free(cogging.Plant(FREE, encoder=encoder), 2.0, v0=0.1234567) for encoder in encoders)
     np.testing.assert_array_equal(ideal.position, ideal.true_position)
     counts = real.true_position / resolution
     clear = np.abs(counts - np.floor(counts) - 0.5) > 1e-9  # no tie
@@ -217,10 +211,8 @@ def test_the_reading_is_the_nearest_count(resolution):
 def test_errors_of_the_encoder_come_before_noise_and_rounding():
     errors = [example("encoder_periodic_error"), example("encoder_scale_error")]
     encoder = cogging.EncoderParameters(resolution=1e-6, noise=2e-6)
-    plain, wrong = (
-        free(cogging.Plant(cogging.AxisParameters(), effects=e, encoder=encoder), 2.0, v0=0.1, seed=4)
-        for e in ([], errors)
-    )
+    plants = (cogging.Plant(FREE, effects=effects, encoder=encoder) for effects in ([], errors))
+    plain, wrong = (free(plant, 2.0, v0=0.1, seed=4) for plant in plants)
     x = wrong.true_position
     np.testing.assert_array_equal(x, plain.true_position)
     counts = wrong.position / 1e-6
@@ -232,7 +224,7 @@ def test_errors_of_the_encoder_come_before_noise_and_rounding():
 
 def encoder_noise(resolution, seed, samples=30_000):
     encoder = cogging.EncoderParameters(resolution=resolution, noise=3e-6)
-    log = free(cogging.Plant(cogging.AxisParameters(), encoder=encoder), samples / 1000.0, seed=seed)
+    log = free(cogging.Plant(FREE, encoder=encoder), samples / 1000.0, seed=seed)
     return log.position - log.true_position
 
 

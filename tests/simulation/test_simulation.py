@@ -163,6 +163,7 @@ def test_a_diverging_run_says_when_and_where():
 
 
 SINE = cogging.Sine(cogging.SineParameters(center=0.2, amplitude=0.01))
+FAR = stroke(distance=0.5)
 LOOP = {"plant": PLANT, "controller": pid(), "reference": SINE, "duration": 0.5}
 BATCH = {"plants": [PLANT], "controllers": [pid()], "reference": SINE, "duration": 0.5}
 ROWS = {"time": [0, 1], "error": [0, 1], "command": [0, 1]}
@@ -175,21 +176,13 @@ WRONG = [
             ({"duration": 1e-5}, "duration: must hold 1 to 1e9 samples, got 1e-05"),
             ({"duration": 0.0}, "duration: must be given for a reference without an end of its own, got inf"),
             ({"steps_per_sample": 10001}, "steps_per_sample: must be from 1 to 10000, got 10001"),
-            (
-                {"reference": stroke(distance=0.5), "duration": 1.0},
-                "reference: must stay within travel [0, 0.51], got 0.51",
-            ),
+            ({"reference": FAR, "duration": 1.0}, "reference: must stay within travel [0, 0.51], got 0.51"),
             ({"reference": stroke(start=-0.1)}, "reference: must stay within travel [0, 0.51], got -0.1 at 0 s"),
         )
     ),
     (cogging.closed_loop_batch, BATCH, {"plants": [PLANT] * 2}, "controllers: must be one for each plant, got 1"),
     (cogging.closed_loop_batch, BATCH, {"seeds": [1, 2]}, "seeds: must be one for each plant, got 2"),
-    (
-        cogging.closed_loop_batch,
-        BATCH,
-        {"reductions": ["eror_max"]},
-        "reductions: 'eror_max' is unknown; did you mean e",
-    ),
+    (cogging.closed_loop_batch, BATCH, {"reductions": ["eror_max"]}, "reductions: 'eror_max' is unknown; did you mean"),
     (cogging.closed_loop_batch, BATCH, {"columns": ["speed"]}, "columns: must be columns of a log, got speed"),
     (cogging.closed_loop_batch, BATCH, {"start": 2.0}, "run 0: start, stop: must hold at least 2 rows, got 0"),
     (cogging.performance, ROWS, {"error": [0]}, "error: must be as long as time, got 1"),

@@ -14,11 +14,8 @@ pytestmark = pytest.mark.filterwarnings("ignore:The balance properties of Sobol"
 
 
 def test_a_row_is_the_run_that_its_numbers_say():
-    vary = {
-        "axis.mass": [0.1, 0.14],
-        "controller.kp": {"from": 5e3, "to": 9e3, "points": 2},
-        "reference.frequency": [4, 6],
-    }
+    gains = {"from": 5e3, "to": 9e3, "points": 2}
+    vary = {"axis.mass": [0.1, 0.14], "controller.kp": gains, "reference.frequency": [4, 6]}
     runs = cogging.sweep(SMALL, MOVE, vary, seed=11, reductions=["command_max"])
     expected = list(itertools.product([0.1, 0.14], [5e3, 9e3], [4.0, 6.0]))
     assert list(zip(*(runs.table[path] for path in vary), strict=True)) == expected
