@@ -9,6 +9,7 @@ import pytest
 import cogging
 from cogging import effects
 from cogging.design.tuning import Judge
+from tests.export.test_control import stable
 
 DOCUMENT = {
     "axis": {"mass": 0.12, "viscous": 0.2, "coulomb": 0.15, "coulomb_width": 5e-3, "travel": [-0.1, 0.5]},
@@ -162,22 +163,6 @@ def test_every_controller_is_tuned_by_its_usual_gains(kind):
 # Margins --------------------------------------------------------------------------------------------------------------
 
 
-def smooth_model(rng, kind):
-    """A machine without friction but the viscous, under a linear controller of random gains, stable with some room."""
-    mass, bandwidth, rate = rng.uniform(0.05, 1.0), rng.uniform(60.0, 200.0), 2000.0
-    fields = {
-        "pid": {"kp": mass * bandwidth**2, "kd": 1.8 * mass * bandwidth, "ki": 0.1 * mass * bandwidth**3},
-        "cascade": {"kp": rng.uniform(0.3, 0.6) * bandwidth, "kv": 1.6 * mass * bandwidth},
-    }
-    lag = {"name": "actuator_lag", "time_constant": rng.uniform(0.5, 2.0) / rate}
-    document = {
-        "axis": {"mass": mass, "viscous": rng.uniform(0.0, 2.0) * mass, "travel": [-1.0, 1.0]},
-        "controller": {"type": kind, "sample_rate": rate, **fields[kind]},
-        "effects": [{"name": "command_delay", "delay": rng.uniform(0.0, 2.2) / rate}, lag],
-    }
-    return cogging.Model.from_dict(document)
-
-
 def reached(model):
     """Indexes and margins of a model's own gains."""
     found = cogging.tune(model, SINE, vary={}, trials=1, machines=1, held_out=1, duration=1.0)
@@ -187,9 +172,8 @@ def reached(model):
 @pytest.mark.parametrize("kind", ["pid", "cascade"])
 def test_margins_are_those_of_the_linear_loop_where_there_is_one(kind):
     """Measured by a force pulse; tests/export/test_control.py holds the linear loop to the simulator."""
-    rng = np.random.default_rng([18, ord(kind[0]), len(kind)])
-    model = smooth_model(rng, kind)
-    assert reached(model).delay_margin == pytest.approx(model.to_control().margins().delay, rel=0.08), model
+    model, loop = stable(np.random.default_rng(3), kind, rigid=True)
+    assert reached(model).delay_margin == pytest.approx(loop.margins().delay, rel=0.08)
     later = model.replace(effects=[effects.CommandDelay(delay=1e-3)])
     assert reached(later).gain_margin == pytest.approx(later.to_control().margins().gain, rel=0.06)
 

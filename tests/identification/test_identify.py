@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging import EFFECTS, CoggingModel, Log, Model, NoiseParameters, SplineHarmonics, identify
+from cogging import CoggingModel, Log, Model, NoiseParameters, SplineHarmonics, effects, identify, parameters_of
 from cogging.cli.main import main
 from tests.fixtures import moving_axis
 from tests.fixtures.identify_coverage import moves
@@ -12,9 +12,9 @@ from tests.fixtures.identify_coverage import moves
 RATE = 500.0
 
 
-def machine(*effects, width=1e-3, noise=0.02, tables=None, rate=RATE, **axis):
+def machine(*present, width=1e-3, noise=0.02, tables=None, rate=RATE, **axis):
     """An axis of 2 V/(m/s^2) with friction, its PID, a quantised encoder and coloured noise."""
-    made = moving_axis.machine(effects, noise)
+    made = moving_axis.machine(present, noise)
     values = {"viscous": 6.0, "coulomb": 2.0, "coulomb_width": width} | axis
     controller = made.controller.replace(sample_rate=rate)
     return made.replace(axis=made.axis.replace(**values), cogging=tables, controller=controller, uncertainty={})
@@ -48,7 +48,7 @@ def sampled(position, duration=6.0):
 
 def check_intervals(found, truth, slack=1.6):
     """The truth lies within the interval of each determined parameter, widened: 95 % intervals miss now and then."""
-    true = cogging.parameters_of(truth)
+    true = parameters_of(truth)
     for p in found.parameters:
         if p.determined:
             half = 0.5 * (p.ci95[1] - p.ci95[0])
@@ -58,9 +58,9 @@ def check_intervals(found, truth, slack=1.6):
 @pytest.fixture(scope="module")
 def fitted():
     basis = SplineHarmonics(pitch=0.03, harmonics=[1, 2], control_points=1)
-    truth = machine(EFFECTS["constant_force"](force=0.5), tables=CoggingModel(basis, [[0.4], [-0.2]], [[0.1], [0.3]]))
+    truth = machine(effects.ConstantForce(force=0.5), tables=CoggingModel(basis, [[0.4], [-0.2]], [[0.1], [0.3]]))
     unknown = CoggingModel(basis, np.zeros((2, 1)), np.zeros((2, 1)))
-    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),), cogging=unknown)
+    prior = prior_of(truth, effects=(effects.ConstantForce(),), cogging=unknown)
     log = run(truth)
     return truth, prior, log, identify(log, prior)
 
@@ -68,7 +68,7 @@ def fitted():
 def test_a_log_that_the_model_explains(fitted):
     """Truth within the intervals, estimators that agree, the noise alone left, and a replay that repeats the log."""
     truth, prior, _, found = fitted
-    assert {p.path for p in found.parameters} == set(cogging.parameters_of(truth))
+    assert {p.path for p in found.parameters} == set(parameters_of(truth))
     assert all(p.determined for p in found.parameters)
     check_intervals(found, truth)
     assert found["axis.mass"].value == pytest.approx(2.0, rel=0.01)
@@ -105,8 +105,8 @@ def check_undetermined(found, *paths):
 
 
 def test_viscous_and_quadratic_drag_trade_at_one_speed_and_part_at_many():
-    truth = machine(EFFECTS["quadratic_drag"](coefficient=6.0), width=0.0, coulomb=0.0, noise=0.1)
-    prior = prior_of(truth, effects=(EFFECTS["quadratic_drag"](),)).replace(axis=truth.axis.replace(mass=1.9))
+    truth = machine(effects.QuadraticDrag(coefficient=6.0), width=0.0, coulomb=0.0, noise=0.1)
+    prior = prior_of(truth, effects=(effects.QuadraticDrag(),)).replace(axis=truth.axis.replace(mass=1.9))
     free = ["axis.mass", "axis.viscous", "effects.quadratic_drag.coefficient"]
     narrow = identify(run(truth, strokes(0.2, ramp=0.2)), prior, free=free, rest=0.195)
     check_undetermined(narrow, *free[1:])
@@ -120,8 +120,8 @@ def test_viscous_and_quadratic_drag_trade_at_one_speed_and_part_at_many():
 
 
 def test_one_way_motion_does_not_part_friction_from_a_constant_force():
-    truth = machine(EFFECTS["constant_force"](force=0.3), width=0.0)
-    prior = prior_of(truth, effects=(EFFECTS["constant_force"](),))
+    truth = machine(effects.ConstantForce(force=0.3), width=0.0)
+    prior = prior_of(truth, effects=(effects.ConstantForce(),))
     reference = sampled(lambda time: 0.02 * time + 0.0199 / 6.0 * (1 - np.cos(6.0 * time)))
     found = identify(run(truth, reference), prior)
     check_undetermined(found, "axis.coulomb", "effects.constant_force.force")
@@ -146,54 +146,51 @@ def test_control_points_that_were_not_visited_keep_their_prior():
 # Kinds of effects -----------------------------------------------------------------------------------------------------
 
 
-#: What a machine has, what its model believes, values to be found with their relative tolerance, noise, and seed.
+#: What a machine has, what its model believes, fields to be found with their relative tolerance, noise, and seed.
 KINDS = {
     "the place of a spring": (
-        [EFFECTS["cable_spring"](stiffness=8.0, center=0.1)],
-        [EFFECTS["cable_spring"](), EFFECTS["viscous_asymmetry"]()],  # the asymmetry is not there
-        {"cable_spring.stiffness": (8.0, 0.05), "cable_spring.center": (0.1, 0.1)},
-        0.02,
-        2,
+        [effects.CableSpring(stiffness=8.0, center=0.1)],
+        [effects.CableSpring(), effects.ViscousAsymmetry()],  # the asymmetry is not there
+        {"cable_spring.stiffness": 0.05, "cable_spring.center": 0.1},
+        *(0.02, 2),
     ),
     "the shapes of a harmonic and of friction": (
         [
-            EFFECTS["cogging_harmonic"](period=0.024, sine=0.5, cosine=0.2),
-            EFFECTS["stribeck_friction"](static_excess=1.0, velocity=0.02),
+            effects.CoggingHarmonic(period=0.024, sine=0.5, cosine=0.2),
+            effects.StribeckFriction(static_excess=1.0, velocity=0.02),
         ],
         [
-            EFFECTS["cogging_harmonic"](period=0.0243, sine=0.3, cosine=0.3),
-            EFFECTS["stribeck_friction"](static_excess=0.7, velocity=0.03),
+            effects.CoggingHarmonic(period=0.0243, sine=0.3, cosine=0.3),
+            effects.StribeckFriction(static_excess=0.7, velocity=0.03),
         ],
-        {"cogging_harmonic.period": (0.024, 1e-3), "stribeck_friction.velocity": (0.02, 0.3)},
-        0.02,
-        4,
+        {"cogging_harmonic.period": 1e-3, "stribeck_friction.velocity": 0.3},
+        *(0.02, 4),
     ),
     "a wrong reading": (
-        [EFFECTS["encoder_periodic_error"](period=0.02, sine=2e-5, cosine=-1e-5)],
-        [EFFECTS["encoder_periodic_error"](period=0.02)],
-        {"encoder_periodic_error.sine": (2e-5, 0.1), "encoder_periodic_error.cosine": (-1e-5, 0.2)},
-        0.005,
-        6,
+        [effects.EncoderPeriodicError(period=0.02, sine=2e-5, cosine=-1e-5)],
+        [effects.EncoderPeriodicError(period=0.02)],
+        {"encoder_periodic_error.sine": 0.1, "encoder_periodic_error.cosine": 0.2},
+        *(0.005, 6),
     ),
 }
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_effects_are_found(kind):
-    present, believed, values, noise, seed = KINDS[kind]
+    present, believed, fields, noise, seed = KINDS[kind]
     truth = machine(*present, noise=noise)
-    found = identify(run(truth, seed=seed), prior_of(truth, effects=tuple(believed)))
-    for path, (value, tolerance) in values.items():
+    found, known = identify(run(truth, seed=seed), prior_of(truth, effects=tuple(believed))), parameters_of(truth)
+    for path, tolerance in fields.items():
         assert found[f"effects.{path}"].determined
-        assert found[f"effects.{path}"].value == pytest.approx(value, rel=tolerance)
+        assert found[f"effects.{path}"].value == pytest.approx(known[f"effects.{path}"].value, rel=tolerance)
     absent = [effect for effect in believed if effect.NAME not in {one.NAME for one in present}]
     check_intervals(found, truth.replace(effects=(*present, *absent)))
 
 
 def test_a_second_mass_is_seen_by_the_output_error_alone():
-    mode = EFFECTS["flexible_mode"](frequency=60.0, damping_ratio=0.05, mass_ratio=0.3)
+    mode = effects.FlexibleMode(frequency=60.0, damping_ratio=0.05, mass_ratio=0.3)
     truth = machine(mode, noise=0.01, rate=1000.0)
-    prior = prior_of(truth, effects=(EFFECTS["flexible_mode"](frequency=55.0, damping_ratio=0.05, mass_ratio=0.25),))
+    prior = prior_of(truth, effects=(effects.FlexibleMode(frequency=55.0, damping_ratio=0.05, mass_ratio=0.25),))
     found = identify(run(truth, moves(np.random.default_rng(0), 0.2, 0.8, 6.0, 1000.0), duration=6.0), prior)
     frequency = found["effects.flexible_mode.frequency"]
     assert found.estimator == "output_error"
@@ -205,9 +202,9 @@ def test_a_second_mass_is_seen_by_the_output_error_alone():
 
 
 def test_instruments_keep_noise_in_the_command_from_biasing_a_delay():
-    truth = machine(EFFECTS["command_delay"](delay=3e-3))
+    truth = machine(effects.CommandDelay(delay=3e-3))
     log = run(truth, moves(np.random.default_rng(5), 0.4, 0.4, 10.0, RATE), seed=11)
-    check_intervals(identify(log, prior_of(truth, effects=(EFFECTS["command_delay"](delay=1e-3),))), truth)
+    check_intervals(identify(log, prior_of(truth, effects=(effects.CommandDelay(delay=1e-3),))), truth)
 
 
 # Kinds of logs --------------------------------------------------------------------------------------------------------
@@ -273,8 +270,8 @@ WRONG = [
 @pytest.mark.parametrize(("options", "message"), WRONG)
 def test_wrong_calls_are_refused(fitted, options, message):
     _, prior, log, _ = fitted
-    effects = (EFFECTS["command_saturation"](), EFFECTS["backlash"]())
-    model = prior.replace(effects=effects, axis=prior.axis.replace(coulomb_width=0.0))
+    unusual = (effects.CommandSaturation(), effects.Backlash())
+    model = prior.replace(effects=unusual, axis=prior.axis.replace(coulomb_width=0.0))
     with pytest.raises(ValueError, match=message):
         identify(log, model, **options)
 

@@ -5,8 +5,8 @@ import pytest
 
 import cogging
 from cogging.model.model import CONTROLLERS
+from tests.fixtures import pid_axis
 
-AXIS = cogging.AxisParameters(mass=0.12, viscous=0.166, coulomb=0.15, coulomb_width=1e-3, travel=[0.0, 0.5])
 LIMITS = {"velocity": 0.2, "acceleration": 5.0, "jerk": 500.0, "dwell": 0.1}
 REFERENCE = {"type": "point_to_point", "start": 0.1, "distance": 0.05, **LIMITS}
 PID = cogging.PidParameters(kp=9600.0, ki=1e5, kd=48.0)
@@ -16,8 +16,7 @@ CASCADE = CASCADE.replace(viscous=0.1, coulomb=0.1, coulomb_width=2e-3)
 
 
 def make(parameters=PID, kind="pid"):
-    encoder = cogging.EncoderParameters(resolution=0.5e-6)
-    return cogging.Model(axis=AXIS, encoder=encoder, controller=parameters, controller_type=kind)
+    return pid_axis.MODEL.replace(noise=cogging.NoiseParameters(), controller=parameters, controller_type=kind)
 
 
 @pytest.fixture(scope="module")

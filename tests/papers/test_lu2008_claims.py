@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.stats import binomtest
 
-from cogging import Arc, CoggingModel, Dcarc, Plant, SplineHarmonics
+from cogging import Arc, CoggingModel, Dcarc, Plant
 from cogging.papers.lu2008 import cogging_scan, theorem_1
 from cogging.papers.lu2008 import gantry as lu2008
 
@@ -26,10 +26,7 @@ def drawn_map(rng):
 
 
 def model(chosen, rows):
-    basis = SplineHarmonics(
-        pitch=lu2008.PITCH, harmonics=chosen, order=lu2008.ORDER, origin=0.0, control_points=lu2008.CONTROL_POINTS
-    )
-    return CoggingModel(basis, *rows)
+    return CoggingModel(lu2008.cogging_basis(chosen), *rows)
 
 
 def kept_and_heights(scans, first=0):

@@ -37,17 +37,17 @@ def test_acceleration_is_eq_10():
         assert bare == pytest.approx((u - friction) / axis.mass, rel=1e-13, abs=1e-13)
 
 
-# What an effect answers, by what it is called in EXAMPLES: hook and method.
+# What an effect answers, by what it is called in EXAMPLES: hook, method, and where it is asked.
 ANSWERS = {
-    "force": ("force", "force_at"),
-    "level": ("friction_level", "friction_level_at"),
-    "gain": ("command_gain", "gain_at"),
-    "shape": ("shape_command", "shape_at"),
-    "reading_error": ("reading", "reading_at"),
-    "delay": ("command_delay", None),
-    "lag": ("lag", None),
-    "bristle": ("state", None),
-    "coupling": ("state", None),
+    "force": ("force", "force_at", "position velocity time"),
+    "level": ("friction_level", "friction_level_at", "position velocity"),
+    "gain": ("command_gain", "gain_at", "position time"),
+    "shape": ("shape_command", "shape_at", "command"),
+    "reading_error": ("reading", "reading_at", "position"),
+    "delay": ("command_delay", None, ""),
+    "lag": ("lag", None, ""),
+    "bristle": ("state", None, ""),
+    "coupling": ("state", None, ""),
 }
 
 
@@ -56,36 +56,23 @@ def test_each_law_is_its_formula(name):
     """Each law alone, on scalars and arrays, and what forces, levels and gains do in the force balance."""
     one, by_hand = example(name), EXAMPLES[name][1]
     assert {ANSWERS[key][0] for key in by_hand if key in ANSWERS} == set(one.HOOKS)
-    for key, (_, method) in ANSWERS.items():
-        assert method is None or hasattr(one, method) == (key in by_hand)
     axis = cogging.AxisParameters(mass=0.4, viscous=0.2, coulomb=0.3, coulomb_width=0.01)
     plant, bare = cogging.Plant(axis, effects=[one]), cogging.Plant(axis)
     rng = np.random.default_rng(2)
     x, u, t = rng.uniform(-0.1, 0.5, 200), rng.normal(size=200), rng.uniform(0, 0.4, 200)
     v = np.append(rng.normal(size=199) * 10 ** rng.uniform(-4, 0, 199), 0.0)
-
-    def answers(method, expected, **where):
-        got = getattr(one, method)(**where)
-        np.testing.assert_allclose(got, expected, rtol=1e-12, atol=1e-13)
-        first = getattr(one, method)(**{key: values[0] for key, values in where.items()})
-        assert isinstance(first, float)
-        assert first == got[0]
-
-    if "shape" in by_hand:
-        answers("shape_at", by_hand["shape"](u), command=u)
-    if "reading_error" in by_hand:
-        answers("reading_at", x + by_hand["reading_error"](x), position=x)
-    added = np.zeros(200)
-    if "force" in by_hand:
-        added = by_hand["force"](x, v, t) * np.ones(200)
-        answers("force_at", added, position=x, velocity=v, time=t)
-    if "level" in by_hand:
-        level = by_hand["level"](x, v)
-        answers("friction_level_at", level, position=x, velocity=v, time=t)
-        added = -level * atan_sign(v, 0.01)
-    if "gain" in by_hand:
-        added = by_hand["gain"](x, t) * 0.7
-        answers("gain_at", by_hand["gain"](x, t), position=x, time=t)
+    places, law = {"position": x, "velocity": v, "time": t, "command": u}, dict.fromkeys(ANSWERS, np.zeros(200))
+    for key, (_, method, names) in ANSWERS.items():
+        assert method is None or hasattr(one, method) == (key in by_hand)
+        if method and key in by_hand:
+            where = {name: places[name] for name in names.split()}
+            law[key] = by_hand[key](*where.values()) * np.ones(200)
+            got = getattr(one, method)(**where) - (x if key == "reading_error" else 0.0)
+            np.testing.assert_allclose(got, law[key], rtol=1e-12, atol=1e-13)
+            first = getattr(one, method)(**{name: values[0] for name, values in where.items()})
+            assert isinstance(first, float)
+            assert first == getattr(one, method)(**where)[0]
+    added = law["force"] - law["level"] * atan_sign(v, 0.01) + law["gain"] * 0.7
     for i in range(200):
         where = {"position": x[i], "velocity": v[i], "time": t[i]}
         difference = plant.acceleration(**where, command=0.7) - bare.acceleration(**where, command=0.7)

@@ -42,31 +42,33 @@ class OwnPid:
 
     def __init__(self, parameters):
         self.q = parameters
-        self.sample_rate = parameters.sample_rate
-        self.command_limit = parameters.command_limit
+        self.sample_rate, self.command_limit = parameters.sample_rate, parameters.command_limit
         self.reset()
 
     def reset(self):
-        self.total = self.step = self.computed = self.error_previous = self.reading_previous = 0.0
-        self.first = True
+        self.total = self.step = self.computed = 0.0
+        self.last = None
 
     def command(self, reference, reading):
-        q, sample_time = self.q, 1.0 / self.q.sample_rate
-        measured = 0.0 if self.first else (reading - self.reading_previous) * q.sample_rate
-        velocity = measured if q.feedforward_velocity == "measured" else reference.velocity
-        forward = q.mass * reference.acceleration + q.viscous * velocity
+        q, (x, v, a), last = self.q, reference, self.last
+        measured = 0.0 if last is None else (reading - last[1]) * q.sample_rate
+        velocity = measured if q.feedforward_velocity == "measured" else v
+        forward = q.mass * a + q.viscous * velocity
         forward += q.coulomb * cogging._core.smooth_sign(velocity, q.coulomb_width)
-        error = reading - reference.position
-        self.step = error * sample_time
-        rate = (0.0 if self.first else error - self.error_previous) / sample_time
+        error = reading - x
+        self.step = error * (1.0 / q.sample_rate)
+        rate = (0.0 if last is None else error - last[0]) / (1.0 / q.sample_rate)
         self.total += self.step
         self.computed = forward - q.kp * error - q.ki * self.total - q.kd * rate
-        self.error_previous, self.reading_previous, self.first = error, reading, False
+        self.last = error, reading
         return self.computed
 
     def update(self, applied):
         if (self.computed - applied) * self.step < 0.0:
             self.total -= self.step
+
+
+GAINS, STATE = [9000.0, 40.0, 0.999, 0.12], [0.0, 0.5]  # of the leaky law
 
 
 def leaky_law(state, parameters, reference, reading):
@@ -86,18 +88,17 @@ class Leaky:
 
     sample_rate, command_limit = RATE, 2.5
 
-    def __init__(self, parameters, state):
-        self.parameters, self.initial = parameters, state
-        self.estimates = list(state)
+    def __init__(self):
+        self.reset()
 
     def reset(self):
-        self.estimates = list(self.initial)
+        self.estimates = list(STATE)
 
     def command(self, reference, reading):
-        return leaky_law(self.estimates, self.parameters, reference, reading)
+        return leaky_law(self.estimates, GAINS, reference, reading)
 
     def update(self, applied):
-        leaky_update(self.estimates, self.parameters, applied)
+        leaky_update(self.estimates, GAINS, applied)
 
 
 class Failing(Proportional):
@@ -121,9 +122,6 @@ class Uncopied(Proportional):
 
     def __deepcopy__(self, memo):
         raise copy.Error("one of a kind")
-
-
-LAW = ([9000.0, 40.0, 0.999, 0.12], [0.0, 0.5])  # parameters and state of the leaky law
 
 
 def loop(controller, **options):
@@ -161,7 +159,7 @@ def functions():
 
 def compiled(**changes):
     command, update = functions()
-    arguments = {"sample_rate": RATE, "state": LAW[1], "parameters": LAW[0], "command_limit": 2.5} | changes
+    arguments = {"sample_rate": RATE, "state": STATE, "parameters": GAINS, "command_limit": 2.5} | changes
     return cogging.CompiledController(command, update=update, **arguments)
 
 
@@ -170,12 +168,12 @@ def test_a_compiled_law_gives_the_bits_of_the_same_in_python():
     mine = compiled()
     functions.cache_clear()
     gc.collect()
-    same(loop(mine, seed=2, record_estimates=True), loop(Leaky(*LAW), seed=2, record_estimates=True))
+    same(loop(mine, seed=2, record_estimates=True), loop(Leaky(), seed=2, record_estimates=True))
 
 
 def test_a_batch_and_a_replay_give_what_single_runs_give():
     pid = cogging.Pid(cogging.PidParameters(kp=9600.0, kd=48.0))
-    each = [compiled(), Leaky(*LAW), pid, Proportional(), compiled(state=[0.1, 0.0]), OwnPid(pid.parameters)]
+    each = [compiled(), Leaky(), pid, Proportional(), compiled(state=[0.1, 0.0]), OwnPid(pid.parameters)]
     logs = cogging.closed_loop_batch([PLANT] * 6, each, MOVE, seeds=list(range(6)), threads=3, logs=True)
     for seed, (log, controller) in enumerate(zip(logs, each, strict=True)):
         same(log, loop(controller, seed=seed))
@@ -187,7 +185,7 @@ def test_a_batch_and_a_replay_give_what_single_runs_give():
 def test_the_object_is_not_changed_and_reset_before_each_run():
     mine = OwnPid(cogging.PidParameters(kp=9600.0, ki=1e5))
     first = loop(mine)
-    assert mine.first
+    assert mine.last is None
     for _ in range(100):
         mine.command(cogging.ReferencePoint(0.1, 0.0, 0.0), 0.2)
     learned = dict(vars(mine))
@@ -207,8 +205,8 @@ def test_what_cannot_be_copied_is_refused():
 
 def test_a_model_with_another_controller_and_what_the_log_says(tmp_path):
     model = MODEL.replace(controller=cogging.PidParameters(kp=1.0), controller_type="pid")
-    log = cogging.simulate(model, MOVE, controller=Leaky(*LAW), seed=5)
-    same(log, loop(Leaky(*LAW), seed=5))
+    log = cogging.simulate(model, MOVE, controller=Leaky(), seed=5)
+    same(log, loop(Leaky(), seed=5))
     log.write(tmp_path / "log.csv")
     metadata = cogging.read_log(tmp_path / "log.csv").metadata
     assert metadata["controller"] == "given"
@@ -262,7 +260,7 @@ class Growing(Leaky):
     [
         (having(update=lambda applied: [][0]), cogging.ControllerError, r"update raised IndexError: .* in row 0"),
         (having(reset=lambda: {}["no"]), KeyError, "no"),
-        (Growing(*LAW), cogging.ControllerError, "estimates must keep their number, 2, got 3 in row 1"),
+        (Growing(), cogging.ControllerError, "estimates must keep their number, 2, got 3 in row 1"),
     ],
 )
 def test_other_members_that_fail(controller, error, message):
