@@ -150,38 +150,35 @@ void soak(const typename C::Parameters& parameters, long steps, std::uint64_t se
 }
 
 void soak_all(long steps, std::uint64_t seed) {
-  const auto loop = [](auto q) {
-    q.sample_rate = 5000.0;
-    q.mass = mass, q.viscous = viscous, q.coulomb = coulomb, q.coulomb_width = width, q.command_limit = limit;
+  const auto of_axis = [](auto q) {
+    q.sample_rate = 5000.0, q.command_limit = limit;
+    if constexpr (requires { q.mass; }) q.mass = mass, q.viscous = viscous;
+    if constexpr (requires { q.coulomb; }) q.coulomb = coulomb, q.coulomb_width = width;
     return q;
   };
-  PidParameters<> pid = loop(PidParameters<>{});
+  auto pid = of_axis(PidParameters<>{});
   pid.kp = 9600.0, pid.ki = 1e5, pid.kd = 48.0;
-  CascadeParameters<> cascade = loop(CascadeParameters<>{});
+  auto cascade = of_axis(CascadeParameters<>{});
   cascade.kp = 150.0, cascade.kv = 40.0;
-  SpeedParameters<> speed = loop(SpeedParameters<>{});
+  auto speed = of_axis(SpeedParameters<>{});
   speed.kp = 20.0;
   // Lu, Chen, Yao, Wang 2008, X axis.
-  AdaptiveRobustParameters<> adaptive;
-  adaptive.sample_rate = 5000.0, adaptive.error_gain = 200.0, adaptive.feedback_gain = 48.0;
-  adaptive.mass = mass, adaptive.viscous = viscous, adaptive.coulomb = coulomb, adaptive.coulomb_width = width;
+  auto adaptive = of_axis(AdaptiveRobustParameters<>{});
+  adaptive.error_gain = 200.0, adaptive.feedback_gain = 48.0;
   adaptive.mass_bounds = {0.1, 0.2}, adaptive.viscous_bounds = {0.15, 0.35}, adaptive.coulomb_bounds = {0.1, 0.3};
   adaptive.disturbance_bounds = {-0.5, 0.5}, adaptive.mass_adaptation = 1.0, adaptive.viscous_adaptation = 10.0;
   adaptive.coulomb_adaptation = 10.0, adaptive.disturbance_adaptation = 1000.0, adaptive.cogging_adaptation = 100.0;
   adaptive.cogging_harmonics = {1, 2, 3}, adaptive.cogging_bounds = {-0.1, 0.1};
-  adaptive.command_limit = limit;
   // Xu and Yao 2001, with the parameters of this axis.
-  OutputFeedbackArcParameters output;
-  output.sample_rate = 5000.0, output.command_limit = limit;
+  auto output = of_axis(OutputFeedbackArcParameters{});
   output.theta = {1.0 / mass, viscous / mass, 0.0}, output.theta_min = {5.0, 0.7, -5.0};
-  output.theta_max = {10.0, 3.5, 5.0}, output.coulomb = coulomb, output.coulomb_width = width;
+  output.theta_max = {10.0, 3.5, 5.0};
   // Malaize and Levine 2009, as `cogging reproduce --compare` has it.
-  ObserverBasedParameters observer;
-  observer.sample_rate = 5000.0, observer.command_limit = limit, observer.periods = {0.05, 0.025, 0.05 / 3.0};
+  auto observer = of_axis(ObserverBasedParameters{});
+  observer.periods = {0.05, 0.025, 0.05 / 3.0}, observer.viscous = viscous / mass, observer.velocity_min = 5e-3;
   observer.observer_gain = {875.271,    406594.0,   16382100.0, 54587200.0, 9999140.0,
                             39986800.0, 41501700.0, -5471680.0, 51261100.0};
-  observer.position_gain = 9e4, observer.velocity_gain = 600.0 - viscous / mass, observer.mass = mass;
-  observer.viscous = viscous / mass, observer.velocity_min = 5e-3;
+  observer.position_gain = 9e4, observer.velocity_gain = 600.0 - viscous / mass;
   soak<Pid<>>(pid, steps, seed);
   soak<Cascade<>>(cascade, steps, seed);
   soak<Speed<>>(speed, steps, seed);

@@ -1,8 +1,9 @@
-"""A small project uses the library as its user does: find_package, FetchContent, paths of the Python package."""
+"""A small project uses the library as its user does, and the programs of CTest: numbers, and a soak of controllers."""
 
 import re
 import subprocess
 import sys
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
@@ -67,3 +68,11 @@ def test_a_header_can_be_included_alone(cmake, compiler, header, tmp_path):
     (tmp_path / "alone.cpp").write_text(f'#include "cogging/{header}.hpp"\n')
     flags = ["-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'cpp'}"]
     cmake.run(compiler, *flags, "-fsyntax-only", tmp_path / "alone.cpp")
+
+
+def test_programs_pass(cmake, programs, tmp_path):
+    report = tmp_path / "report.xml"
+    options = ["--output-on-failure", "-C", "Debug", "--output-junit", report]
+    cmake.run(cmake.ctest, "--test-dir", programs, *options)
+    passed = {case.get("name") for case in ElementTree.parse(report).iter("testcase") if case.get("status") == "run"}
+    assert passed == {"numbers", "soak", "soak_refuses"}

@@ -1,4 +1,4 @@
-"""Hostile files: code beside a log and in it, logs that name other files, readers that outlive their parent."""
+"""Hostile files: code beside a log and in it, logs that name other files or ask for much, readers and their parent."""
 
 import importlib
 import os
@@ -343,3 +343,43 @@ def test_a_reader_that_fails_is_one_error(behaviour, message, tmp_path, monkeypa
         cogging.read_log(path)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+# --- small files that ask for much are refused by what they state, before they are read -------------------------------
+
+ROWS = 863_000_000  # 6.9 GB a column
+
+
+def test_a_small_file_that_states_much_is_refused_before_it_is_read(tmp_path, capsys):
+    import h5py
+
+    path = tmp_path / "a.mat"
+    with h5py.File(path, "w") as file:
+        for name in ("time", "position", "command"):
+            file.create_dataset(name, shape=(ROWS,), dtype="f8", chunks=(1000,), compression="gzip")
+    assert path.stat().st_size < 20_000
+    assert main(["audit", str(path)]) == 2
+    refused = capsys.readouterr().err
+    rule = r"\w+: must ask for at most \d+ numbers in a file of \d+ bytes"
+    assert re.fullmatch(rf"cogging: .*: {rule}, got {ROWS} rows, .* numbers\n", refused), refused
+
+
+@pytest.mark.parametrize("name", ["a.mat", "a.mf4", "a.parquet"])
+def test_the_reader_of_each_format_compares_what_a_file_states_with_its_size(name, tmp_path, monkeypatch):
+    path = write_log(name, tmp_path)
+    np.testing.assert_array_equal(cogging.read_log(path).position, COLUMNS["position"])
+    little = "import cogging.logs.readers.column_request as limits; limits.SMALL, limits.EXPANSION = 1000, 0; "
+    monkeypatch.setattr(isolate, "START", little + isolate.START)
+    with pytest.raises(InputError, match=r"must ask for at most 125 numbers in a file of \d+ bytes, got 200 rows"):
+        cogging.read_log(path)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a file with holes takes its whole length there")
+def test_a_text_of_more_rows_than_fit_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time,position,command\n" + "".join(f"{i},0.5,0.5\n" for i in range(40_000)))
+    with open(path, "r+b") as file:
+        file.truncate(10**12)
+    with pytest.raises(InputError, match=r"a.csv: rows: must fit into memory: about .* rows of 3 columns take .* GB"):
+        cogging.read_log(path)
+    assert len(cogging.read_log(path, rows=slice(0, 1000))) == 1000
