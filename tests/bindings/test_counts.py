@@ -22,9 +22,6 @@ def basis(terms, control_points, order=1):
     return SplineHarmonics(pitch=0.05, harmonics=list(range(1, terms + 1)), order=order, control_points=control_points)
 
 
-# Control points times columns ------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("terms", [1, 32])
 def test_too_many_coefficients_are_refused_and_the_largest_model_works(terms):
     """Also sizes whose product with the columns overflows 32 bits, some to something that looks small."""

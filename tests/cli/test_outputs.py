@@ -145,6 +145,32 @@ def test_a_file_keeps_its_mode_and_a_new_one_gets_that_of_the_mask(mode, tmp_pat
     assert (stat.S_IMODE(kept.st_mode), len(parts)) == (mode, 3)
 
 
+def huge(path):
+    with open(path, "wb") as file:
+        file.truncate(1 << 40)
+
+
+STRANGE = {
+    "pipe": (getattr(os, "mkfifo", None), "must be a file, got a device or pipe"),
+    "endless": (lambda path: path.symlink_to("/dev/zero"), "must be a file, got a device or pipe"),
+    "folder": (os.mkdir, "must be a file, got a directory"),
+    "huge": (huge, "must be at most 64 MiB of text, got 1099511627776 bytes"),
+}
+READ = [(f"{SIMULATE} new.csv", file) for file in ("model.toml", "ref.toml")]
+READ += [("identify log.csv --model model.toml", file) for file in ("model.toml", "log.csv.toml")]
+READ += [("audit other.csv", "other.csv")]
+
+
+@POSIX
+@pytest.mark.parametrize(("case", "what"), covering(range(len(READ)), STRANGE))
+def test_what_is_read_is_a_file_with_an_end(case, what, folder, refused):
+    call, file = READ[case]
+    make, message = STRANGE[what]
+    Path(file).unlink(missing_ok=True)
+    make(folder / file)
+    refused(call.split(), f"{file}: ", message)
+
+
 # Files that belong together -------------------------------------------------------------------------------------------
 
 OLD = {"a": b"old a", "b": b"old b", "gone": b"old too"}
@@ -224,32 +250,3 @@ def test_a_folder_that_was_made_goes_with_what_could_not_be_written(tmp_path, mo
     written = found.write(tmp_path / "deep" / "results")
     assert sorted(path.name for path in written) == ["fig.png", "paper.json"]
     assert (tmp_path / "deep" / "results" / "fig.png").read_bytes() == b"fig"
-
-
-# What is read ---------------------------------------------------------------------------------------------------------
-
-
-def huge(path):
-    with open(path, "wb") as file:
-        file.truncate(1 << 40)
-
-
-STRANGE = {
-    "pipe": (getattr(os, "mkfifo", None), "must be a file, got a device or pipe"),
-    "endless": (lambda path: path.symlink_to("/dev/zero"), "must be a file, got a device or pipe"),
-    "folder": (os.mkdir, "must be a file, got a directory"),
-    "huge": (huge, "must be at most 64 MiB of text, got 1099511627776 bytes"),
-}
-READ = [(f"{SIMULATE} new.csv", file) for file in ("model.toml", "ref.toml")]
-READ += [("identify log.csv --model model.toml", file) for file in ("model.toml", "log.csv.toml")]
-READ += [("audit other.csv", "other.csv")]
-
-
-@POSIX
-@pytest.mark.parametrize(("case", "what"), covering(range(len(READ)), STRANGE))
-def test_what_is_read_is_a_file_with_an_end(case, what, folder, refused):
-    call, file = READ[case]
-    make, message = STRANGE[what]
-    Path(file).unlink(missing_ok=True)
-    make(folder / file)
-    refused(call.split(), f"{file}: ", message)

@@ -1,4 +1,7 @@
-"""A sample that is not finite: every controller holds its last command, learns nothing, counts it and recovers."""
+"""Every controller where a sample is not finite (it holds its command, learns nothing, counts, recovers), and at rest.
+
+At rest exactly where a motion began decaying states end at 0, and no state is a denormal number.
+"""
 
 import math
 
@@ -114,3 +117,35 @@ def test_an_applied_command_that_is_not_finite_is_replaced_by_the_computed_one(k
         one.update(applied)
         other.update(fault if k % 3 == 0 else applied)
     assert other.samples_refused == 0
+
+
+def states_at_rest(kind, start):
+    """The states of a controller, ten times a second over 5 s after a drawn motion from `start`."""
+    rng = np.random.default_rng([*kind.encode()])
+    struct, made = CONTROLLERS[kind]
+    controller = made(struct(**FIELDS[kind]))
+    count, (size, turns) = 2000, rng.uniform([1e-3, 1.0], [2e-2, 3.0])
+    w, t = 2 * np.pi * round(turns) * RATE / count, np.arange(count) / RATE
+    lags = 0.5e-6 * rng.integers(-4, 5, count)
+    lags[0] = 0.0  # positions of the output feedback count from here
+    for time, lag in zip(t, lags, strict=True):
+        x = size * (1 - np.cos(w * time))
+        point = (start + x, size * w * np.sin(w * time), size * w**2 * np.cos(w * time))
+        controller.update(ask(controller, point, start + x + lag))
+    states = []
+    for k in range(int(5 * RATE)):
+        controller.update(ask(controller, (start, 0.0, 0.0), start))
+        if k % 500 == 0:
+            states.append(controller.__getstate__()[1])
+    return np.array(states)
+
+
+@pytest.mark.parametrize(("kind", "start"), covering(FIELDS, [0.0, 0.2]))
+def test_no_state_is_denormal(kind, start):
+    states = states_at_rest(kind, start)
+    size = np.abs(states)
+    assert np.isfinite(size).all()
+    assert not ((size > 0.0) & (size < np.finfo(float).tiny)).any()
+    if kind == "output_feedback_arc":  # eta falls by 1/e in 5 ms: after 5 s it would be exp(-1000) of what it was
+        assert np.count_nonzero((states[0] != 0.0) & (states[-1] == 0.0)) >= (2 if start else 0)
+        assert size[-1].max() > 0.1

@@ -231,9 +231,6 @@ def test_present_gains_that_are_the_best_or_fail_are_reported(tuning):
     assert "the present gains break a limit: all runs complete" in found.notes
 
 
-# Interruptions --------------------------------------------------------------------------------------------------------
-
-
 def test_an_interrupted_tuning_continues_with_its_trials(tmp_path, monkeypatch):
     """In the end all is as if it had not been interrupted; the best so far is in the file."""
     out, options = tmp_path / "tuned.toml", {"limits": {"delay_margin": 1e-3}, "trials": 6, "seed": 3, **FEW}

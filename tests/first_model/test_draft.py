@@ -13,6 +13,7 @@ import cogging
 from cogging.cli.main import main
 from cogging.datasets import emps
 from cogging.files import InputError, read_toml
+from cogging.first_model.headers import header_of
 from tests.fixtures.command_files import table
 from tests.fixtures.measured import FOLDER
 from tests.fixtures.pid_axis import MODEL
@@ -344,7 +345,46 @@ def test_stated_columns_scales_and_rows_are_used(draft_of):
         cogging.draft_model("a.csv", columns={"position": "yy"})
 
 
-# Motions --------------------------------------------------------------------------------------------------------------
+#: Kind and unit of each label.
+LABELS = {
+    "Zeit in s": ("time", "s"),
+    "t_ms": ("time", "ms"),
+    "Time [us]": ("time", "us"),
+    "Istposition / mm": ("position", "mm"),
+    "pos_um": ("position", "um"),
+    "Axis 1 Position Actual Value": ("position", ""),
+    "theta [deg]": ("position", "deg"),
+    "Actual position [counts]": ("position", "counts"),
+    "x_A": ("position", ""),  # an axis called A, not amperes
+    "x [mm/s]": ("velocity", "mm/s"),
+    "Drehzahl [1/min]": ("velocity", "1/min"),
+    "Motorstrom / A": ("command", "A"),
+    "Stellgröße [V]": ("command", "V"),
+    "torque [%]": ("command", "%"),
+    "force (filtered)": ("command", ""),
+    "Sollposition [mm]": ("reference", "mm"),
+    "Reference Velocity": ("reference_velocity", ""),
+    "Error Position": ("error", ""),
+    "Temperatur": ("", ""),
+    "kp": ("", ""),
+    "": ("", ""),
+    # A pattern that looks at each pair of their blanks needs minutes to years.
+    "x" + " " * 200_000 + "[mm]": ("position", "mm"),
+    "x" + " in" * 70_000 + "(": ("position", ""),
+    "[" * 200_000: ("", ""),
+}
+
+
+@pytest.mark.parametrize("label", LABELS, ids=lambda label: label[:30])
+def test_kind_and_unit_of_a_label(label):
+    header = header_of(label)
+    assert (header.kind, header.unit, header.label) == (*LABELS[label], label)
+
+
+@pytest.mark.parametrize("unit", ["mm", "V", "ms"])
+def test_a_unit_apart_from_the_name_counts_where_the_name_has_none(unit):
+    assert header_of("ch1", unit).unit == unit
+    assert header_of("ch1 [A]", unit).unit == "A"
 
 
 def moves(*moves, rests=None):
@@ -368,9 +408,6 @@ def test_one_move_many_alike_and_others_that_are_kept_as_samples():
     assert moves(*same, rests=[200, 200, 1500, 200, 200]).kind == "sampled"
 
 
-# Files ----------------------------------------------------------------------------------------------------------------
-
-
 def test_no_file_is_replaced(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.csv").write_text(user_log(102, kind="sampled").text)
@@ -383,9 +420,6 @@ def test_no_file_is_replaced(tmp_path, monkeypatch, capsys):
     assert main(["init", "a.csv", "--out", "x.toml", "--reference", "y.toml"]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "x.toml", "y.csv", "y.toml"]
     assert read_toml("y.toml")["file"] == "y.csv"
-
-
-# Measured logs, beside what is published of their machines ------------------------------------------------------------
 
 
 @pytest.mark.data

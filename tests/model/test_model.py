@@ -1,4 +1,4 @@
-"""Model and reference files: reading, writing, and the one line for a wrong one."""
+"""Model and reference files, the numbers of a model by path, and its units; and the one line for a wrong one."""
 
 import pickle
 import re
@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 import cogging
+from cogging import EFFECTS, AxisParameters, CoggingModel, Model, SplineHarmonics, parameters_of
 from cogging.files import InputError, parse_toml
 from cogging.model.model import CONTROLLERS
+from cogging.model.parameters import Parameter, with_values
 from tests.fixtures.covering import covering
+from tests.fixtures.files import MODEL
 from tests.fixtures.model_files import BAD, CONTRACT
 from tests.fixtures.plants_by_hand import EXAMPLES
 from tests.golden.logs import CONTROLLERS as FIELDS
@@ -137,3 +140,102 @@ def test_a_wrong_reference_is_one_line(case, write):
     text, message = BAD_REFERENCES[case]
     with pytest.raises(ValueError, match=message):
         cogging.read_reference(write(text, "r.toml"))
+
+
+def test_every_unit_is_written_with_the_labels_of_the_machine():
+    units = cogging.Units(command="Q", position="turn")
+    structs = [*cogging.EFFECTS.values(), cogging.AxisParameters, cogging.EncoderParameters, cogging.NoiseParameters]
+    known = {unit for struct in structs for unit, _ in struct.FIELDS.values() if unit}
+    assert len(known) > 8
+    known |= {"mV", "um", "1/m", "min", "ms"}
+    for unit in known:
+        assert cogging.Units().of(unit) == unit
+        expected = re.sub(r"(?<![a-z])(u?)m(?![a-zA-Z])", r"\1turn", unit.replace("V", "Q"))
+        assert units.of(unit) == expected
+
+
+def test_a_model_file_keeps_its_labels(tmp_path):
+    (tmp_path / "plain.toml").write_text(MODEL)
+    model = cogging.Model.read(tmp_path / "plain.toml")
+    assert model.units == cogging.Units() == cogging.Units("V", "m")
+    assert "units" not in model.to_dict()
+    rotary = model.replace(units=cogging.Units(command="Nm", position="rad"))
+    rotary.write(tmp_path / "rotary.toml")
+    assert cogging.Model.read(tmp_path / "rotary.toml") == rotary != model
+    assert ("Nm/(rad/s^2)" in repr(rotary), "V/(m/s^2)" in repr(model)) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ('[units]\ncommand = ""', "units.command: must be the label of a unit"),
+        ('[units]\ncommand = "a unit of two words"', "units.command: must be the label of a unit"),
+        ('[units]\nforce = "N"', "units.force: is unknown"),
+        ('units = "A"', "units: must be a section"),
+    ],
+)
+def test_a_wrong_label_is_one_line_and_invalid_by_the_schema(tmp_path, section, message):
+    import jsonschema
+
+    path = tmp_path / "model.toml"
+    path.write_text(f"{section}\n{MODEL}" if section.startswith("units") else f"{MODEL}\n{section}\n")
+    with pytest.raises(InputError, match=message) as error:
+        cogging.Model.read(path)
+    assert len(str(error.value).splitlines()) == 1
+    document = cogging.schema()["$defs"]["model"]["properties"]["units"]
+    entry = cogging.files.read_toml(path)["units"]
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(entry, document)
+
+
+@pytest.fixture
+def model():
+    basis = SplineHarmonics(pitch=0.05, harmonics=[1, 2], control_points=3)
+    return Model(
+        axis=AxisParameters(mass=1.5, viscous=2.0, coulomb=0.7, coulomb_width=1e-3),
+        cogging=CoggingModel(basis, np.arange(6.0).reshape(2, 3), -np.arange(6.0).reshape(2, 3)),
+        effects=(
+            EFFECTS["constant_force"](force=0.3),
+            EFFECTS["cogging_harmonic"](period=0.024, sine=0.1),
+            EFFECTS["position_dependent_friction"](nodes=[0.0, 0.2], levels=[0.1, -0.1]),
+            EFFECTS["cogging_harmonic"](period=0.016, cosine=0.2),
+            EFFECTS["command_saturation"](),
+            EFFECTS["end_effect"](force=0.1, decay_length=0.01, travel=[0.0, 0.5]),
+        ),
+        uncertainty={"mass": 0.03},
+    )
+
+
+def test_every_number_has_a_path_that_with_values_follows(model):
+    known = parameters_of(model)
+    assert known["axis.mass"] == Parameter("axis.mass", 1.5, "V/(m/s^2)", 0.03)
+    assert known["axis.coulomb"].uncertainty is None
+    assert known["cogging.cosine[1][2]"].value == -5.0
+    assert known["effects.cogging_harmonic[1].period"].value == 0.016
+    assert known["effects.position_dependent_friction.levels[1]"].unit == "V"
+    assert [path for path in known if path.endswith(("force", "limit"))] == [
+        "effects.constant_force.force",
+        "effects.command_saturation.limit",
+        "effects.end_effect.force",
+    ]
+    for path in known:
+        moved = parameters_of(with_values(model, {path: 0.123}))
+        assert moved[path].value == 0.123
+        assert {p: v for p, v in moved.items() if p != path} == {p: v for p, v in known.items() if p != path}
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("axis.weight", 1.0, "axis.weight: must be a parameter of the model"),
+        ("effects.cable_spring.stiffness", 1.0, "effects.cable_spring.stiffness: must be a parameter"),
+        ("effects.cogging_harmonic.period", 1.0, "must be a parameter"),  # there are two
+        ("cogging.sine", 1.0, "cogging.sine: must be a parameter"),
+        ("effects.position_dependent_friction.levels[x]", 1.0, "must be a parameter"),
+        ("axis.mass", -1.0, "mass"),
+        ("effects.cogging_harmonic[0].period", 0.0, "period"),
+    ],
+)
+def test_a_wrong_path_or_value_is_named(model, path, value, message):
+    with pytest.raises(ValueError, match=message):
+        with_values(model, {path: value})

@@ -110,9 +110,6 @@ def test_an_effect_with_neutral_parameters_vanishes(name, axis):
             np.testing.assert_array_equal(getattr(neutral, column), getattr(without, column))
 
 
-# Amplifier -------------------------------------------------------------------------------------------------
-
-
 def test_delays_add_and_the_order_of_effects_is_free():
     commands = np.random.default_rng(5).normal(size=60)
     axis = cogging.AxisParameters(mass=0.2, viscous=0.7)

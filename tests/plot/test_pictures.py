@@ -324,9 +324,6 @@ def test_every_result_draws_itself(name):
         assert mine.get_ylabel() == theirs.get_ylabel()
 
 
-# Where figures live ---------------------------------------------------------------------------------------------------
-
-
 def test_pyplot_has_a_figure_only_where_a_window_shows_it(monkeypatch, tmp_path):
     import matplotlib.pyplot as plt
 
