@@ -91,17 +91,14 @@ def table(heading):
     return rows[2:]
 
 
-def brought():
-    """Names of what pip brings, and the extra that asks for it."""
+def test_each_dependency_of_a_user_is_listed():
+    """With the extra that asks for it."""
     named = dict.fromkeys(PROJECT["project"]["dependencies"], "all")
     for extra in OF_USERS:
         for one in PROJECT["project"]["optional-dependencies"][extra]:
             named.setdefault(one, f"extra `{extra}`")
-    return {re.match(r"[\w-]+", name)[0]: use for name, use in named.items()} | {"tomli": "Python 3.10"}
-
-
-def test_each_dependency_of_a_user_is_listed():
-    assert {name: use for name, _, use in table("Brought by pip, not shipped")} == brought()
+    brought = {re.match(r"[\w-]+", name)[0]: use for name, use in named.items()} | {"tomli": "Python 3.10"}
+    assert {name: use for name, _, use in table("Brought by pip, not shipped")} == brought
 
 
 @pytest.mark.parametrize(

@@ -128,10 +128,7 @@ def stream(model, seed):
         readings[start : start + length] = rng.choice(FAULTS)
     rows, commands, limit = [], [], model.controller.command_limit
     for point, later, reading in zip(motions[0].tolist(), motions[1].tolist(), readings.tolist(), strict=True):
-        if ahead:
-            command = controller.command(reference=point, ahead=later, reading=reading)
-        else:
-            command = controller.command(point, reading)
+        command = controller.command(reference=point, reading=reading, **({"ahead": later} if ahead else {}))
         applied = min(max(command, -limit), limit) if limit else command
         applied = math.nan if rng.random() < 0.01 else applied * rng.choice([1.0, 0.5])
         controller.update(applied)

@@ -193,14 +193,9 @@ def drawn(form, kind, seed, waves=None):
 
 
 def made(form, machine, **changes):
-    options = {**machine.options, **changes}
-    if machine.turn:
-        options["turn"] = machine.turn
-    if form == "novanta":
-        options["entries"] = 256
-        if machine.turn:
-            options["pole_pairs"] = machine.pairs
-    return cogging.export.to(machine.model, form, **options)
+    turn = {"turn": machine.turn} | ({"pole_pairs": machine.pairs} if form == "novanta" else {})
+    options = machine.options | ({"entries": 256} if form == "novanta" else {}) | (turn if machine.turn else {})
+    return cogging.export.to(machine.model, form, **options | changes)
 
 
 def allowed(form, machine, drive, x):

@@ -39,18 +39,16 @@ def axis(draw, rate, length, seconds):
     force = mass * speed / (0.25 * seconds)
     pole = 2.0 * math.pi * 0.02 * rate
     kp, ki, kd = cogging.pid_gains([-pole] * 3, mass)
-    viscous, coulomb = draw.uniform(0.05, 0.6) * force / speed, draw.uniform(0.05, 0.6) * force
-    width = 0.01 * speed
+    friction = {"viscous": draw.uniform(0.05, 0.6) * force / speed, "coulomb": draw.uniform(0.05, 0.6) * force}
+    friction |= {"mass": mass, "coulomb_width": 0.01 * speed}
     pitch, size = length / draw.uniform(4.0, 12.0), draw.choice([0.0, draw.uniform(0.02, 0.3)]) * force
     quantum = float(f"{length / 10.0 ** draw.uniform(4.0, 6.0):.2g}")
     return cogging.Model(
-        axis=cogging.AxisParameters(mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width),
+        axis=cogging.AxisParameters(**friction),
         cogging=cogging.CoggingModel(cogging.SplineHarmonics(pitch=pitch, harmonics=[1]), [[size]], [[0.0]]),
         encoder=cogging.EncoderParameters(resolution=quantum),
         noise=cogging.NoiseParameters(force=0.003 * force, bandwidth=0.05 * rate),
-        controller=cogging.PidParameters(
-            sample_rate=rate, kp=kp, ki=ki, kd=kd, mass=mass, viscous=viscous, coulomb=coulomb, coulomb_width=width
-        ),
+        controller=cogging.PidParameters(sample_rate=rate, kp=kp, ki=ki, kd=kd, **friction),
         controller_type="pid",
     )
 

@@ -10,7 +10,6 @@ import pytest
 import cogging
 from tests.fixtures import command_files
 
-limited = pytest.mark.skipif(sys.platform != "linux", reason="addresses are counted on Linux alone")
 ROOM = 150_000_000  # bytes that the process below may still take, of which 0.8 are granted
 LINE = "must fit into memory: "
 
@@ -55,7 +54,7 @@ print(len(run(1_000_000)))
 """.replace("ROOM", str(ROOM))
 
 
-@limited
+@pytest.mark.skipif(sys.platform != "linux", reason="addresses are counted on Linux alone")
 def test_what_does_not_fit_is_refused():
     """120 MB are granted: 1.87 million samples of 8 columns, or 30 runs of 62,000. A batch may keep no rows."""
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
