@@ -1,7 +1,11 @@
-"""Where the public data sets are looked for, the error where they are missing or broken, and their text files."""
+"""Where the public data sets are looked for, the error where they are missing or broken, and what is read of each.
+
+From files like the originals with drawn numbers.
+"""
 
 import io
 import sys
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -175,3 +179,151 @@ def test_a_broken_file_is_named_in_one_line(name, values, read, what, tmp_path):
         read(folder=tmp_path)
     assert str(tmp_path / name) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+# emps: a ball-screw axis ----------------------------------------------------------------------------------------------
+
+
+def write_emps(folder, seed):
+    """Both files with drawn columns, n by 1 as theirs; what was written by file."""
+    rng = np.random.default_rng(seed)
+    written = {}
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in emps.FILES:
+        rows = int(rng.integers(2, 300))
+        table = {column: rng.normal(size=(rows, 1)) for column in ("qm", "qg", "vir")}
+        table["t"] = np.cumsum(rng.uniform(1e-4, 1e-2, (rows, 1)), axis=0)
+        table |= {"gtau": 35.15, "kp": 160.18, "kv": 243.45}
+        if name == "DATA_EMPS_PULSES":
+            table["pulses_N"] = rng.choice([0, 5], (rows, 1)).astype(np.uint8)
+        savemat(folder / f"{name}.mat", table)
+        written[name] = table
+    return written
+
+
+@pytest.mark.parametrize(("seed", "below"), [(0, "."), (1, "emps")])
+def test_columns_are_in_si_and_the_command_in_newtons(tmp_path, seed, below):
+    written = write_emps(tmp_path / below, seed)
+    for name, table in written.items():
+        log = emps.read(name, tmp_path)
+        for column, theirs in {"time": "t", "position": "qm", "reference": "qg"}.items():
+            np.testing.assert_array_equal(getattr(log, column), table[theirs][:, 0])
+        np.testing.assert_allclose(log.command, 35.15065 * table["vir"][:, 0], rtol=1e-15)
+    units = written["DATA_EMPS_PULSES"]["pulses_N"][:, 0]
+    np.testing.assert_allclose(emps.pulses(tmp_path), 1.08 * 35.15065 * units, rtol=1e-15)
+
+
+def replace_package(monkeypatch, answer):
+    """Replace the package by its one function that is used here, with its signature."""
+
+    def load(train_test_split=True, data_file_locations=False, dir_placement=None, force_download=False):
+        assert data_file_locations
+        return answer()
+
+    stand_in = ModuleType("nonlinear_benchmarks")
+    stand_in.EMPS = load
+    monkeypatch.setitem(sys.modules, "nonlinear_benchmarks", stand_in)
+
+
+def test_the_package_is_asked_where_no_folder_has_them(tmp_path, monkeypatch):
+    kept, own = tmp_path / "kept", tmp_path / "own"
+    written = write_emps(kept, 1)
+    replace_package(monkeypatch, lambda: [str(kept / f"{name}.mat") for name in emps.FILES])
+    assert emps.files() == {name: kept / f"{name}.mat" for name in emps.FILES}
+    np.testing.assert_array_equal(emps.read().position, written["DATA_EMPS"]["qm"][:, 0])
+    monkeypatch.setenv("COGGING_DATA", str(own))
+    assert len(emps.pulses()) == len(written["DATA_EMPS_PULSES"]["qm"])
+    write_emps(own / "emps", 2)
+    assert {path.parent for path in emps.files().values()} == {own / "emps"}  # the caller's own come first
+    with pytest.raises(InputError, match="nowhere"):
+        emps.files(tmp_path / "nowhere")  # who names a folder means it
+
+
+def test_a_download_that_fails_is_one_line(tmp_path, monkeypatch):
+    def fail():
+        raise OSError("no network\nat all")
+
+    replace_package(monkeypatch, fail)
+    with pytest.raises(InputError, match=r"public at nonlinearbenchmark\.org .*cite") as caught:
+        emps.read()
+    assert str(caught.value).isprintable()
+    assert "nonlinear-benchmarks could not fetch it: OSError: no network" in str(caught.value)
+    replace_package(monkeypatch, lambda: [str(tmp_path / f"{name}.mat") for name in emps.FILES])
+    with pytest.raises(InputError, match=f"DATA_EMPS.mat: must be in {tmp_path}, is not; public at nonlin"):
+        emps.read()
+
+
+# odrive: a motor that cogs more than all else -------------------------------------------------------------------------
+
+CLONE = "analysis/cogging_torque"
+
+
+def place(name, below):
+    """Where a file stands: in a folder of the set's name, or as in a clone."""
+    if name in odrive.SCANS:
+        file = f"cogging_measure_{odrive.SCANS[name]}.npy"
+        return f"odrive/{file}" if below == "named" else f"{CLONE}/{file}"
+    group, run, number = name.rsplit("_", 2)
+    return f"odrive/{name}.npy" if below == "named" else f"{CLONE}/{group}/{run}_{number}.npy"
+
+
+def write_odrive(path, values):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    np.save(path, values)
+
+
+def polled(rng, rows=400):
+    """Time, counts and the current that acts between the rows of a slow run that jumps from tooth to tooth."""
+    time = np.cumsum(rng.uniform(1.5e-3, 6e-3, rows))
+    counts = 8192 / (2 * np.pi) * (0.5 * time + 0.05 * np.sin(20 * time))
+    return time, counts, rng.normal(0.3, 0.8, rows)
+
+
+def smoothed(time, current, before=0.0):
+    """What the drive reports at the rows of a current that is held between them: exactly, by its equation."""
+    smooth = [before]
+    for step, acting in zip(np.diff(time), current[:-1], strict=True):
+        smooth.append(acting + (smooth[-1] - acting) * np.exp(-step / odrive.SMOOTHING))
+    return np.array(smooth)
+
+
+@pytest.mark.parametrize(("below", "seed"), [("named", 1), ("clone", 2)])
+def test_the_acting_current_is_recovered_from_the_smoothed_one(tmp_path, seed, below):
+    rng = np.random.default_rng(seed)
+    name = str(rng.choice(odrive.FILES))
+    time, counts, current = polled(rng)
+    smooth = smoothed(time, current, rng.normal())
+    write_odrive(tmp_path / place(name, below), np.array([time, counts, smooth]))
+    log = odrive.read(name, tmp_path)
+    np.testing.assert_array_equal(log.time, time[:-1])
+    np.testing.assert_allclose(log.position, counts[:-1] * 2 * np.pi / 8192, rtol=1e-14)
+    np.testing.assert_allclose(log.command, current[:-1], atol=1e-9)
+    recorded = odrive.read(name, tmp_path, smoothed=True)
+    np.testing.assert_array_equal(recorded.time, time)
+    np.testing.assert_array_equal(recorded.command, smooth)
+
+
+def test_a_way_back_is_left_out_until_the_motor_rests(tmp_path):
+    rng = np.random.default_rng(0)
+    time, counts, current = polled(rng, 800)
+    back = int(rng.integers(60, 120))
+    counts[:back] += np.linspace(8192 * rng.uniform(0.9, 1.0), 0.0, back)
+    write_odrive(tmp_path / "slow2_nocomp_1.npy", np.array([time, counts, current]))
+    log, whole = (odrive.read("slow2_nocomp_1", tmp_path, smoothed=True, rewind=rewind) for rewind in (False, True))
+    assert len(whole.time) == 800
+    assert time[back - 1] + 0.29 < log.time[0] < time[back - 1] + 0.32
+    np.testing.assert_array_equal(log.command, whole.command[-len(log.time) :])
+    assert log.time[-1] == whole.time[-1]
+
+
+@pytest.mark.parametrize(("name", "below"), list(zip(odrive.SCANS, ["named", "named", "clone"], strict=True)))
+def test_a_scan_holds_the_places_that_were_visited(tmp_path, name, below):
+    rng = np.random.default_rng(len(name))
+    first = 15 if name == "backward" else 0
+    held = np.zeros(8192)
+    held[first::16] = rng.normal(0.2, 0.5, 512)
+    write_odrive(tmp_path / place(name, below), held)
+    scan = odrive.scan(name, tmp_path)
+    np.testing.assert_array_equal(scan.current, held[first::16])
+    np.testing.assert_allclose(np.diff(scan.position), 2 * np.pi / 512)
+    assert scan.position[0] == pytest.approx(first * 2 * np.pi / 8192)
