@@ -283,9 +283,6 @@ def test_the_robust_term_satisfies_20_and_30(law, desired):
     assert closest > 0.3  # it comes near the bound: a term of half the size would fail
 
 
-# The condition (29) ----------------------------------------------------------------------------------------
-
-
 def test_friction_slope_max_is_the_slope_at_rest():
     for width in (1e-4, 1 / 900, 0.05):
         step = 1e-6 * width

@@ -4,6 +4,7 @@ import re
 import runpy
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 
 import cogging
@@ -30,8 +31,6 @@ def test_the_sheets_stand_in_the_document():
 
 
 def test_the_loop_of_the_document(capsys):
-    import matplotlib.pyplot as plt
-
     plt.switch_backend("agg")
     with plt.rc_context():  # python-control has settings of its own
         exec(code()[1], {})

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 import cogging
 from cogging.cli.main import main
@@ -68,8 +69,6 @@ def motion(draw, kind, length, seconds):
     time = np.arange(1201) * (8.0 * seconds / 1200)
     goals = np.array([draw.uniform(0.0, length) for _ in range(14)])
     knots = np.linspace(0.0, time[-1], len(goals))
-    from scipy.interpolate import PchipInterpolator
-
     return {"time": time.tolist(), "reference": PchipInterpolator(knots, goals)(time).tolist()}, float(time[-1])
 
 

@@ -1,15 +1,18 @@
-"""What a log says about itself, whether the stated controller made it, and hints that bear on a verdict."""
+"""What a log says about itself, whether the stated controller made it, hints that bear on a verdict, and its clock."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import cogging
 from cogging import Log
+from cogging.log_check.controller_samples import on_its_clock
 from cogging.log_check.log_audit import hints
 from cogging.model.model import CONTROLLERS
 from tests.fixtures import moving_axis, pid_axis
+from tests.fixtures.strokes import as_believed, drawn
 
 LIMITS = {"velocity": 0.2, "acceleration": 5.0, "jerk": 500.0, "dwell": 0.1}
 REFERENCE = {"type": "point_to_point", "start": 0.1, "distance": 0.05, **LIMITS}
@@ -160,7 +163,7 @@ def test_what_cannot_be_checked_or_recovered(log):
         assert cogging.recover_controller(part) is None
 
 
-STEP, RANDOM = 1.0 / moving_axis.RATE, np.random.default_rng(5).uniform(-1.0, 1.0, 10_000)
+ROW, RANDOM = 1.0 / moving_axis.RATE, np.random.default_rng(5).uniform(-1.0, 1.0, 10_000)
 UNCONTROLLED = moving_axis.machine().replace(controller=None, controller_type=None)
 
 
@@ -172,7 +175,7 @@ def moved():
 def rest(log, share):
     """The log with so many rows at rest after it."""
     more = int(len(log) * share / (1.0 - share))
-    time = np.concatenate([log.time, log.time[-1] + STEP * np.arange(1, more + 1)])
+    time = np.concatenate([log.time, log.time[-1] + ROW * np.arange(1, more + 1)])
     position = np.concatenate([log.position, np.full(more, log.position[-1])])
     return Log(time, position, np.concatenate([log.command, np.zeros(more)]))
 
@@ -182,7 +185,7 @@ CASES = {
     "limit": (lambda log, much: replace(log, command=np.clip(log.command, -much, much)), 2.0, 50.0),
     "at rest": (rest, 0.8, 0.1),
     "missing": (lambda log, much: log[np.arange(len(log)) % 100 >= much], 8, 0),
-    "uneven": (lambda log, much: replace(log, time=log.time + much * STEP * RANDOM[: len(log)]), 0.2, 0.001),
+    "uneven": (lambda log, much: replace(log, time=log.time + much * ROW * RANDOM[: len(log)]), 0.2, 0.001),
     "step by": (lambda log, much: replace(log, position=much * np.round(log.position / much)), 1e-6, 1e-7),
 }
 
@@ -210,3 +213,71 @@ def test_a_time_in_ms_names_the_option_whatever_ends_the_call(moved):
     except cogging.DivergedError as error:
         notes = (str(error),)
     assert "--scale time=0.001" in " ".join(notes)
+
+
+# Noisy stamps of an even clock, and rows that were really sampled at uneven times: which is which -------------------
+
+STEP = 1e-3  # s
+
+
+@pytest.fixture(scope="module")
+def strokes():
+    return drawn(1, "nothing")
+
+
+def jitter(log, seed=0, share=0.3):
+    time = log.time + share * STEP * np.random.default_rng(seed).uniform(-1.0, 1.0, len(log))
+    return replace(log, time=np.maximum.accumulate(time))
+
+
+def taken_at(log, time):
+    """The same motion, read and logged at other times."""
+    acted = np.append(0.0, np.cumsum(log.command * STEP))
+    upto = np.interp(np.append(time, time[-1] + STEP), np.append(log.time, log.time[-1] + STEP), acted)
+    position = np.round(CubicSpline(log.time, log.position)(time) / 2e-7) * 2e-7
+    reference = CubicSpline(log.time, log.reference)(time)
+    return cogging.Log(time, position, np.diff(upto) / np.diff(np.append(time, time[-1] + STEP)), reference)
+
+
+#: How the stamps of an even clock are spoiled, and by how much of a step the clock that is found may be off.
+SPOILED = {
+    "slightly noisy": (lambda log: jitter(log, share=0.05), 0.02),
+    "noisy": (jitter, 0.02),
+    "rounded": (lambda log: replace(log, time=np.round(log.time / 3e-4) * 3e-4), 0.2),
+}
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_spoiled_stamps_give_way_to_the_clock(strokes, kind):
+    """Which counts the rows that were lost."""
+    spoil, off = SPOILED[kind]
+    log, kept = strokes[1], np.ones(len(strokes[1]), dtype=bool)
+    found, note = on_its_clock(spoil(log))
+    assert np.abs(found.time - log.time).max() < off * STEP
+    assert "even clock of 0.001 s" in note
+    kept[[900, 901, 1500]] = kept[2000:2100] = False
+    assert np.abs(on_its_clock(spoil(log)[kept])[0].time - log.time[kept]).max() < max(off, 0.1) * STEP
+
+
+@pytest.mark.parametrize("way", ["even", "about an even clock", "step by step"])
+def test_rows_that_were_taken_when_they_say_keep_their_stamps(strokes, way):
+    log, random = strokes[1], np.random.default_rng(2)
+    if way == "step by step":
+        time = np.cumsum(STEP * (1.0 + 0.3 * random.uniform(-1.0, 1.0, len(log))))
+        log = taken_at(log, time[time < log.time[-1]])
+    elif way == "about an even clock":
+        log = taken_at(log, np.clip(log.time + 0.3 * STEP * random.uniform(-1.0, 1.0, len(log)), 0.0, log.time[-1]))
+    assert on_its_clock(log) == (log, "")
+
+
+def test_a_mass_is_found_from_stamps_that_jitter_by_three_tenths_of_a_step(strokes):
+    machine, log = strokes
+    noisy = jitter(log, 1)
+    found = cogging.identify(noisy, as_believed(machine, noisy))
+    mass = found["axis.mass"]
+    assert mass.value == pytest.approx(machine.axis.mass, rel=0.005)
+    assert mass.ci95[0] < machine.axis.mass < mass.ci95[1]
+    assert mass.ci95[1] - mass.ci95[0] < 0.02 * machine.axis.mass
+    assert found.warnings == ()
+    assert any("even clock" in note for note in found.notes)
+    assert cogging.draft_model(noisy).model.axis.mass == pytest.approx(machine.axis.mass, rel=0.1)

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -192,15 +193,11 @@ def external_storage(file, secret):
 
 
 def external_link(file, secret):
-    import h5py
-
     file["aside"] = h5py.ExternalLink(str(secret), "/")
     file["command"] = h5py.SoftLink("/aside/command")
 
 
 def virtual_of(file, *source, **options):
-    import h5py
-
     layout = h5py.VirtualLayout(shape=(200,), dtype="f8")
     layout[:] = h5py.VirtualSource(*source, **options)
     file.create_virtual_dataset("command", layout)
@@ -224,8 +221,6 @@ ELSEWHERE = [
 
 @pytest.mark.parametrize(("name_other_file", "what"), ELSEWHERE)
 def test_numbers_of_another_file_are_refused_by_name(name_other_file, what, tmp_path):
-    import h5py
-
     secret, path = tmp_path / "secret.h5", tmp_path / "a.mat"
     with h5py.File(secret, "w") as other:
         other["command"] = COLUMNS["command"]
@@ -242,8 +237,6 @@ def test_numbers_of_another_file_are_refused_by_name(name_other_file, what, tmp_
 
 
 def test_links_within_a_file_are_followed(tmp_path):
-    import h5py
-
     with h5py.File(tmp_path / "a.mat", "w") as file:
         for name in ("time", "position"):
             file[f"runs/last/{name}"] = COLUMNS[name]
@@ -351,8 +344,6 @@ ROWS = 863_000_000  # 6.9 GB a column
 
 
 def test_a_small_file_that_states_much_is_refused_before_it_is_read(tmp_path, capsys):
-    import h5py
-
     path = tmp_path / "a.mat"
     with h5py.File(path, "w") as file:
         for name in ("time", "position", "command"):

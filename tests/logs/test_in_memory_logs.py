@@ -6,6 +6,7 @@ import pickle
 import re
 
 import numpy as np
+import pandas
 import pytest
 
 import cogging
@@ -80,15 +81,9 @@ def test_a_time_that_does_not_rise_is_refused_with_all_its_digits(start, row, la
     assert float(other) == time[row - 1]
 
 
-def series(column):
-    import pandas
-
-    return pandas.Series(column, index=np.arange(ROWS)[::-1]).astype("Float64")
-
-
 ARRAYS = {
     "big endian": lambda column: column.astype(">f8"),
-    "series": series,
+    "series": lambda column: pandas.Series(column, index=np.arange(ROWS)[::-1]).astype("Float64"),
     "single precision": lambda column: np.round(column, 3).astype(np.float32),
     "integers": lambda column: (1e6 * column).astype(np.int32),
 }

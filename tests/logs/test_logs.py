@@ -2,8 +2,10 @@
 
 import math
 
+import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import cogging
 from cogging.files import InputError
@@ -53,9 +55,6 @@ def test_a_format_that_is_only_read_is_not_written(tmp_path):
 
 
 def test_a_struct_and_a_group_can_be_named(tmp_path):
-    import h5py
-    from scipy.io import savemat
-
     columns = {"t": [0.0, 1.0, 2.0], "x": [1, 2, 3], "u": np.array([3.0, 2.0, 1.0], dtype=np.float32)}
     savemat(tmp_path / "struct.mat", {"log": columns, "gain": 3.0})
     with h5py.File(tmp_path / "group.mat", "w", userblock_size=512) as file:

@@ -2,6 +2,7 @@
 
 import json
 
+import jsonschema
 import pytest
 
 import cogging
@@ -21,14 +22,10 @@ def schema():
 
 
 def validator(schema, part):
-    import jsonschema
-
     return jsonschema.Draft202012Validator({"$ref": f"#/$defs/{part}", "$defs": schema["$defs"]})
 
 
 def test_the_command_prints_it(capsys, schema):
-    import jsonschema
-
     assert main(["schema"]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads(json.dumps(schema))

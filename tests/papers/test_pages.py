@@ -1,7 +1,9 @@
-"""The pages of the papers: every item is where the page says, is checked as it says, and numbers are today's."""
+"""The pages of the papers say where items stand, how they are checked, and today's numbers; studies are listed."""
 
 import functools
 import re
+import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -118,3 +120,25 @@ def test_the_numbers_of_marked_blocks_are_printed_today(page):
             if np.abs(np.abs(values) - abs(value)).min() > max(half, share * abs(value)) * (1 + 1e-6):
                 strangers.append((text, mark, block[:60]))
     assert not strangers
+
+
+# Studies: each is one command that describes itself and is listed in studies/README.md ------------------------------
+
+STUDIES = ROOT / "studies"
+NAMES = [
+    ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    for path in sorted(STUDIES.rglob("*.py"))
+    if "sys.exit(run_" in path.read_text(encoding="utf-8") and "diagnosis" not in path.parts
+]
+assert len(NAMES) >= 11
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_study_describes_itself_and_does_not_start(name, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [name, "--help"])
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    with pytest.raises(SystemExit) as end:
+        runpy.run_module(name, run_name="__main__", alter_sys=True)
+    assert end.value.code == 0
+    assert f"usage: python -m {name}" in capsys.readouterr().out
+    assert f"`python -m {name}" in (STUDIES / "README.md").read_text(encoding="utf-8")

@@ -79,8 +79,6 @@ def test_each_law_is_its_formula(name):
         assert difference == pytest.approx(added[i] / 0.4, rel=1e-11, abs=1e-12)
 
 
-# Whole runs ------------------------------------------------------------------------------------------------
-
 SMOOTH = cogging.AxisParameters(mass=0.3, viscous=0.8, coulomb=0.2, coulomb_width=0.05)
 PERIODIC = cogging.CoggingModel(cogging.SplineHarmonics(pitch=0.05, harmonics=[1, 2]), [[0.3], [-0.1]], [[0.1], [0.2]])
 

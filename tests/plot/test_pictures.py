@@ -3,6 +3,7 @@
 import itertools
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -20,8 +21,6 @@ AMPERES = cogging.Units(command="A", position="rad")
 @pytest.fixture(autouse=True)
 def settings_stay_and_pyplot_keeps_nothing():
     """Neither the user's settings nor a figure of pyplot is touched by any picture."""
-    import matplotlib.pyplot as plt
-
     before, figures = dict(mpl.rcParams), plt.get_fignums()
     yield
     assert dict(mpl.rcParams) == before
@@ -325,8 +324,6 @@ def test_every_result_draws_itself(name):
 
 
 def test_pyplot_has_a_figure_only_where_a_window_shows_it(monkeypatch, tmp_path):
-    import matplotlib.pyplot as plt
-
     monkeypatch.setattr(plt, "get_backend", lambda: "qtagg")
     EXAMPLES["MapFit"].write(tmp_path / "map.toml")
     assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pandas
 import pytest
+from pyarrow import parquet
 
 import cogging
 from cogging.simulation.reductions import INDEXES
@@ -56,8 +57,6 @@ def check_frame(frame, runs):
 
 
 def test_a_sweep_in_every_form(runs, tmp_path):
-    from pyarrow import parquet
-
     check_frame(runs.to_pandas(), runs)
     dataset = runs.to_xarray()
     assert dict(dataset.sizes) == {"run": 24}
