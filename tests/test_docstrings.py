@@ -27,8 +27,6 @@ def documented():
 
 
 TEXTS = {name: inspect.getdoc(value) or "" for name, value in documented()}
-
-
 #: That of `ledger` takes a diagnosis.
 STUDIES = {"plot.ledger"}
 NAMES = sorted(name for name, text in TEXTS.items() if ">>>" in text)

@@ -20,9 +20,7 @@ from tests.fixtures.drawn_results import drawn_result
 from tests.fixtures.hostile_calls import NAMES
 
 # On Windows bash may be one that runs nothing: that of a Linux that is not installed.
-pytestmark = pytest.mark.skipif(
-    os.name == "nt" or shutil.which("bash") is None, reason="hints are for a shell of POSIX"
-)
+pytestmark = pytest.mark.skipif(os.name == "nt" or shutil.which("bash") is None, reason="hints are for a POSIX shell")
 
 SILENT = ("schema", "completion", "help")  # what they print is not for a person, or is itself the advice
 #: What stands in the folder for each file that only a user has.

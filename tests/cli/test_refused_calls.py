@@ -4,13 +4,10 @@ import pytest
 
 from cogging.cli.main import COMMANDS, main
 from cogging.outputs import to_toml
-from tests.fixtures.command_files import LIMITS, REFERENCE, SWEEP
+from tests.fixtures.command_files import LIMITS, REFERENCE
 
 EXPERIMENT = "experiment --model model.toml --limits limits.toml --result result.json --out next.toml"
 SIMULATE = "simulate model.toml --reference ref.toml --out"
-LATE = {
-    "sweep.toml": to_toml({name: value for name, value in SWEEP.items() if name != "vary"} | {"vari": SWEEP["vary"]})
-}
 #: A call, what the line says, and files that are other than usual.
 CALLS = [
     # mistyped names
@@ -25,7 +22,7 @@ CALLS = [
     ("identify log.csv --model model.toml --free axis.mas", "(did you mean 'axis.mass'?)"),
     (f"{SIMULATE} x.csv", "did you mean velocity?", {"ref.toml": to_toml(REFERENCE | {"velocty": 1.0})}),
     (EXPERIMENT, "did you mean acceleration?", {"limits.toml": to_toml(LIMITS | {"acceleraton": 1.0})}),
-    ("sweep sweep.toml --out x.parquet", "did you mean vary?", LATE),
+    ("sweep sweep.toml --out x.parquet", "did you mean vary?", {"sweep.toml": 'vari = "bounds"\n'}),
     # limits and results
     (EXPERIMENT, "line 1: velocity: must be a number above 0", {"limits.toml": to_toml(LIMITS | {"velocity": -1})}),
     (EXPERIMENT, "travel: must be inside the model's", {"limits.toml": to_toml(LIMITS | {"travel": [0.0, 9.0]})}),

@@ -16,7 +16,6 @@ from tests.fixtures import command_files
 from tests.fixtures.command_files import examples_of
 
 CODES = re.compile(r"\x1b\[[0-9;]*m")
-FIT = "cogging.mapping.fit_map.fit_map"
 #: Commands that show a running time, and commands that show how many steps are done.
 TIMED, COUNTED = ("audit", "map", "predict", "simulate"), ("identify", "reproduce", "sweep", "tune")
 CALLS = {command: examples_of(command)[0] for command in (*TIMED, *COUNTED)}
@@ -144,7 +143,7 @@ def test_progress_moves_while_the_core_computes_and_makes_way_for_an_error(setti
         time.sleep(0.15)
         raise ValueError("the end")
 
-    settings.setattr(FIT, slow)
+    settings.setattr("cogging.mapping.fit_map.fit_map", slow)
     settings.setenv("NO_COLOR", "1")
     status, _, seen = call(CALLS["map"], err=Terminal)
     assert status == 2

@@ -14,12 +14,6 @@ from studies.malaize2009 import study as malaize2009_study
 PERIODS = [0.024, 0.016, 0.012]
 
 
-def parameters(**changes):
-    gains = malaize2009_setup.shipped(MOTORS["ironcore"])
-    base = malaize2009_setup.observer(MOTORS["ironcore"], gains).parameters
-    return base.replace(**changes)
-
-
 def problem(**changes):
     fields = {"periods": PERIODS, "velocity_min": 0.1, "velocity_max": 0.4, "viscous": 1.0, "pole_radius": 465.0}
     return cogging.ObserverProblem(**{**fields, **changes})
@@ -111,7 +105,8 @@ def test_commands_and_estimates_against_matrices(seed, velocity_min):
     # continue in the same direction; a velocity of rounding size at rest is rest. Readings and applied commands are
     # drawn too.
     random = np.random.default_rng([2009, seed])
-    p = parameters(mass=0.7, delay=0.0, velocity_min=velocity_min)
+    shipped = malaize2009_setup.observer(MOTORS["ironcore"], malaize2009_setup.shipped(MOTORS["ironcore"])).parameters
+    p = shipped.replace(mass=0.7, delay=0.0, velocity_min=velocity_min)
     speeds = []
     for _ in range(20):
         top = random.choice([-1.0, 1.0]) * random.choice([0.012, 0.05, 0.2])

@@ -59,14 +59,11 @@ def test_missing_intervals_fall_back_on_the_uncertainty_and_are_reported():
     assert "axis.mass" not in notes
 
 
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [
-        ("axis.mass", "larger accelerations"),
-        ("cogging.sine[1][2]", "slowly over the whole travel"),
-        ("effects.cable_spring.stiffness", "this effect acts"),
-    ],
-)
+MEASURE = {"axis.mass": "larger accelerations", "cogging.sine[1][2]": "slowly over the whole travel"}
+MEASURE |= {"effects.cable_spring.stiffness": "this effect acts"}
+
+
+@pytest.mark.parametrize(("path", "words"), MEASURE.items())
 def test_an_infinite_interval_names_the_parameter_and_what_to_measure(path, words):
     changes = {"cogging": FORCE, "effects": [cogging.effects.CableSpring(stiffness=0.4)]}
     changes["intervals"] = INTERVALS | {path: (-math.inf, math.inf)}

@@ -52,7 +52,6 @@ LENGTH = TRAVEL[1] - TRAVEL[0]
 REFERENCES = {name: number for number, name in enumerate(["time", "command", "reading", "position", "velocity"])}
 REFERENCES |= {"seed": 5, "initial_position": 6, "initial_velocity": 7}
 OUTPUTS = [REFERENCES[name] for name in ("reading", "position", "velocity")]
-linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks the tools of Linux")
 
 
 class Unit:
@@ -268,7 +267,7 @@ def test_the_description_says_what_the_model_says():
         assert "Permission is hereby granted" in text
 
 
-@linux
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks the tools of Linux")
 def test_the_library_needs_no_python_and_shows_the_interface_alone():
     with Unit(draw_axis("cable_spring", 0)) as unit:
         (library,) = (unit.folder / "unit" / "binaries" / fmpy.platform_tuple).glob("*.so")

@@ -166,13 +166,12 @@ def test_columns_and_units_are_right_or_marked_as_guessed(drafts):
             assert drawn.stated or about(draft, "position")
         assert ("reference" in draft.columns.used) == ("reference" in drawn.headers)
         assert draft.units.command == drawn.command_unit
-        assert (
-            abs(np.ptp(draft.log.position) / unit - np.ptp(drawn.log.position)) < 2.0 * drawn.model.encoder.resolution
-        )
+        quantum = drawn.model.encoder.resolution
+        assert abs(np.ptp(draft.log.position) / unit - np.ptp(drawn.log.position)) < 2.0 * quantum
         assert (draft.scale.get("command", 1.0) < 0.0) == (drawn.factors["command"] < 0.0)
         rate = draft.audit.rate * draft.scale.get("time", 1.0) / drawn.factors["time"]
         assert rate == pytest.approx(drawn.model.controller.sample_rate, rel=0.02)
-        assert draft.audit.encoder_quantum / unit == pytest.approx(drawn.model.encoder.resolution, rel=0.01)
+        assert draft.audit.encoder_quantum / unit == pytest.approx(quantum, rel=0.01)
         assert len(drawn.log) - len(draft.log) == drawn.dropped
         assert (draft.audit.gaps > 0) == (drawn.dropped > 0)
     assert np.mean(right) > 0.9

@@ -22,12 +22,10 @@ TRUTH = {
 
 def law(v, changes=()):
     """The force at speeds v, (n,), of TRUTH with some values changed."""
-    coulomb, viscous, coulomb_difference, viscous_difference, excess, velocity, exponent = (
-        TRUTH | dict(changes)
-    ).values()
+    coulomb, viscous, more, steeper, excess, velocity, exponent = (TRUTH | dict(changes)).values()
     s = np.sign(v)
-    level = coulomb + coulomb_difference / 2 * s + excess * np.exp(-(np.abs(v / velocity) ** exponent))
-    return level * s + (viscous + viscous_difference / 2 * s) * v
+    level = coulomb + more / 2 * s + excess * np.exp(-(np.abs(v / velocity) ** exponent))
+    return level * s + (viscous + steeper / 2 * s) * v
 
 
 ONE_WAY = {"coulomb_asymmetry.difference": 0.0, "viscous_asymmetry.difference": 0.0}

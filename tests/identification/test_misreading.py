@@ -153,9 +153,11 @@ WRONG = {
     "reference as position": ("position", lambda case, columns: columns | {"position": columns["reference"]}),
     "reference alone as position": (
         "position",
-        lambda case, columns: (
-            {name: columns[name] for name in ("time", "command")} | {"position": columns["reference"]}
-        ),
+        lambda case, columns: {
+            "time": columns["time"],
+            "command": columns["command"],
+            "position": columns["reference"],
+        },
     ),
     "velocity as position": (
         "position",

@@ -197,9 +197,8 @@ def test_what_cannot_be_copied_is_refused():
     mine = Proportional()
     mine.lock = threading.Lock()
     for controller, why in ((mine, r"TypeError.*lock"), (Uncopied(), r"Error\('one of a kind'\)")):
-        with pytest.raises(
-            TypeError, match=rf"^controller: .*copy\.deepcopy.*got {type(controller).__name__}, .*{why}"
-        ):
+        name = type(controller).__name__
+        with pytest.raises(TypeError, match=rf"^controller: .*copy\.deepcopy.*got {name}, .*{why}"):
             loop(controller)
 
 
