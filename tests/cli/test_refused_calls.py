@@ -39,9 +39,12 @@ CALLS = [
     # numbers out of their range
     ("sweep sweep.toml --threads 2000", "argument --threads: must be a whole number from 0 to 1024, got '2000'"),
     ("tune tune.toml --threads -1", "argument --threads: must be a whole number from 0 to 1024, got '-1'"),
-    ("predict model.toml --reference ref.toml --samples 1", "argument --samples: must be a whole number from 2 to "),
-    (f"{SIMULATE} x.csv --seed -1", "argument --seed: must be a whole number from 0 to "),
-    (f"{SIMULATE} x.csv --steps-per-sample x", "argument --steps-per-sample: must be a whole number from 1 to "),
+    (
+        "predict model.toml --reference ref.toml --samples 1",
+        "--samples: must be a whole number from 2 to 1000000, got '1'",
+    ),
+    (f"{SIMULATE} x.csv --seed -1", "--seed: must be a whole number from 0 to 18446744073709551615, got '-1'"),
+    (f"{SIMULATE} x.csv --steps-per-sample x", "--steps-per-sample: must be a whole number from 1 to 10000, got 'x'"),
     # what is written beside an output
     (f"{SIMULATE} model", "its sidecar: model.toml: must not be"),
     (f"{SIMULATE} ref", "its sidecar: ref.toml: must not be"),

@@ -70,16 +70,16 @@ def test_a_refused_sample_is_counted_and_teaches_nothing(kind, seed):
 
 @pytest.mark.parametrize(("kind", "length"), covering(CONTROLLERS, [1, 2, 7, 16]))
 def test_the_step_behind_a_gap_does_not_kick(kind, length):
-    """Along a straight line a gap changes no later command: velocities are taken over the samples that passed."""
-    changes = STILL.get(kind, {})
-    whole, gappy = make(kind, **changes), make(kind, **changes)
-    speed, rng = 0.21, np.random.default_rng(length)
-    start = int(rng.integers(20, 60))
+    """Along a line a gap in reading or reference changes no later command: velocities are over all samples passed."""
+    whole, gappy = (make(kind, **STILL.get(kind, {})) for _ in range(2))
+    speed, start = 0.21, int(np.random.default_rng(length).integers(20, 60))
     expected, found = [], []
     for k in range(120):
         x = 0.1 + speed * k / RATE
         expected.append(ask(whole, (x, speed, 0.0), x))
-        found.append(ask(gappy, (x, speed, 0.0), math.nan if start <= k < start + length else x))
+        lost = ("reading", "reference")[k % 2] if start <= k < start + length else ""
+        point, reading = (math.nan if lost == "reference" else x, speed, 0.0), math.nan if lost == "reading" else x
+        found.append(ask(gappy, point, reading))
         whole.update(0.0)
         gappy.update(0.0)
     behind = slice(start + length, None)

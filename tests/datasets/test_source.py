@@ -181,9 +181,6 @@ def test_a_broken_file_is_named_in_one_line(name, values, read, what, tmp_path):
     assert "\n" not in str(caught.value)
 
 
-# emps: a ball-screw axis ----------------------------------------------------------------------------------------------
-
-
 def write_emps(folder, seed):
     """Both files with drawn columns, n by 1 as theirs; what was written by file."""
     rng = np.random.default_rng(seed)
@@ -252,8 +249,6 @@ def test_a_download_that_fails_is_one_line(tmp_path, monkeypatch):
     with pytest.raises(InputError, match=f"DATA_EMPS.mat: must be in {tmp_path}, is not; public at nonlin"):
         emps.read()
 
-
-# odrive: a motor that cogs more than all else -------------------------------------------------------------------------
 
 CLONE = "analysis/cogging_torque"
 

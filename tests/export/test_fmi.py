@@ -25,7 +25,7 @@ MOTION = STROKE | {"start": 0.1, "distance": 0.1}
 
 
 def draw_axis(first, seed):
-    """A model with an effect, some more, cogging periodic or along the travel, and a PID that holds it."""
+    """A model with an effect, some more, cogging periodic, along the travel or none, and a PID that holds it."""
     rng = np.random.default_rng([seed, *first.encode()])
     alone = {"presliding_friction", "backlash", "flexible_mode", "actuator_lag"}  # each may stand once
     others = rng.choice([name for name in cogging.EFFECTS if name not in alone], size=rng.integers(0, 4))
@@ -37,8 +37,9 @@ def draw_axis(first, seed):
     axis |= {"coulomb_width": rng.choice([0.0, 5e-3]), "travel": TRAVEL}
     rate = {"sample_rate": rng.choice([1000.0, 2500.0, 5000.0, rng.uniform(1000.0, 8000.0)])}
     model = cogging.Model.from_dict(LOOP | {"axis": axis, "controller": LOOP["controller"] | rate})
+    cog = cogging.CoggingModel(basis, *rng.uniform(-0.1, 0.1, (2, 3, knots["control_points"])))
     return model.replace(
-        cogging=cogging.CoggingModel(basis, *rng.uniform(-0.1, 0.1, (2, 3, knots["control_points"]))),
+        cogging=cog if rng.random() < 0.8 else None,
         effects=[varied(effect(name, **EFFECTS[name]), rng) for name in (first, *others)],
         encoder=model.encoder.replace(resolution=rng.choice([0.0, 5e-6])),
         noise=model.noise.replace(force=rng.choice([0.0, 0.02])),
