@@ -361,7 +361,7 @@ def test_intervals_end_where_the_likelihood_ratio_does():
     costs = [student_cost(fit.rest + step, fit.variance) for step in (-1e-3, 0.0, 1e-3)]
     score, bend = (costs[2] - costs[0]) / 4e-3, (costs[0] - 2.0 * costs[1] + costs[2]) / 2e-6
     prior = 1.0 / fit.prior[0] ** 2
-    rows = (fit.gram - fit.variance * np.diag(prior)) / fit.weight.mean() * bend.mean() ** 2 / np.mean(score**2)
+    rows = (fit.x * fit.weight) @ fit.x.T / fit.weight.mean() * bend.mean() ** 2 / np.mean(score**2)
     root = np.linalg.cholesky(rows + np.diag(prior)).T
     own = evidence.paths.index("axis.coulomb")  # the change of all levels together: that of the own law is what remains
     low = np.where(np.isin(np.arange(len(fit.w)), [own, *mixture]), 0.0, -np.inf)

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.linalg import solve_triangular
 from scipy.ndimage import minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
 
@@ -753,8 +752,7 @@ class Evidence:
     def information_of_rows(self) -> FloatArray:
         """Fisher information of the rows on the scaled amplitudes of `null`, without their priors, (q, q)."""
         null = self.null
-        prior = 1.0 / np.maximum(null.prior[0] ** 2 / null.variance, 1e-12)
-        return np.asarray((null.gram - np.diag(prior)) / (null.spread * self.alike))
+        return np.asarray((null.x * null.weight) @ null.x.T / (null.spread * self.alike))
 
     @cached_property
     def information(self) -> FloatArray:
@@ -850,9 +848,10 @@ def reduced(gram: FloatArray, slope: FloatArray, kept: NDArray[np.intp]) -> tupl
     rest = np.setdiff1d(np.arange(len(gram)), kept)
     others = np.linalg.solve(gram[np.ix_(rest, rest)], np.column_stack([gram[np.ix_(rest, kept)], slope[rest]]))
     own = gram[np.ix_(kept, kept)] - gram[np.ix_(kept, rest)] @ others[:, :-1]
-    lower = np.linalg.cholesky(own + 1e-10 * np.trace(own) * np.eye(len(own))) if len(own) else own
     right = slope[kept] - gram[np.ix_(kept, rest)] @ others[:, -1]
-    return lower.T, solve_triangular(lower, right, lower=True) if len(own) else right
+    value, vector = np.linalg.eigh(own)
+    root = np.sqrt(np.maximum(value, 1e-10 * np.trace(own)))  # collinear columns: below zero by rounding
+    return root[:, None] * vector.T, (vector.T @ right) / root
 
 
 def positive_loss(parts: FloatArray, y: FloatArray) -> float:
