@@ -156,6 +156,21 @@ def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(stren
         assert [at_end, found.decay_length] == pytest.approx([force, length], rel=0.06)  # seen: 5 %
 
 
+@pytest.mark.parametrize(("name", "fields"), [
+    ("command_dead_zone", {"width": 8.0}),
+    ("disturbance_tone", {"frequency": 3.0, "sine": 6.0}),
+    ("force_constant_drift", {"change": -0.8, "time_constant": 3.0}),
+])  # fmt: skip
+def test_rows_hold_no_negative_information_where_an_effect_makes_most_of_the_command(name, fields):
+    """Few of them are independent, so the priors weigh much more than the rows."""
+    stated = moving_axis.machine()
+    log = moving_axis.record(moving_axis.machine([cogging.EFFECTS[name](**fields)]), 1)
+    evidence = Evidence([DifferencedBalance(log, stated.axis.coulomb_width)], stated, stated).prepare(2, listen=True)
+    assert evidence.largely
+    scale = np.sqrt(np.diag(evidence.information))
+    assert np.linalg.eigvalsh(evidence.information_of_rows / np.outer(scale, scale)).min() > -1e-9
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_a_payload_is_a_change_of_mass_though_the_model_was_re_tuned_to_it(seed):
     """Its force is that of the difference from the stated mass, beside larger effects."""
