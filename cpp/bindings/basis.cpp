@@ -9,7 +9,7 @@ namespace {
 // A table (positions, columns), written by write(positions, table).
 template <class Write>
 py::array_t<double> table(const Array& positions, int columns, const Write& write) {
-  require(positions.ndim() == 1, "positions", "must be (n,), dimensions", double(positions.ndim()));
+  require(positions.ndim() == 1, "positions", "must be (n,), dimensions", positions.ndim());
   std::vector<double> values(std::size_t(positions.size()) * std::size_t(columns));
   write(view(positions), std::span(values));
   return to_array(std::move(values), {positions.size(), columns});
@@ -48,9 +48,8 @@ CoggingModel<> make_model(const SplineHarmonics& basis, const Array& sine, const
     const bool table = rows.ndim() == 1 || rows.ndim() == 2;
     const py::ssize_t height = table ? rows.shape(0) : 0, width = rows.ndim() == 2 ? rows.shape(1) : 1;
     if (height != terms || width != points)
-      refuse(name,
-             "must have " + format(double(terms)) + " rows (terms) of " + format(double(points)) + " (control points)",
-             format(double(height)) + " rows of " + format(double(width)));
+      refuse(name, "must have " + format(terms) + " rows (terms) of " + format(points) + " (control points)",
+             format(height) + " rows of " + format(width));
     for (py::ssize_t i = 0; i < terms; ++i)
       for (py::ssize_t c = 0; c < points; ++c) {
         const double value = rows.data()[i * points + c];

@@ -94,7 +94,7 @@ struct Taken<std::vector<int>> {
 
 inline int counted(std::string_view name, std::int64_t value) {
   constexpr std::int64_t limit = std::numeric_limits<int>::max();
-  cogging::require(value >= -limit && value <= limit, name, "must be below 2^31", static_cast<double>(value));
+  cogging::require(value >= -limit && value <= limit, name, "must be below 2^31", value);
   return static_cast<int>(value);
 }
 

@@ -57,14 +57,8 @@ class BoundClass {
                                  py::sibling(py::getattr(type_, method, py::none())), text.c_str(), extra...));
   }
   /// Adds a property, read by get(data) and of the type that is named.
-  template <class Get>
-  void def_property(const char* property, const std::string& kind, const std::string& doc, const Get& get) const {
-    py::options options;
-    options.disable_function_signatures();
-    const py::cpp_function read([bound = *this, get](const Self& self) { return get(bound.data_of(self)); },
-                                ("(self: " + name_ + ") -> " + kind).c_str());
-    py::setattr(type_, property, py::module_::import("builtins").attr("property")(read, py::none(), py::none(), doc));
-  }
+  void def_property(const char* property, const std::string& kind, const std::string& doc,
+                    const std::function<py::object(const void*)>& get) const;
 
  private:
   py::handle type_;

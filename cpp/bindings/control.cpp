@@ -34,12 +34,12 @@ struct ListedController {
   std::vector<double> (*numbers)(const void* controller);
   py::object (*parameters)(const void* controller);
   py::object (*copy)(const void* controller);
-  double (*sample_rate)(const void* controller);
-  double (*samples_refused)(const void* controller);
-  std::span<const double> (*estimates)(const void* controller);
+  py::object (*sample_rate)(const void* controller);
+  py::object (*samples_refused)(const void* controller);
+  py::object (*estimates)(const void* controller);
   double (*command)(void* controller, const ReferencePoint& reference, const ReferencePoint& ahead, double reading);
   void (*update)(void* controller, double applied);
-  double (*preview)(const void* controller) = nullptr;  // of one that looks ahead
+  py::object (*preview)(const void* controller) = nullptr;  // of one that looks ahead
 };
 
 template <class C>
@@ -56,9 +56,14 @@ ListedController listed_controller() {
       [](const void* controller) { return py::cast(object_at<C>(controller).parameters()); },
       // Of a copy: a cast of what an object holds gives that object.
       [](const void* controller) { return py::cast(C(object_at<C>(controller))); },
-      [](const void* controller) { return object_at<C>(controller).sample_rate(); },
-      [](const void* controller) -> double { return object_at<C>(controller).samples_refused(); },
-      [](const void* controller) { return object_at<C>(controller).estimates(); },
+      [](const void* controller) -> py::object { return py::float_(object_at<C>(controller).sample_rate()); },
+      [](const void* controller) -> py::object {
+        return py::int_(whole_part<std::uint64_t>(object_at<C>(controller).samples_refused()));
+      },
+      [](const void* controller) -> py::object {
+        const auto estimates = object_at<C>(controller).estimates();
+        return to_array({estimates.begin(), estimates.end()});
+      },
       [](void* controller, const ReferencePoint& reference, [[maybe_unused]] const ReferencePoint& ahead,
          double reading) {
         if constexpr (LooksAhead<C>)
@@ -68,7 +73,9 @@ ListedController listed_controller() {
       },
       [](void* controller, double applied) { static_cast<C*>(controller)->update(applied); }};
   if constexpr (LooksAhead<C>)
-    listed.preview = [](const void* controller) { return object_at<C>(controller).preview(); };
+    listed.preview = [](const void* controller) -> py::object {
+      return py::float_(object_at<C>(controller).preview());
+    };
   return listed;
 }
 
@@ -121,16 +128,13 @@ void bind_listed(const py::object& type, const std::string& parameters, const Li
       },
       py::detail::is_new_style_constructor(), py::arg("parameters"));
   bound.def_property("parameters", parameters, "", listed.parameters);
-  bound.def_property("sample_rate", "float", "Hz", [get = listed.sample_rate](const void* c) { return get(c); });
+  bound.def_property("sample_rate", "float", "Hz", listed.sample_rate);
   bound.def_property("estimates", "numpy.typing.NDArray[numpy.float64]",
                      "What it believes now, (p,): a copy; empty for a controller that does not adapt.",
-                     [get = listed.estimates](const void* controller) {
-                       const std::span<const double> estimates = get(controller);
-                       return to_array({estimates.begin(), estimates.end()});
-                     });
+                     listed.estimates);
   bound.def_property("samples_refused", "int",
                      "How many samples were refused so far, for a reading or a reference that is not finite.",
-                     [get = listed.samples_refused](const void* c) { return whole_part<std::uint64_t>(get(c)); });
+                     listed.samples_refused);
   bound.def(
       "update", ", applied: float) -> None",
       "Ends the sample: the command (V) that was really applied; one that is not finite is taken to have been its own, "
@@ -154,18 +158,6 @@ void bind_listed(const py::object& type, const std::string& parameters, const Li
       },
       py::detail::is_new_style_constructor());
   bind_command(bound, listed);
-}
-
-void bind_output_feedback(py::class_<OutputFeedbackArc<>>& bound);
-
-template <class C>
-void bind_controller(py::module_& module, py::dict& controllers) {
-  const std::string name = class_name(C::name);
-  const py::object parameters = bind_parameters_of<C>(module);
-  py::class_<C> bound(module, name.c_str(), (std::string(C::description) + refusal + controller_example(name)).c_str());
-  bind_listed(bound, BoundClass(parameters).name(), listed_controller<C>());
-  if constexpr (std::is_same_v<C, OutputFeedbackArc<>>) bind_output_feedback(bound);
-  enlist(module, "controllers", controllers, C::name, bound, parameters);
 }
 
 void bind_output_feedback(py::class_<OutputFeedbackArc<>>& bound) {
@@ -194,6 +186,16 @@ void bind_output_feedback(py::class_<OutputFeedbackArc<>>& bound) {
           py::kw_only(), py::arg("position"), py::arg("eta_1"), py::arg("eta_2"), py::arg("psi_2"),
           py::arg("reference"), py::arg("reference_velocity"), py::arg("theta"),
           "alpha_1 (eq. 25, 27) as `value`, and its partial derivatives by the name of the argument.");
+}
+
+template <class C>
+void bind_controller(py::module_& module, py::dict& controllers) {
+  const std::string name = class_name(C::name);
+  const py::object parameters = bind_parameters_of<C>(module);
+  py::class_<C> bound(module, name.c_str(), (std::string(C::description) + refusal + controller_example(name)).c_str());
+  bind_listed(bound, BoundClass(parameters).name(), listed_controller<C>());
+  if constexpr (std::is_same_v<C, OutputFeedbackArc<>>) bind_output_feedback(bound);
+  enlist(module, "controllers", controllers, C::name, bound, parameters);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ template <class C>
 void set_numbers(C& controller, const std::vector<double>& numbers) {
   if (numbers.size() != numbers_of(controller).size())
     cogging::refuse("state", "must be that of a controller of this version",
-                    cogging::format(double(numbers.size())) + " numbers");
+                    cogging::format(numbers.size()) + " numbers");
   auto next = numbers.begin();
   for_each_number(controller,
                   [&](auto& number) { number = static_cast<std::remove_reference_t<decltype(number)>>(*next++); });

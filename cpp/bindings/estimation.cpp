@@ -116,7 +116,7 @@ than `gap` (s) the observer starts anew.)")
           [](const Predictor& self, const Prediction& along, double mass, const Array& forces,
              const std::optional<Array>& reading_errors, unsigned threads) {
             require(forces.ndim() == 2 && std::size_t(forces.shape(1)) == self.rows(), "forces", "must be (p, n)",
-                    double(forces.size()));
+                    forces.size());
             require(!reading_errors || (reading_errors->ndim() == 2 && reading_errors->shape(0) == forces.shape(0) &&
                                         reading_errors->shape(1) == forces.shape(1)),
                     "reading_errors", "must have the shape of forces", 0.0);
@@ -135,7 +135,7 @@ void bind_whitening(py::module_& module) {
   module.def(
       "autoregression",
       [](const Array& residual, const Array& counts, int order) {
-        require(counts.size() == residual.size(), "counts", "must be as long as residual", double(counts.size()));
+        require(counts.size() == residual.size(), "counts", "must be as long as residual", counts.size());
         return without_gil([&](StopRequest* stop) {
           return autoregression({residual.data(), std::size_t(residual.size())},
                                 {counts.data(), std::size_t(counts.size())}, order, stop);
@@ -151,7 +151,7 @@ Raises:
   module.def(
       "whiten",
       [](const Array& rows, const std::vector<double>& coefficients, unsigned threads) {
-        require(rows.ndim() == 2, "rows", "must be (p, n)", double(rows.ndim()));
+        require(rows.ndim() == 2, "rows", "must be (p, n)", rows.ndim());
         const std::size_t count = std::size_t(rows.shape(0)), length = std::size_t(rows.shape(1));
         std::vector<double> values(count * length);
         without_gil([&](StopRequest* stop) {

@@ -13,14 +13,6 @@ void* refuse_uninitialised(std::size_t) {
   throw py::type_error("the object must be initialised before it is used: its class' __init__ has not run");
 }
 
-void refuse_uninitialised_objects(const py::module_& module) {
-  for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
-    if (!PyType_Check(value.ptr())) continue;
-    if (auto* type = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(value.ptr())))
-      type->operator_new = refuse_uninitialised;
-  }
-}
-
 void translate_memory_errors(std::exception_ptr thrown) {
   constexpr const char* text = "more memory was asked for than there is: fewer rows, points or runs must be enough";
   try {
@@ -102,11 +94,14 @@ py::cpp_function explained_in_one_line(const py::object& bound, const std::strin
   return py::cpp_function(call, py::name(name.c_str()), doc.c_str(), self...);
 }
 
-void explain_calls_in_one_line(const py::module_& module) {
+// So answer all functions and classes of a module, and the classes refuse objects that are not initialised.
+void answer_in_one_line(const py::module_& module) {
   for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
     const py::object bound = py::reinterpret_borrow<py::object>(value);
     if (PyType_Check(bound.ptr())) {
-      if (!py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(bound.ptr()))) continue;
+      auto* const type = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(bound.ptr()));
+      if (!type) continue;
+      type->operator_new = refuse_uninitialised;
       const py::object init = bound.attr("__dict__").attr("get")("__init__");
       if (!init.is_none() && !init.attr("__doc__").is_none())
         py::setattr(bound, "__init__", explained_in_one_line(init, "construct", py::is_method(bound)));
@@ -142,8 +137,7 @@ PYBIND11_MODULE(core_of_main, module) {
   bind_table(module);
   for (const py::module_& part : {module, py::module_(module.attr("effects"))}) {
     name_plain_types(part);
-    explain_calls_in_one_line(part);
-    refuse_uninitialised_objects(part);
+    answer_in_one_line(part);
   }
 }
 

@@ -40,7 +40,7 @@ class PythonLaw final : public OwnLaw {
   void along(const Course& course, std::span<double> values) const override {
     const std::array<std::span<const double>, 3> columns{course.position, course.velocity, course.time};
     const GilTaken taken;
-    const std::string count = format(static_cast<double>(values.size()));
+    const std::string count = format(values.size());
     guarded([&] { return " along arrays of " + count; },
             [&] {
               std::array<py::object, 3> arrays;
@@ -127,7 +127,7 @@ class CompiledLaw final : public OwnLaw {
       : address_(reinterpret_cast<void*>(address)), taken_(std::move(taken)), owner_(std::move(owner)) {
     require(address != 0, "function", "must have an address, got", 0);
     const std::size_t count = taken_.size() + values.size();
-    require(count <= arguments_max, "function", "must take at most 24 numbers", static_cast<double>(count));
+    require(count <= arguments_max, "function", "must take at most 24 numbers", count);
     std::copy(values.begin(), values.end(), arguments_.begin() + static_cast<std::ptrdiff_t>(taken_.size()));
     call_ = callers(std::make_index_sequence<arguments_max + 1>())[count];
   }
@@ -184,7 +184,7 @@ void bind_own_effect(py::module_& module) {
           [](const Custom<>& self, const std::string& hook, const Array& position, const Array& velocity,
              const Array& time) {
             require(velocity.size() == position.size() && time.size() == position.size(), "position",
-                    "must be as long as velocity and time", double(position.size()));
+                    "must be as long as velocity and time", position.size());
             return to_array(self.along(hook_of(hook), {view(position), view(velocity), view(time)}));
           },
           py::arg("hook"), py::arg("position"), py::arg("velocity"), py::arg("time"),

@@ -47,6 +47,15 @@ void* BoundClass::data_of(const Self& self) const {
   return self.data;
 }
 
+void BoundClass::def_property(const char* property, const std::string& kind, const std::string& doc,
+                              const std::function<py::object(const void*)>& get) const {
+  py::options options;
+  options.disable_function_signatures();
+  const py::cpp_function read([bound = *this, get](const Self& self) { return get(bound.data_of(self)); },
+                              ("(self: " + name_ + ") -> " + kind).c_str());
+  py::setattr(type_, property, py::module_::import("builtins").attr("property")(read, py::none(), py::none(), doc));
+}
+
 void bind_fields(const py::object& type, const BoundStruct& all) {
   const auto bound = std::make_shared<const BoundStruct>(all);
   const BoundClass self_class(type);

@@ -9,7 +9,7 @@ namespace {
 // Left out and empty are not the same: an empty column is one of a wrong length.
 std::vector<double> optional_column(const std::optional<Array>& column, const char* name, const Array& time) {
   if (!column) return {};
-  require(column->size() > 0, name, "must be as long as time (" + format(double(time.size())) + ")", 0.0);
+  require(column->size() > 0, name, "must be as long as time (" + format(time.size()) + ")", 0.0);
   return to_vector(*column);
 }
 

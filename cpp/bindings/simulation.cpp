@@ -142,8 +142,7 @@ Example:
       [](const Array& time, const Array& error, const Array& command, double start, double stop, double final_window) {
         return performance(view(time), view(error), view(command), {start, stop, final_window});
       },
-      py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(),
-      py::arg("start") = -std::numeric_limits<double>::infinity(),
-      py::arg("stop") = std::numeric_limits<double>::infinity(), py::arg("final_window") = 2.0,
+      py::arg("time"), py::arg("error"), py::arg("command"), py::kw_only(), py::arg("start") = -infinity,
+      py::arg("stop") = infinity, py::arg("final_window") = 2.0,
       "The indexes over the rows with start <= time < stop (s) of arrays (n,) in s, m, V: cogging.performance.");
 }

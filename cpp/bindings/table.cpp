@@ -34,11 +34,10 @@ class OneThreadReader {
 // Counts come signed, so that a negative one is told as such.
 std::string rows_as_text(const std::vector<Array>& columns, py::ssize_t first, py::ssize_t end) {
   require(!columns.empty(), "columns", "must be at least one", 0.0);
-  require(first >= 0, "first", "must be at least 0", static_cast<double>(first));
+  require(first >= 0, "first", "must be at least 0", first);
   std::vector<std::span<const double>> views;
   for (const Array& column : columns) {
-    require(first <= end && end <= column.size(), "end", "must be from first to the length of every column",
-            static_cast<double>(end));
+    require(first <= end && end <= column.size(), "end", "must be from first to the length of every column", end);
     views.emplace_back(column.data(), static_cast<std::size_t>(column.size()));
   }
   return without_gil([&](StopRequest* stop) {

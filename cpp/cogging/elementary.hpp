@@ -19,6 +19,8 @@
 
 namespace cogging {
 
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// What a number and a register of numbers (registers.hpp) share: `Number` is either.
 namespace elementary {
 
@@ -160,7 +162,7 @@ inline int whole_ln_2(double value, double& high, double& low) {
 /// exp(value).
 inline double exp(double value) {
   if (value != value) return value;
-  if (value > 709.782712893383973096) return std::numeric_limits<double>::infinity();
+  if (value > 709.782712893383973096) return infinity;
   if (value < -745.13321910194110842) return 0.0;
   double high, low;
   const int power = elementary::whole_ln_2(value, high, low), half = power / 2;
@@ -178,7 +180,7 @@ inline double expm1(double value) {
 
 /// Natural logarithm of a number from 0 on.
 inline double log(double value) {
-  if (!(value > 0.0)) return value == 0.0 ? -std::numeric_limits<double>::infinity() : std::nan("");
+  if (!(value > 0.0)) return value == 0.0 ? -infinity : std::nan("");
   if (!(value <= std::numeric_limits<double>::max())) return value;
   int power;
   double part = std::frexp(value, &power);  // from 1/2 to 1

@@ -10,8 +10,10 @@
 #include "cogging/register_types.hpp"
 #include "cogging/scalar.hpp"
 
-#if defined(__SSE2__)
+#if defined(__AVX__)
 #include <immintrin.h>
+#elif defined(__SSE2__)
+#include <smmintrin.h>  // a tenth of that, for the compiler
 #endif
 
 namespace cogging {

@@ -2,6 +2,7 @@
 // What breaks a rule is refused here: one line that names the field, the rule and the value.
 
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -27,6 +28,9 @@ inline std::string format(double value) {
   if (std::isfinite(value) && std::strtod(text, nullptr) != value) std::snprintf(text, sizeof text, "%.17g", value);
   return text;
 }
+inline std::string format(std::integral auto count) {
+  return format(static_cast<double>(count));
+}
 
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
 [[noreturn]] inline void refused(const std::string& line) {
@@ -44,6 +48,9 @@ inline std::string format(double value) {
 
 inline void require(bool holds, std::string_view name, std::string_view rule, double value) {
   if (!holds) refuse(name, rule, format(value));
+}
+inline void require(bool holds, std::string_view name, std::string_view rule, std::integral auto count) {
+  require(holds, name, rule, static_cast<double>(count));
 }
 
 inline void require_finite(std::string_view name, double value) {
@@ -69,12 +76,10 @@ inline void require_finite(std::string_view name, const std::vector<double>& val
   for (double value : values) require_finite(name, value);
 }
 
-/// lower < upper (or lower <= upper where a point is allowed), both finite.
-inline void require_ordered(std::string_view name, double lower, double upper, bool point_allowed = false) {
-  const bool ordered = point_allowed ? lower <= upper : lower < upper;
-  if (!(std::isfinite(lower) && std::isfinite(upper) && ordered))
-    refuse(name, point_allowed ? "needs minimum <= maximum, both finite" : "needs minimum < maximum, both finite",
-           "[" + format(lower) + ", " + format(upper) + "]");
+/// lower <= upper, both finite.
+inline void require_ordered(std::string_view name, double lower, double upper) {
+  if (!(std::isfinite(lower) && std::isfinite(upper) && lower <= upper))
+    refuse(name, "needs minimum <= maximum, both finite", "[" + format(lower) + ", " + format(upper) + "]");
 }
 
 }  // namespace cogging

@@ -129,7 +129,7 @@ template <class Value, class Each>
 fmi3Status for_each_variable(fmi3Instance instance, const fmi3ValueReference* references, std::size_t count,
                              Value* values, std::size_t value_count, const Each& each) {
   return answer(instance, [&](Instance& unit) {
-    require(count == value_count, "nValues", "must be nValueReferences", static_cast<double>(value_count));
+    require(count == value_count, "nValues", "must be nValueReferences", value_count);
     for (std::size_t i = 0; i < count; ++i) each(unit, references[i], values[i]);
     return fmi3OK;
   });

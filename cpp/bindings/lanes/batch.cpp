@@ -109,15 +109,6 @@ struct RecordedBatch {
     if (!columns.empty()) columns[i] = std::move(kept.columns);
   }
 
-  template <class C>
-  void run_with(const C& controller, std::size_t i, StopRequest* stop) {
-    const RunOptions own = options_of(i, stop);
-    RunRecord<double> record(request);
-    const auto motion = rows.of(*references[i], own.duration, controller.sample_rate(), stop);
-    closed_loop_into<double>(record, plants[i], controller, *motion, own);
-    keep(i, record.take_lane(0));
-  }
-
   /// What ended run i stands in its row, unless it ends the batch.
   template <class Run>
   void guard(std::size_t i, const Run& run) {
@@ -139,8 +130,15 @@ struct RecordedBatch {
   }
 
   void run_alone(std::size_t i, StopRequest* stop) {
-    guard(i,
-          [&] { close_with(controllers[i], stop, [&](const auto& c, StopRequest* turns) { run_with(c, i, turns); }); });
+    guard(i, [&] {
+      close_with(controllers[i], stop, [&](const auto& controller, StopRequest* turns) {
+        const RunOptions own = options_of(i, turns);
+        RunRecord<double> record(request);
+        const auto motion = rows.of(*references[i], own.duration, controller.sample_rate(), turns);
+        closed_loop_into<double>(record, plants[i], controller, *motion, own);
+        keep(i, record.take_lane(0));
+      });
+    });
   }
 
   /// Those of the machine and its controller, and that the motion is the same.
@@ -199,8 +197,7 @@ struct RecordedBatch {
 template <class T>
 std::vector<T> for_each_run(const char* name, std::vector<T> list, std::size_t runs, bool one_will_do = true) {
   require(list.size() == runs || (one_will_do && list.size() == 1), name,
-          one_will_do ? "must be one for all runs or one for each plant" : "must be one for each plant",
-          static_cast<double>(list.size()));
+          one_will_do ? "must be one for all runs or one for each plant" : "must be one for each plant", list.size());
   const T first = list.empty() ? T{} : list[0];
   list.resize(runs, first);
   return list;

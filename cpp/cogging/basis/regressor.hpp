@@ -16,9 +16,14 @@ namespace cogging {
 
 namespace detail {
 
-inline void require_matrix(std::span<double> matrix, std::size_t rows, int columns) {
-  require(matrix.size() == rows * static_cast<std::size_t>(columns), "matrix",
-          "must have a row for each position and " + format(columns) + " columns", static_cast<double>(matrix.size()));
+/// Writes a matrix row by row: write(position, row) puts what is not 0 into a row of zeros.
+template <class Write>
+void write_rows(std::span<const double> positions, int columns, std::span<double> matrix, const Write& write) {
+  const auto width = static_cast<std::size_t>(columns);
+  require(matrix.size() == positions.size() * width, "matrix",
+          "must have a row for each position and " + format(columns) + " columns", matrix.size());
+  std::fill(matrix.begin(), matrix.end(), 0.0);
+  for (std::size_t i = 0; i < positions.size(); ++i) write(positions[i], matrix.subspan(i * width, width));
 }
 
 }  // namespace detail
@@ -35,26 +40,18 @@ void for_each_active(const SplineHarmonics& basis, double position, const Entry&
 
 /// N_{c,k}(x) (Lu et al. 2008, eq. 6) at positions, m: (positions, control points), row by row; all of it is written.
 inline void write_design_matrix(const BSpline& spline, std::span<const double> positions, std::span<double> matrix) {
-  const int columns = spline.control_points();
-  detail::require_matrix(matrix, positions.size(), columns);
-  BSpline::Active<double> active;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const std::span<double> row = matrix.subspan(i * static_cast<std::size_t>(columns), columns);
-    std::fill(row.begin(), row.end(), 0.0);
-    spline.evaluate(positions[i], active);
+  detail::write_rows(positions, spline.control_points(), matrix, [&](double position, std::span<double> row) {
+    BSpline::Active<double> active;
+    spline.evaluate(position, active);
     for (int j = 0; j < spline.order(); ++j) row[active.first + j] = active.weight[j];
-  }
+  });
 }
 
 /// S_r(x) (Lu et al. 2008, eq. 7) at positions, m: (positions, coefficients), row by row; all of it is written.
 inline void write_regressor(const SplineHarmonics& basis, std::span<const double> positions, std::span<double> matrix) {
-  const int columns = basis.coefficients();
-  detail::require_matrix(matrix, positions.size(), columns);
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const std::span<double> row = matrix.subspan(i * static_cast<std::size_t>(columns), columns);
-    std::fill(row.begin(), row.end(), 0.0);
-    for_each_active(basis, positions[i], [&](int column, double value) { row[column] = value; });
-  }
+  detail::write_rows(positions, basis.coefficients(), matrix, [&](double position, std::span<double> row) {
+    for_each_active(basis, position, [&](int column, double value) { row[column] = value; });
+  });
 }
 
 /// Index of the first coefficient that acts at a position (m), and the values of those that do, which stand together.

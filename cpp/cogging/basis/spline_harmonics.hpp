@@ -256,11 +256,10 @@ class SplineHarmonics {
   template <class Term>
   SplineHarmonics(const BSpline& spline, std::vector<Term> terms, std::string_view name)
       : spline_(spline), columns_(2 * static_cast<int>(terms.size())) {
-    require(!terms.empty() && terms.size() <= terms_max, name, "must list 1 to 32 terms",
-            static_cast<double>(terms.size()));
+    require(!terms.empty() && terms.size() <= terms_max, name, "must list 1 to 32 terms", terms.size());
     std::sort(terms.begin(), terms.end());
     const auto twice = std::adjacent_find(terms.begin(), terms.end());
-    if (twice != terms.end()) require(false, name, "each may stand once", static_cast<double>(*twice));
+    if (twice != terms.end()) require(false, name, "each may stand once", *twice);
     require_coefficients("control_points", spline.control_points(), terms.size());
   }
 
@@ -282,8 +281,7 @@ class SplineHarmonics {
         powers.push_back(powers.back() + factor);
         products_.push_back({place_of(factor), place_of(powers.back())});
       }
-    require(places.size() <= powers_max, "harmonics", "need too many products of powers",
-            static_cast<double>(places.size()));
+    require(places.size() <= powers_max, "harmonics", "need too many products of powers", places.size());
   }
 
   BSpline spline_;
@@ -308,7 +306,7 @@ class CoggingModel {
       : basis_(std::move(basis)), coefficients_(std::move(coefficients)) {
     require(std::ssize(coefficients_) == basis_.coefficients(), "coefficients",
             "must hold control points times 2 terms = " + format(basis_.coefficients()) + " values",
-            static_cast<double>(coefficients_.size()));
+            coefficients_.size());
     for (const Scalar& value : coefficients_)
       if (!all_finite(value)) refuse("coefficients", "must be finite numbers", "a NaN or an infinity");
   }

@@ -113,11 +113,11 @@ struct AdaptiveRobustParameters {
             cogging_control_points);
     SplineHarmonics::require_coefficients("cogging_control_points", cogging_control_points, cogging_harmonics.size());
     const SplineHarmonics basis = cogging_basis();
-    require_ordered("cogging_bounds", cogging_bounds[0], cogging_bounds[1], true);
+    require_ordered("cogging_bounds", cogging_bounds[0], cogging_bounds[1]);
     if (!cogging_estimates.empty())
       require(std::ssize(cogging_estimates) == basis.coefficients(), "cogging_estimates",
               "must hold control points times twice the harmonics = " + format(basis.coefficients()) + " values",
-              static_cast<double>(cogging_estimates.size()));
+              cogging_estimates.size());
     for (double value : cogging_estimates)
       require(value >= cogging_bounds[0] && value <= cogging_bounds[1], "cogging_estimates",
               "must lie within cogging_bounds", value);
@@ -125,7 +125,7 @@ struct AdaptiveRobustParameters {
 
  private:
   static void check_estimate(const std::string& label, const Scalar& value, const Bounds& bounds) {
-    require_ordered(label + "_bounds", bounds[0], bounds[1], true);
+    require_ordered(label + "_bounds", bounds[0], bounds[1]);
     const std::string rule =
         "must lie within " + label + "_bounds [" + format(bounds[0]) + ", " + format(bounds[1]) + "]";
     require(value >= bounds[0], label, rule, value);
@@ -147,9 +147,12 @@ struct AdaptiveRobustParameters {
 /// In a sample that is refused (see SampleGuard) nothing is learned. Behind it, the velocity is the mean over the
 /// samples that have passed.
 template <class Scalar, bool desired_compensation>
-class AdaptiveRobust {
+class AdaptiveRobust : public GuardedController<AdaptiveRobustParameters<Scalar>, Scalar> {
+  using Base = GuardedController<AdaptiveRobustParameters<Scalar>, Scalar>;
+  using Base::guard_, Base::parameters_;
+
  public:
-  using Parameters = AdaptiveRobustParameters<Scalar>;
+  using typename Base::Parameters;
   static constexpr std::string_view name = desired_compensation ? "dcarc" : "arc";
   static constexpr std::string_view description =
       desired_compensation ? R"(Desired compensation adaptive robust control (Lu et al. 2008, eq. 24 to 30).
@@ -163,9 +166,8 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
   static constexpr int plain = 4;  // mass, viscous, coulomb, disturbance come before the cogging coefficients
 
   explicit AdaptiveRobust(const Parameters& parameters = {})
-      : parameters_(validated(parameters)),
+      : Base(parameters),
         basis_(parameters.cogging_basis()),
-        guard_(parameters.command_limit),
         sample_time_(1.0 / parameters.sample_rate),
         estimates_(plain + basis_.coefficients(), Scalar(0.0)) {
     estimates_[0] = parameters.mass;
@@ -176,12 +178,8 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
       estimates_[plain + i] = parameters.cogging_estimates[i];
   }
 
-  const Parameters& parameters() const { return parameters_; }
-  double sample_rate() const { return parameters_.sample_rate; }
-  double command_limit() const { return parameters_.command_limit; }
   /// mass, viscous, coulomb, d_n, then A_r one control point after the other.
   std::span<const Scalar> estimates() const { return estimates_; }
-  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
     return std::tie(guard_, estimates_, active_.spline.first, active_.spline.weight, active_.harmonic, regressor_,
@@ -257,9 +255,7 @@ theta_hat' = Proj(Gamma phi p), one Euler step a sample. Estimates: mass, viscou
     return -h * tanh(0.2785 * h * p / q.epsilon);
   }
 
-  Parameters parameters_;
   SplineHarmonics basis_;
-  SampleGuard<Scalar> guard_;
   double sample_time_;
   std::vector<Scalar> estimates_;
   SplineHarmonics::Active<Scalar> active_{};

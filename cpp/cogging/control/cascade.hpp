@@ -28,12 +28,10 @@ struct CascadeParameters {
 
   static constexpr auto fields() {
     using P = CascadeParameters;
-    return std::tuple_cat(
-        std::tuple{Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
-                   Field{"kp", &P::kp, "1/s", "gain of the position loop", Rule::not_negative},
-                   Field{"kv", &P::kv, "V/(m/s)", "gain of the velocity loop", Rule::not_negative}},
-        feedforward_fields<P, Scalar>(),
-        std::tuple{Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative}});
+    return std::tuple_cat(std::tuple{Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
+                                     Field{"kp", &P::kp, "1/s", "gain of the position loop", Rule::not_negative},
+                                     Field{"kv", &P::kv, "V/(m/s)", "gain of the velocity loop", Rule::not_negative}},
+                          feedforward_fields<P>());
   }
 
   void validate() const { validate_feedforward(*this); }
@@ -41,21 +39,18 @@ struct CascadeParameters {
 
 /// The law of `description`. A sample that is no measurement is refused (see SampleGuard).
 template <class Scalar = double>
-class Cascade {
+class Cascade : public GuardedController<CascadeParameters<Scalar>, Scalar> {
+  using Base = GuardedController<CascadeParameters<Scalar>, Scalar>;
+  using Base::guard_, Base::parameters_;
+
  public:
-  using Parameters = CascadeParameters<Scalar>;
+  using typename Base::Parameters;
   static constexpr std::string_view name = "cascade";
   static constexpr std::string_view description =
       "u = kv (kp (reference - reading) - v) + feedforward, v the backward difference of the reading.";
 
-  explicit Cascade(const Parameters& parameters = {})
-      : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {}
+  explicit Cascade(const Parameters& parameters = {}) : Base(parameters), feedforward_(parameters) {}
 
-  const Parameters& parameters() const { return parameters_; }
-  double sample_rate() const { return parameters_.sample_rate; }
-  double command_limit() const { return parameters_.command_limit; }
-  std::span<const Scalar> estimates() const { return {}; }
-  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept { return std::tie(feedforward_, guard_); }
 
@@ -70,9 +65,7 @@ class Cascade {
   void update(Scalar) noexcept {}
 
  private:
-  Parameters parameters_;
   Feedforward<Scalar> feedforward_;
-  SampleGuard<Scalar> guard_;
 };
 
 }  // namespace cogging

@@ -10,16 +10,17 @@
 
 namespace cogging {
 
-/// The fields that every parameter struct with a feedforward has: mass to feedforward_velocity.
-template <class P, class Scalar>
-constexpr auto feedforward_fields() {
+/// The fields with which every parameter struct with a feedforward ends: mass to command_limit.
+template <class P>
+constexpr auto feedforward_fields(std::string_view command_limit = "largest command; 0 = none") {
   return std::tuple{
       Field{"mass", &P::mass, "V/(m/s^2)", "feedforward of the reference acceleration; 0 = none", Rule::not_negative},
       Field{"viscous", &P::viscous, "V/(m/s)", "feedforward of the velocity", Rule::not_negative},
       Field{"coulomb", &P::coulomb, "V", "friction compensation", Rule::not_negative},
       Field{"coulomb_width", &P::coulomb_width, "m/s", "of the compensation's S(v); 0 = sgn", Rule::not_negative},
       Field{"feedforward_velocity", &P::feedforward_velocity, "",
-            "\"reference\" or \"measured\" (backward difference of the reading)"}};
+            "\"reference\" or \"measured\" (backward difference of the reading)"},
+      Field{"command_limit", &P::command_limit, "V", command_limit, Rule::not_negative}};
 }
 
 template <class Parameters>

@@ -63,15 +63,12 @@ struct ObserverBasedParameters {
   }
 
   void validate() const {
-    require(!periods.empty() && periods.size() <= periods_max, "periods", "must list 1 to 16",
-            static_cast<double>(periods.size()));
-    const double size = 3.0 + 2.0 * static_cast<double>(periods.size());
-    require(static_cast<double>(observer_gain.size()) == size, "observer_gain",
-            "must hold 3 + 2 periods = " + format(size) + " values", static_cast<double>(observer_gain.size()));
-    if (!observer_gain_slope.empty())
-      require(static_cast<double>(observer_gain_slope.size()) == size, "observer_gain_slope",
-              "must be empty or hold 3 + 2 periods = " + format(size) + " values",
-              static_cast<double>(observer_gain_slope.size()));
+    require(!periods.empty() && periods.size() <= periods_max, "periods", "must list 1 to 16", periods.size());
+    const std::size_t size = 3 + 2 * periods.size();
+    const std::string of_size = "hold 3 + 2 periods = " + format(size) + " values";
+    require(observer_gain.size() == size, "observer_gain", "must " + of_size, observer_gain.size());
+    require(observer_gain_slope.empty() || observer_gain_slope.size() == size, "observer_gain_slope",
+            "must be empty or " + of_size, observer_gain_slope.size());
     require(delay >= 0.0 && delay * sample_rate < delay_max - 2, "delay", "must be 0 to 61 samples", delay);
     if (rotation != "reference" && rotation != "measured")
       refuse("rotation", "must be \"reference\" or \"measured\"", rotation);
@@ -96,9 +93,12 @@ struct ObserverBasedParameters {
 /// next prediction is one step over all samples that have passed; behind more than 16 missed ones x_hat and nu_hat
 /// start anew from the readings at both ends, and the forces, turned by the way that was made, stay.
 template <class Scalar = double>
-class ObserverBased {
+class ObserverBased : public GuardedController<ObserverBasedParameters<Scalar>, Scalar> {
+  using Base = GuardedController<ObserverBasedParameters<Scalar>, Scalar>;
+  using Base::guard_, Base::parameters_;
+
  public:
-  using Parameters = ObserverBasedParameters<Scalar>;
+  using typename Base::Parameters;
   static constexpr std::string_view name = "observer_based";
   static constexpr std::string_view description = R"(Observer-based cancellation (Malaize and Levine 2009).
 
@@ -112,8 +112,7 @@ the mean of both, which is without friction. What is learned at rest ends with i
   static constexpr int states_max = 3 + 2 * Parameters::periods_max;
 
   explicit ObserverBased(const Parameters& parameters = {})
-      : parameters_(validated(parameters)),
-        guard_(parameters.command_limit),
+      : Base(parameters),
         count_(static_cast<int>(parameters.periods.size())),
         sample_time_(1.0 / parameters.sample_rate),
         measured_rotation_(parameters.rotation == "measured") {
@@ -127,15 +126,11 @@ the mean of both, which is without friction. What is learned at rest ends with i
     known_.fill(Scalar(0.0));
   }
 
-  const Parameters& parameters() const { return parameters_; }
-  double sample_rate() const { return parameters_.sample_rate; }
-  double command_limit() const { return parameters_.command_limit; }
   /// How far ahead (s) the second reference of `command` is: the delay, and half of the sample for which it is held.
   double preview() const { return parameters_.delay + 0.5 * sample_time_; }
   /// x_hat, nu_hat, lambda_0, then sine and cosine of each period: m, m/s, m/s^2.
   std::span<const Scalar> estimates() const { return {state_.data(), static_cast<std::size_t>(3 + 2 * count_)}; }
 
-  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
     return std::tie(guard_, state_, acted_, kept_, known_, direction_, motion_, fast_, hardest_, steadiest_,
@@ -264,8 +259,6 @@ the mean of both, which is without friction. What is learned at rest ends with i
     }
   }
 
-  Parameters parameters_;
-  SampleGuard<Scalar> guard_;
   int count_;
   std::size_t whole_ = 0;
   double sample_time_, fraction_ = 0.0;

@@ -94,7 +94,7 @@ struct OutputFeedbackArcParameters {
             "must be above 0, or A_0 is not stable", observer_gain_2);
     require_positive("theta_min", theta_min[0]);
     for (int i = 0; i < 3; ++i) {
-      require_ordered("theta_min, theta_max", theta_min[i], theta_max[i], true);
+      require_ordered("theta_min, theta_max", theta_min[i], theta_max[i]);
       require(theta[i] >= theta_min[i] && theta[i] <= theta_max[i], "theta", "must lie within theta_min and theta_max",
               theta[i]);
     }
@@ -122,9 +122,12 @@ struct OutputFeedbackArcParameters {
 /// drives and nothing, go on. Behind it eta makes up for the samples that were missed, y on a straight line; behind
 /// more than 16 of them it is where that line would have led it in the end.
 template <class Scalar = double>
-class OutputFeedbackArc {
+class OutputFeedbackArc : public GuardedController<OutputFeedbackArcParameters<Scalar>, Scalar> {
+  using Base = GuardedController<OutputFeedbackArcParameters<Scalar>, Scalar>;
+  using Base::guard_, Base::parameters_;
+
  public:
-  using Parameters = OutputFeedbackArcParameters<Scalar>;
+  using typename Base::Parameters;
   static constexpr std::string_view name = "output_feedback_arc";
   static constexpr std::string_view description = R"(Output-feedback adaptive robust control (Xu and Yao 2001).
 
@@ -150,9 +153,7 @@ filters of the applied command go on through samples that are refused; that of t
   };
 
   explicit OutputFeedbackArc(const Parameters& parameters = {})
-      : parameters_(validated(parameters)),
-        guard_(parameters.command_limit),
-        sample_time_(1.0 / parameters.sample_rate) {
+      : Base(parameters), sample_time_(1.0 / parameters.sample_rate) {
     for (int i = 0; i < 3; ++i) {
       theta_[i] = parameters.theta[i];
       const double range = parameters.theta_max[i] - parameters.theta_min[i];
@@ -161,12 +162,8 @@ filters of the applied command go on through samples that are refused; that of t
     discretise();
   }
 
-  const Parameters& parameters() const { return parameters_; }
-  double sample_rate() const { return parameters_.sample_rate; }
-  double command_limit() const { return parameters_.command_limit; }
   /// theta_hat.
   std::span<const Scalar> estimates() const { return theta_; }
-  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept {
     return std::tie(guard_, theta_, phi_1_, phi_2_, eta_, lambda_, psi_, z_1_, z_2_, origin_, position_, compensation_);
@@ -339,8 +336,6 @@ filters of the applied command go on through samples that are refused; that of t
     response_ = {sum[2], sum[5]};
   }
 
-  Parameters parameters_;
-  SampleGuard<Scalar> guard_;
   double sample_time_, theta_range_square_ = 0.0;
   std::array<double, 4> transition_{};
   std::array<double, 2> response_{};

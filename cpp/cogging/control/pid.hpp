@@ -33,9 +33,7 @@ struct PidParameters {
                                      Field{"kp", &P::kp, "V/m", "proportional gain", Rule::not_negative},
                                      Field{"ki", &P::ki, "V/(m s)", "integral gain", Rule::not_negative},
                                      Field{"kd", &P::kd, "V/(m/s)", "derivative gain", Rule::not_negative}},
-                          feedforward_fields<P, Scalar>(),
-                          std::tuple{Field{"command_limit", &P::command_limit, "V",
-                                           "largest command, with anti-windup; 0 = none", Rule::not_negative}});
+                          feedforward_fields<P>("largest command, with anti-windup; 0 = none"));
   }
 
   void validate() const { validate_feedforward(*this); }
@@ -46,9 +44,12 @@ struct PidParameters {
 /// A sample that is refused (see SampleGuard) adds nothing to the sum, and e_prev stays; (e - e_prev) / Ts is then the
 /// mean over the samples that have passed.
 template <class Scalar = double>
-class Pid {
+class Pid : public GuardedController<PidParameters<Scalar>, Scalar> {
+  using Base = GuardedController<PidParameters<Scalar>, Scalar>;
+  using Base::guard_, Base::parameters_;
+
  public:
-  using Parameters = PidParameters<Scalar>;
+  using typename Base::Parameters;
   static constexpr std::string_view name = "pid";
   static constexpr std::string_view description = R"(PID with feedforward, from positions only.
 
@@ -57,16 +58,8 @@ includes the current sample and starts at zero; e_prev = e in the first sample. 
 take up an error that pushes further into it.)";
 
   explicit Pid(const Parameters& parameters = {})
-      : parameters_(validated(parameters)),
-        feedforward_(parameters),
-        guard_(parameters.command_limit),
-        sample_time_(1.0 / parameters.sample_rate) {}
+      : Base(parameters), feedforward_(parameters), sample_time_(1.0 / parameters.sample_rate) {}
 
-  const Parameters& parameters() const { return parameters_; }
-  double sample_rate() const { return parameters_.sample_rate; }
-  double command_limit() const { return parameters_.command_limit; }
-  std::span<const Scalar> estimates() const { return {}; }
-  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs, in order: by it controllers are compared and kept in files.
   auto state() noexcept { return std::tie(feedforward_, guard_, error_previous_, sum_, step_, computed_); }
 
@@ -95,9 +88,7 @@ take up an error that pushes further into it.)";
     return computed;
   }
 
-  Parameters parameters_;
   Feedforward<Scalar> feedforward_;
-  SampleGuard<Scalar> guard_;
   double sample_time_;
   Scalar error_previous_ = 0.0, sum_ = 0.0, step_ = 0.0, computed_ = 0.0;
 };

@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
 
+#include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
 #include "cogging/scalar.hpp"
 
@@ -134,8 +136,28 @@ class SampleGuard {
   }
 
   double limit_;
-  Scalar missed_ = std::numeric_limits<double>::infinity();  // samples since the last one that was taken
+  Scalar missed_ = infinity;  // samples since the last one that was taken
   Scalar refused_ = 0.0, last_ = 0.0;
+};
+
+/// What the controllers of the core have in common: parameters whose rules hold, and the guard of their samples.
+template <class ItsParameters, class Scalar>
+class GuardedController {
+ public:
+  using Parameters = ItsParameters;
+
+  const Parameters& parameters() const { return parameters_; }
+  double sample_rate() const { return parameters_.sample_rate; }
+  double command_limit() const { return parameters_.command_limit; }
+  std::span<const Scalar> estimates() const { return {}; }  // of one that does not adapt
+  const Scalar& samples_refused() const { return guard_.samples_refused(); }
+
+ protected:
+  explicit GuardedController(const Parameters& parameters)
+      : parameters_(validated(parameters)), guard_(parameters.command_limit) {}
+
+  Parameters parameters_;
+  SampleGuard<Scalar> guard_;
 };
 
 }  // namespace cogging

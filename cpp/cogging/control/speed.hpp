@@ -36,8 +36,7 @@ struct SpeedParameters {
         std::tuple{Field{"sample_rate", &P::sample_rate, "Hz", "samples a second", Rule::positive},
                    Field{"kp", &P::kp, "V/(m/s)", "gain of the velocity loop", Rule::not_negative},
                    Field{"delay", &P::delay, "s", "from a reading to the command that it gives", Rule::not_negative}},
-        feedforward_fields<P, Scalar>(),
-        std::tuple{Field{"command_limit", &P::command_limit, "V", "largest command; 0 = none", Rule::not_negative}});
+        feedforward_fields<P>());
   }
 
   void validate() const {
@@ -48,9 +47,12 @@ struct SpeedParameters {
 
 /// The law of `description`. A command is held over its sample, so it cannot change within one: hence the mean.
 template <class Scalar = double>
-class Speed {
+class Speed : public GuardedController<SpeedParameters<Scalar>, Scalar> {
+  using Base = GuardedController<SpeedParameters<Scalar>, Scalar>;
+  using Base::guard_, Base::parameters_;
+
  public:
-  using Parameters = SpeedParameters<Scalar>;
+  using typename Base::Parameters;
   static constexpr std::string_view name = "speed";
   static constexpr std::string_view description = R"(A velocity loop, from positions only.
 
@@ -59,8 +61,7 @@ sample. With delay = (n + f) / sample_rate, 0 <= f < 1, the command of sample k 
 before the first sample: the mean over the sample of the held w after the exact delay. What is held in a sample that is
 refused is w, which goes through the delay as ever.)";
 
-  explicit Speed(const Parameters& parameters = {})
-      : parameters_(validated(parameters)), feedforward_(parameters), guard_(parameters.command_limit) {
+  explicit Speed(const Parameters& parameters = {}) : Base(parameters), feedforward_(parameters) {
     double samples = parameters.delay * parameters.sample_rate;
     // A delay of 2 ms at 1 kHz is two samples, whatever the rounding of the product.
     if (std::abs(samples - std::round(samples)) < 1e-9 * (1.0 + samples)) samples = std::round(samples);
@@ -70,12 +71,7 @@ refused is w, which goes through the delay as ever.)";
     commands_ = DelayLine<Scalar>(whole_ + 1);
   }
 
-  const Parameters& parameters() const { return parameters_; }
-  double sample_rate() const { return parameters_.sample_rate; }
-  double command_limit() const { return parameters_.command_limit; }
   double dead_time() const { return parameters_.delay; }  // s
-  std::span<const Scalar> estimates() const { return {}; }
-  const Scalar& samples_refused() const { return guard_.samples_refused(); }
   /// What changes while it runs (see Pid::state).
   auto state() noexcept { return std::tie(feedforward_, guard_, commands_); }
 
@@ -91,9 +87,7 @@ refused is w, which goes through the delay as ever.)";
   void update(Scalar) noexcept {}
 
  private:
-  Parameters parameters_;
   Feedforward<Scalar> feedforward_;
-  SampleGuard<Scalar> guard_;
   double fraction_ = 0.0;
   std::size_t whole_ = 0;
   DelayLine<Scalar> commands_{0};  // w, V

@@ -31,8 +31,7 @@ inline std::vector<double> propagated(const Prediction& along, const Recording& 
   };
 
   const std::size_t rows = log.time.size();
-  require(along.moving.size() == rows, "along", "must be a prediction along this log, rows",
-          static_cast<double>(along.moving.size()));
+  require(along.moving.size() == rows, "along", "must be a prediction along this log, rows", along.moving.size());
   const ObserverGain gain(options.bandwidth, median_step(log));
   std::vector<Interval> intervals;
   intervals.reserve(rows - 1);

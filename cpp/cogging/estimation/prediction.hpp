@@ -142,7 +142,7 @@ inline void write_slopes(Prediction& result, std::size_t row, const Axis<double>
 inline Prediction predict(const Plant<double>& plant, const Recording& log, const PredictionOptions& options,
                           bool with_slopes) {
   const std::size_t rows = log.time.size();
-  require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
+  require(rows >= 2, "log", "must have at least 2 rows", rows);
   Axis<double> axis(plant.axis, plant.cogging, plant.effects);
   axis.leave_steps();  // each row is held to its reading: what one step errs by does not add up
   RecordedAmplifier amplifier(plant.effects, log.time, log.command);
@@ -188,7 +188,7 @@ void write_net_force(const Plant<Scalar>& plant, std::vector<RecordedAmplifier> 
                      std::span<const double> middle_position, std::span<const double> middle_velocity,
                      std::span<double* const> forces, StopRequest* request = nullptr) {
   const std::size_t rows = log.time.size();
-  require(rows >= 2, "log", "must have at least 2 rows", static_cast<double>(rows));
+  require(rows >= 2, "log", "must have at least 2 rows", rows);
   const Axis<Scalar> axis(plant.axis, plant.cogging, plant.effects);
   StopCheck stop(request);
   for (std::size_t k = 0; k + 1 < rows; ++k) {

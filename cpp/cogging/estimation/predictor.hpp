@@ -63,9 +63,9 @@ class Predictor {
   Predictor(std::vector<double> time, std::vector<double> position, std::vector<double> command,
             const PredictionOptions& options = {})
       : time_(std::move(time)), position_(std::move(position)), command_(std::move(command)), options_(options) {
-    require(position_.size() == rows(), "position", "must be as long as time", static_cast<double>(position_.size()));
-    require(command_.size() == rows(), "command", "must be as long as time", static_cast<double>(command_.size()));
-    require(rows() >= 2, "time", "must have at least 2 rows", static_cast<double>(rows()));
+    require(position_.size() == rows(), "position", "must be as long as time", position_.size());
+    require(command_.size() == rows(), "command", "must be as long as time", command_.size());
+    require(rows() >= 2, "time", "must have at least 2 rows", rows());
     require_positive("bandwidth", options.bandwidth);
     require_positive("gap", options.gap);
     require_finite("initial_velocity", options.initial_velocity);
@@ -109,9 +109,9 @@ class Predictor {
   std::vector<double> propagate(const Prediction& along, double mass, std::size_t count, std::span<const double> forces,
                                 std::span<const double> reading_errors, unsigned threads,
                                 StopRequest* stop = nullptr) const {
-    require(forces.size() == count * rows(), "forces", "must be (count, rows)", static_cast<double>(forces.size()));
+    require(forces.size() == count * rows(), "forces", "must be (count, rows)", forces.size());
     require(reading_errors.empty() || reading_errors.size() == forces.size(), "reading_errors",
-            "must have the shape of forces", static_cast<double>(reading_errors.size()));
+            "must have the shape of forces", reading_errors.size());
     require_positive("mass", mass);
     const double* errors = reading_errors.empty() ? nullptr : reading_errors.data();
     return propagated(along, log(), options(stop), mass, count, forces.data(), errors, threads);
@@ -119,7 +119,7 @@ class Predictor {
 
   /// Raises std::invalid_argument for a column that is not as long as the log.
   void require_length(std::string_view name, std::span<const double> column) const {
-    require(column.size() == rows(), name, "must be as long as the log", static_cast<double>(column.size()));
+    require(column.size() == rows(), name, "must be as long as the log", column.size());
   }
 
  private:

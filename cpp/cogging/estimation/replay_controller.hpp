@@ -24,9 +24,8 @@ std::vector<double> replay_controller(C controller, const std::vector<double>& t
                                       StopRequest* request = nullptr) {
   const Sampled motion(time, reference, reference_velocity, reference_acceleration);
   const std::size_t rows = time.size();
-  require(position.size() == rows, "position", "must be as long as time", static_cast<double>(position.size()));
-  require(applied.empty() || applied.size() == rows, "applied", "must be as long as time",
-          static_cast<double>(applied.size()));
+  require(position.size() == rows, "position", "must be as long as time", position.size());
+  require(applied.empty() || applied.size() == rows, "applied", "must be as long as time", applied.size());
   for (std::size_t k = 0; k < rows; ++k) require_finite("position", position[k]);
   for (const double& value : applied) require_finite("applied", value);
   const double limit = controller.command_limit();

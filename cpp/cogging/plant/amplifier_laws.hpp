@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "cogging/plant/effects/list.hpp"
@@ -69,8 +68,7 @@ class AmplifierLaws {
   /// `changed`; infinite where it need not be followed. Always behind `now`, also where the time constant is shorter
   /// than what a time that late can tell apart.
   double followed_until(double now, double changed) const {
-    if (!lagging_) return std::numeric_limits<double>::infinity();
-    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (!lagging_) return infinity;
     const double time_constant = 1.0 / largest(rate_);
     if (!(now - changed < settled * time_constant)) return infinity;
     const double end = now + time_constant;

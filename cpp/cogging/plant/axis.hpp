@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -20,11 +19,11 @@ namespace cogging {
 
 template <class Scalar = double>
 struct AxisParameters {
-  Scalar mass = 1.0;                                                                                   // V/(m/s^2)
-  Scalar viscous = 0.0;                                                                                // V/(m/s)
-  Scalar coulomb = 0.0;                                                                                // V
-  Scalar coulomb_width = 0.0;                                                                          // m/s
-  Range travel = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};  // m
+  Scalar mass = 1.0;                     // V/(m/s^2)
+  Scalar viscous = 0.0;                  // V/(m/s)
+  Scalar coulomb = 0.0;                  // V
+  Scalar coulomb_width = 0.0;            // m/s
+  Range travel = {-infinity, infinity};  // m
 
   static constexpr auto fields() {
     using P = AxisParameters;
@@ -36,10 +35,7 @@ struct AxisParameters {
                       Field{"travel", &P::travel, "m", "lower and upper end of the motion", Rule::any}};
   }
 
-  void validate() const {
-    if (!(travel[0] < travel[1]))
-      refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
-  }
+  void validate() const { require_travel(travel); }
 };
 
 /// What the effects of a plant may ask of it.
@@ -98,7 +94,7 @@ class Axis {
 
   /// The next time after `time` at which a force law jumps; infinite if there is none.
   double next_event(double time) const {
-    double next = std::numeric_limits<double>::infinity();
+    double next = infinity;
     for_each_law(events_, [&](const HasEvents auto& law) { next = std::min(next, law.next_event(time)); });
     return next;
   }
@@ -219,7 +215,7 @@ class Axis {
     Scalar widths = parameters_.coulomb_width;
     for (std::size_t i = 0; i < lanes_of<Scalar>; ++i)
       if (!effects_rub && lane(parameters_.coulomb, i) == 0.0)
-        set_lane(widths, i, std::numeric_limits<double>::infinity());
+        set_lane(widths, i, infinity);
       else
         require(lane(widths, i) > 0.0, "coulomb_width",
                 "must be above 0 in every lane with friction: what sticks runs on single machines alone",

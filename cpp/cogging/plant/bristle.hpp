@@ -3,7 +3,6 @@
 // Olsson, Astrom, Lischinsky (1995, "LuGre").
 
 #include <cmath>
-#include <limits>
 
 #include "cogging/scalar.hpp"
 
@@ -12,8 +11,8 @@ namespace cogging {
 /// F = stiffness z + damping z', z' = v - stiffness |v| z / g. In steady sliding z = g sgn(v) / stiffness and
 /// F = g sgn(v): g is the level of the friction that the bristle stands in for.
 struct Bristle {
-  double stiffness = std::numeric_limits<double>::infinity();  // V/m; infinite = none, friction follows S(v)
-  double damping = 0.0;                                        // V/(m/s)
+  double stiffness = infinity;  // V/m; infinite = none, friction follows S(v)
+  double damping = 0.0;         // V/(m/s)
 
   bool exists() const { return std::isfinite(stiffness); }
 

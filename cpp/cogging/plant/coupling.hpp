@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "cogging/scalar.hpp"
@@ -12,11 +11,11 @@ namespace cogging {
 
 /// As the effects say it: the axis' mass is the total, the load's share of it `mass_ratio`.
 struct CouplingParameters {
-  double mass_ratio = 0.0;                                     // load / total
-  double frequency = std::numeric_limits<double>::infinity();  // Hz, free-free, of the two masses in contact
-  double damping_ratio = 0.0;                                  // of that vibration
-  double gap = 0.0;                                            // m, full play
-  bool pushes_only = false;                                    // a contact, which never pulls
+  double mass_ratio = 0.0;      // load / total
+  double frequency = infinity;  // Hz, free-free, of the two masses in contact
+  double damping_ratio = 0.0;   // of that vibration
+  double gap = 0.0;             // m, full play
+  bool pushes_only = false;     // a contact, which never pulls
 
   bool rigid() const { return mass_ratio == 0.0 || !std::isfinite(frequency) || (pushes_only && gap == 0.0); }
 };

@@ -29,7 +29,6 @@
 //   bool serial() const;                                  // only one thread at a time can ask it
 
 #include <array>
-#include <limits>
 #include <string_view>
 
 #include "cogging/basis/b_spline.hpp"
@@ -53,11 +52,16 @@ struct Motion {
 
 using Range = std::array<double, 2>;
 
+inline void require_travel(const Range& travel) {
+  if (!(travel[0] < travel[1]))
+    refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
+}
+
 /// What an effect may take from the plant that it stands in.
 struct PlantContext {
-  Range travel = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};  // m
-  bool has_knots = false;  // there is a cogging model
-  BSpline knots;           // of its amplitudes; constant amplitudes have a constant spline, whose pitch is kept
+  Range travel = {-infinity, infinity};  // m
+  bool has_knots = false;                // there is a cogging model
+  BSpline knots;  // of its amplitudes; constant amplitudes have a constant spline, whose pitch is kept
 };
 
 /// The laws that an effect may be without though its type has them.

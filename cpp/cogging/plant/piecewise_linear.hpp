@@ -27,8 +27,7 @@ inline void require_piecewise_linear(std::string_view nodes_name, const std::vec
   for (std::size_t i = 1; i < nodes.size(); ++i)
     require(nodes[i] > nodes[i - 1], nodes_name, "must increase: above " + format(nodes[i - 1]), nodes[i]);
   require(nodes.size() == values.size(), values_name,
-          "must have as many values as " + std::string(nodes_name) + " = " + format(double(nodes.size())),
-          double(values.size()));
+          "must have as many values as " + std::string(nodes_name) + " = " + format(nodes.size()), values.size());
 }
 
 }  // namespace cogging

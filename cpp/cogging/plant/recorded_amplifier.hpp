@@ -2,7 +2,6 @@
 // The amplifier of a log: commands at recorded times, which need not be evenly spaced.
 
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -30,8 +29,7 @@ class RecordedAmplifier : public AmplifierLaws<double> {
     double now = start;
     while (now < end) {
       while (acting_ + 1 < shaped_.size() && time_[acting_ + 1] + delay() <= now + tolerance) ++acting_;
-      const double switched =
-          acting_ + 1 < shaped_.size() ? time_[acting_ + 1] + delay() : std::numeric_limits<double>::infinity();
+      const double switched = acting_ + 1 < shaped_.size() ? time_[acting_ + 1] + delay() : infinity;
       const double next = switched < end - tolerance ? switched : end;
       Drive<double> drive{shaped_[acting_], output_ - shaped_[acting_], rate(), 0.0, lagging()};
       piece(drive, now, next);

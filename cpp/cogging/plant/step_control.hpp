@@ -23,10 +23,9 @@ struct Variation {
   double wavenumber = 0.0, rate = 0.0;
   double decay = 0.0;
   double stiffness = 0.0;
-  double velocity = std::numeric_limits<double>::infinity();
+  double velocity = infinity;
   bool rough = false;
-  double path = std::numeric_limits<double>::infinity(), change = std::numeric_limits<double>::infinity();
-  double duration = std::numeric_limits<double>::infinity();
+  double path = infinity, change = infinity, duration = infinity;
 };
 
 /// What one Runge-Kutta step of fourth order errs by, as a share of the largest speed so far.
@@ -143,7 +142,7 @@ class StepAccuracy {
   void leave_steps() {
     controls_ = varies_ = false;
     positions_.clear(), velocities_.clear();
-    rough_ = false, path_ = change_ = duration_ = std::numeric_limits<double>::infinity();
+    rough_ = false, path_ = change_ = duration_ = infinity;
   }
   bool controls() const { return controls_; }
 
@@ -183,8 +182,7 @@ class StepAccuracy {
   double longest_ = 0.0, slowest_ = 0.0, fastest_ = 0.0;  // s, m/s, m/s: of steps whose waves are bounded
   Scalar turning_ = std::numeric_limits<double>::max();   // (m/s)^2, of the narrowest law about rest
   bool varies_ = false, controls_ = true, rough_ = false;
-  double path_ = std::numeric_limits<double>::infinity(), change_ = std::numeric_limits<double>::infinity();
-  double duration_ = std::numeric_limits<double>::infinity();
+  double path_ = infinity, change_ = infinity, duration_ = infinity;
   std::vector<Fading> fading_;
   std::vector<double> positions_, velocities_;  // of kinks, increasing
 };

@@ -2,7 +2,6 @@
 // A jerk-limited move there and back, with rests.
 
 #include <cmath>
-#include <limits>
 #include <string_view>
 
 #include "cogging/elementary.hpp"
@@ -15,12 +14,12 @@ namespace cogging {
 struct PointToPointParameters {
   static constexpr std::string_view description = "Limits and rests of a PointToPoint.";
 
-  double start = 0.0;                                     // m
-  double distance = 0.1;                                  // m, signed
-  double velocity = 0.1;                                  // m/s, limit
-  double acceleration = 1.0;                              // m/s^2, limit
-  double jerk = std::numeric_limits<double>::infinity();  // m/s^3, limit
-  double dwell = 0.0;                                     // s
+  double start = 0.0;         // m
+  double distance = 0.1;      // m, signed
+  double velocity = 0.1;      // m/s, limit
+  double acceleration = 1.0;  // m/s^2, limit
+  double jerk = infinity;     // m/s^3, limit
+  double dwell = 0.0;         // s
   int repeats = 1;
 
   static constexpr auto fields() {

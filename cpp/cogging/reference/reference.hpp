@@ -1,7 +1,7 @@
 #pragma once
 // What the axis is asked to do: position and its first two derivatives as functions of time.
 
-#include <limits>
+#include "cogging/scalar.hpp"
 
 namespace cogging {
 
@@ -16,9 +16,9 @@ class Reference {
   virtual ~Reference() = default;
   virtual ReferencePoint at(double time) const = 0;
   /// The time at which the motion is over, s; infinite for a motion without an end of its own.
-  virtual double end() const { return std::numeric_limits<double>::infinity(); }
+  virtual double end() const { return infinity; }
   /// After which time the motion repeats itself, s; infinite for one that does not.
-  virtual double period() const { return std::numeric_limits<double>::infinity(); }
+  virtual double period() const { return infinity; }
 };
 
 }  // namespace cogging

@@ -29,7 +29,7 @@ Raises:
         position_(std::move(position)),
         velocity_(std::move(velocity)),
         acceleration_(std::move(acceleration)) {
-    require(time_.size() >= 3, "time", "must hold at least 3 samples", static_cast<double>(time_.size()));
+    require(time_.size() >= 3, "time", "must hold at least 3 samples", time_.size());
     require_finite("time", time_);
     for (std::size_t i = 1; i < time_.size(); ++i)
       require(time_[i] > time_[i - 1], "time", "must be strictly increasing", time_[i]);
@@ -77,8 +77,8 @@ Raises:
   }
 
   void check(const std::vector<double>& column, std::string_view label) const {
-    require(column.size() == time_.size(), label, "must be as long as time (" + format(double(time_.size())) + ")",
-            static_cast<double>(column.size()));
+    require(column.size() == time_.size(), label, "must be as long as time (" + format(time_.size()) + ")",
+            column.size());
     require_finite(label, column);
   }
 

@@ -62,8 +62,7 @@ inline void run_batch(std::size_t count, unsigned threads, StopRequest* stop,
   for (const std::future<void>& other : others)
     while (other.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
       if (stop != nullptr && stop->requested_now()) interrupted = true;
-  require(started, "threads",
-          "must be no more than the system can start, which ended at " + format(static_cast<double>(others.size() + 1)),
+  require(started, "threads", "must be no more than the system can start, which ended at " + format(others.size() + 1),
           threads);
   if (interrupted) throw Interrupted();
   for (const std::exception_ptr& failure : failures)

@@ -78,14 +78,12 @@ COGGING_NOINLINE void advance_eventful_sample(AnyAxis& axis, Amplifier<Scalar>& 
   });
 }
 
-}  // namespace detail
-
 /// Integrates the plant over one sample, with `steps` steps of the integrator where nothing happens within it.
 template <class AnyAxis, class Scalar>
 COGGING_INLINE void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, AxisState<Scalar>& state, double time,
                                    double time_next, const Scalar& force, int steps) {
   if (!amplifier.holds() || axis.has_events()) {
-    detail::advance_eventful_sample(axis, amplifier, state, time, time_next, force, steps);
+    advance_eventful_sample(axis, amplifier, state, time, time_next, force, steps);
     return;
   }
   Drive<Scalar> drive = amplifier.held();
@@ -98,8 +96,6 @@ COGGING_INLINE void advance_sample(AnyAxis& axis, Amplifier<Scalar>& amplifier, 
   for (int step = 0; step < steps; ++step) axis.advance(state, drive, time + step * h, h);
 }
 
-namespace detail {
-
 inline void require_options(const RunOptions& options) {
   require(options.steps_per_sample >= 1 && options.steps_per_sample <= 10000, "steps_per_sample",
           "must be from 1 to 10000", options.steps_per_sample);
@@ -109,22 +105,23 @@ inline void require_options(const RunOptions& options) {
   if (options.initial_position) require_finite("initial_position", *options.initial_position);
 }
 
-inline void require_added_command(const RunOptions& options, std::size_t rows) {
-  require(options.added_command.empty() || options.added_command.size() >= rows, "added_command",
-          "must have an entry for each row", static_cast<double>(options.added_command.size()));
-}
-
 /// A command that comes when the run is over is none.
 inline void require_delay(std::string_view name, double delay, const ReferenceRows& reference) {
   const double end = reference.time(reference.size() - 1);
   require(delay <= 0.0 || delay < end, name, "must be shorter than the run of " + format(end) + " s", delay);
 }
 
-template <class C>
-void require_delays(double of_amplifier, const C& controller, const ReferenceRows& reference) {
-  require_delay("command_delay.delay", of_amplifier, reference);
+/// Refuses what no run along these rows can have, and tells the recorder of them.
+template <class Scalar, class C>
+void begin_run(Recorder<Scalar>& recorder, const C& controller, double amplifier_delay, const Range& travel,
+               const ReferenceRows& reference, const RunOptions& options, StopCheck& stop) {
+  require_delay("command_delay.delay", amplifier_delay, reference);
   if constexpr (requires { controller.dead_time(); })
     require_delay("controller.delay", controller.dead_time(), reference);
+  recorder.begin(reference.size(), reference.sample_rate(), stop);
+  require(options.added_command.empty() || options.added_command.size() >= reference.size(), "added_command",
+          "must have an entry for each row", options.added_command.size());
+  reference.require_within(travel);
 }
 
 /// The command of row k that acts on the amplifier: cut at the limit, with what is added behind the controller.
@@ -145,9 +142,9 @@ COGGING_INLINE Scalar command_of_row(C& controller, const ReferenceRows& referen
 /// Runs the plant under a copy of the controller along `reference`, whose rate is the controller's, and tells
 /// `recorder` every row. options.duration and record_estimates are not looked at: the reference's rows and the recorder
 /// say it.
-template <class Scalar, ClosesLoop<Scalar> C, RecordsRun<Scalar> Recorder>
-void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controller, const ReferenceRows& reference,
-                      const RunOptions& options) {
+template <class Scalar, ClosesLoop<Scalar> C>
+void closed_loop_into(Recorder<Scalar>& recorder, const Plant<Scalar>& plant, C controller,
+                      const ReferenceRows& reference, const RunOptions& options) {
   detail::require_options(options);
   validated(plant.encoder);
   const double sample_time = 1.0 / controller.sample_rate(), limit = controller.command_limit();
@@ -160,10 +157,8 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
   NormalNumbers encoder_noise(options.seed ^ 0x9e3779b97f4a7c15ULL);
   StopCheck stop(options.stop);
   const std::size_t rows = reference.size();
-  detail::require_delays(amplifier.delay(), controller, reference);
-  recorder.begin(rows, reference.sample_rate(), stop);
-  detail::require_added_command(options, rows);
-  reference.require_within(plant.axis.travel);
+  const bool keeps_estimates = recorder.keeps_estimates();
+  detail::begin_run(recorder, controller, amplifier.delay(), plant.axis.travel, reference, options, stop);
 
   AxisState<Scalar> state{options.initial_position.value_or(reference.at(0).position), options.initial_velocity};
   const Range bounds = detail::bounds_of(plant.axis.travel);
@@ -174,16 +169,15 @@ void closed_loop_into(Recorder& recorder, const Plant<Scalar>& plant, C controll
     const double noise = plant.encoder.noise > 0.0 ? encoder_noise() : 0.0;
     const Scalar reading = read_encoder(plant.encoder, encoder_position(plant.effects, state.position), noise);
     if constexpr (MayFail<C>) controller.begin_row(k, time);
-    if constexpr (RecordsEstimates<Recorder, Scalar>)
-      if (recorder.keeps_estimates()) recorder.estimates(controller.estimates());
+    if (keeps_estimates) recorder.estimates(controller.estimates());
     const ReferencePoint point = reference.at(k);
     const Scalar command =
         detail::command_of_row(controller, reference, k, time, point, reading, limit, options.added_command);
-    recorder.row(RunRow<Scalar>{k, time, point, reading, command, state.position, state.velocity});
+    recorder.row({k, time, point, reading, command, state.position, state.velocity});
     if (k + 1 == rows) break;
     amplifier.accept(command);
     const double next = reference.time(k + 1);
-    advance_sample(axis, amplifier, state, time, next, Scalar(force_noise()), options.steps_per_sample);
+    detail::advance_sample(axis, amplifier, state, time, next, Scalar(force_noise()), options.steps_per_sample);
     time = next;
   }
 }

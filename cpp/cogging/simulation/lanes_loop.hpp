@@ -174,7 +174,7 @@ class MachinesInLanes {
     amplifier_.pass_on(shaped);
     Scalar force = 0.0;
     if (pushed_) force = Scalar::map([&](std::size_t i) { return force_noise_[i](); });
-    advance_sample(axes_, amplifier_, state_, time, next, force, steps_);
+    detail::advance_sample(axes_, amplifier_, state_, time, next, force, steps_);
   }
 
  private:
@@ -210,19 +210,16 @@ class MachinesInLanes {
 /// Runs the machines of a pack, all of one course, under the controllers of another pack, and tells `recorder` every
 /// row; see closed_loop_into. A run that ends before its end says so in `runs`, and the others go on: what the recorder
 /// is told of it afterwards is nothing. Where each starts stands in `runs`, not in the options.
-template <std::size_t count, ClosesLoop<Lanes<count>> C, RecordsRun<Lanes<count>> Recorder>
-void closed_loop_in_lanes(Recorder& recorder, std::span<RunInLane> runs, C controller, const ReferenceRows& reference,
-                          const RunOptions& options) {
+template <std::size_t count, ClosesLoop<Lanes<count>> C>
+void closed_loop_in_lanes(Recorder<Lanes<count>>& recorder, std::span<RunInLane> runs, C controller,
+                          const ReferenceRows& reference, const RunOptions& options) {
   using Scalar = Lanes<count>;
   detail::require_options(options);
   const double limit = controller.command_limit();
   MachinesInLanes<count> machines(runs, 1.0 / controller.sample_rate(), reference.at(0).position, options);
   StopCheck stop(options.stop);
   const std::size_t rows = reference.size();
-  detail::require_delays(machines.delay(), controller, reference);
-  recorder.begin(rows, reference.sample_rate(), stop);
-  detail::require_added_command(options, rows);
-  reference.require_within(runs[0].plant->axis.travel);
+  detail::begin_run(recorder, controller, machines.delay(), runs[0].plant->axis.travel, reference, options, stop);
   double time = 0.0;
   for (std::size_t k = 0; k < rows; ++k) {
     stop.row();
@@ -233,7 +230,7 @@ void closed_loop_in_lanes(Recorder& recorder, std::span<RunInLane> runs, C contr
     const Scalar command =
         detail::command_of_row(controller, reference, k, time, point, reading, limit, options.added_command);
     const AxisState<Scalar>& state = machines.state();
-    recorder.row(RunRow<Scalar>{k, time, point, reading, command, state.position, state.velocity});
+    recorder.row({k, time, point, reading, command, state.position, state.velocity});
     if (k + 1 == rows) return;
     const double next = reference.time(k + 1);
     machines.move(command, time, next);

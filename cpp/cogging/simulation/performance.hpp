@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 
 #include "cogging/parameters.hpp"
@@ -34,9 +33,9 @@ struct Performance {
 
 /// Over which rows of a run it is judged: those with start <= time < stop.
 struct TimeWindow {
-  double start = -std::numeric_limits<double>::infinity();  // s
-  double stop = std::numeric_limits<double>::infinity();    // s
-  double final_window = 2.0;                                // s, of error_final_max
+  double start = -infinity;   // s
+  double stop = infinity;     // s
+  double final_window = 2.0;  // s, of error_final_max
 };
 
 /// The same as numbers of rows.
@@ -110,8 +109,8 @@ class PerformanceSums {
 /// Indexes over the rows with start <= time < stop (Xu and Yao 2001, section 4.2; Lu et al. 2008, Table 1).
 inline Performance performance(std::span<const double> time, std::span<const double> error,
                                std::span<const double> command, const TimeWindow& window) {
-  require(error.size() == time.size(), "error", "must be as long as time", static_cast<double>(error.size()));
-  require(command.size() == time.size(), "command", "must be as long as time", static_cast<double>(command.size()));
+  require(error.size() == time.size(), "error", "must be as long as time", error.size());
+  require(command.size() == time.size(), "command", "must be as long as time", command.size());
   const RowsOfWindow rows = rows_of(window, time.size(), [&](std::size_t k) { return time[k]; });
   PerformanceSums<double> sums(rows);
   for (std::size_t k = rows.first; k < rows.end; ++k) {

@@ -1,7 +1,6 @@
 #pragma once
 // What a run writes into: a whole log, or (run_record.hpp) something that keeps few rows or none.
 
-#include <concepts>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -23,20 +22,18 @@ struct RunRow {
   Scalar true_velocity;      // m/s
 };
 
-/// begin() is told once how many rows will come and at what rate; it may be called again, for a run anew. What
-/// the recorder cannot use it refuses there.
-template <class R, class Scalar>
-concept RecordsRun =
-    requires(R recorder, std::size_t rows, double sample_rate, StopCheck& stop, const RunRow<Scalar>& row) {
-      recorder.begin(rows, sample_rate, stop);
-      recorder.row(row);
-    };
-
-/// One that also keeps what the controller believes at the start of each row, where keeps_estimates() says so.
-template <class R, class Scalar>
-concept RecordsEstimates = requires(R recorder, const R& fixed, std::span<const Scalar> estimates) {
-  { fixed.keeps_estimates() } -> std::same_as<bool>;
-  recorder.estimates(estimates);
+/// What is told of every row of a run.
+template <class Scalar>
+class Recorder {
+ public:
+  virtual ~Recorder() = default;
+  /// Told once how many rows will come and at what rate; it may be called again, for a run anew. What the recorder
+  /// cannot use it refuses here.
+  virtual void begin(std::size_t rows, double sample_rate, StopCheck& stop) = 0;
+  virtual void row(const RunRow<Scalar>& row) = 0;
+  /// Whether it also keeps what the controller believes at the start of each row.
+  virtual bool keeps_estimates() const { return false; }
+  virtual void estimates(std::span<const Scalar>) {}
 };
 
 inline constexpr std::size_t log_columns = 8;  // of a log without estimates
@@ -59,11 +56,11 @@ struct Log {
 
 /// Writes each row of a run into a log, but for the reference, whose columns the caller has already.
 template <class Scalar>
-class LogRecorder {
+class LogRecorder final : public Recorder<Scalar> {
  public:
   explicit LogRecorder(bool keeps_estimates) : keeps_estimates_(keeps_estimates) {}
 
-  void begin(std::size_t rows, double, StopCheck& stop) {
+  void begin(std::size_t rows, double, StopCheck& stop) override {
     const auto make = [&](auto& column) {
       stop.ask();  // a column of a long run takes long to clear
       column.resize(rows);
@@ -72,7 +69,7 @@ class LogRecorder {
     for (auto* column : {&log.position, &log.command, &log.true_position, &log.true_velocity}) make(*column);
   }
 
-  void row(const RunRow<Scalar>& row) {
+  void row(const RunRow<Scalar>& row) override {
     log.time[row.index] = row.time;
     log.position[row.index] = row.position;
     log.command[row.index] = row.command;
@@ -80,8 +77,8 @@ class LogRecorder {
     log.true_velocity[row.index] = row.true_velocity;
   }
 
-  bool keeps_estimates() const { return keeps_estimates_; }
-  void estimates(std::span<const Scalar> estimates) {
+  bool keeps_estimates() const override { return keeps_estimates_; }
+  void estimates(std::span<const Scalar> estimates) override {
     if (log.estimate_count == 0) {
       log.estimate_count = static_cast<int>(estimates.size());
       log.estimates.reserve(log.time.size() * estimates.size());

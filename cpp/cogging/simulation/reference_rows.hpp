@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -99,7 +98,7 @@ class ReferenceRows {
   std::size_t count_, kept_;
   std::vector<double> position_, velocity_, acceleration_;
   bool numbers_ = true;
-  double lowest_ = std::numeric_limits<double>::infinity(), highest_ = -std::numeric_limits<double>::infinity();
+  double lowest_ = infinity, highest_ = -infinity;
 };
 
 /// The rows of the motions of a batch, each computed once for the runs that follow it at one rate: those that were

@@ -57,15 +57,15 @@ struct KeptOfRun {
 
 /// The recorder that keeps it, for one run or for as many as the scalar has lanes.
 template <class Scalar>
-class RunRecord {
+class RunRecord final : public Recorder<Scalar> {
  public:
   explicit RunRecord(const RecordRequest& request) : request_(request) {
-    require(request.every >= 1, "every", "must be at least 1", static_cast<double>(request.every));
+    require(request.every >= 1, "every", "must be at least 1", request.every);
     for (const Reduction& reduction : request.reductions) reduction.validate();
     for (const std::string& name : request.columns) which_.push_back(column_named<Scalar>(name));
   }
 
-  void begin(std::size_t rows, double sample_rate, StopCheck&) {
+  void begin(std::size_t rows, double sample_rate, StopCheck&) override {
     rows_ = rows_of(request_.window, rows, [&](std::size_t k) { return static_cast<double>(k) / sample_rate; });
     sums_ = PerformanceSums<Scalar>(rows_);
     reductions_.clear();
@@ -78,7 +78,7 @@ class RunRecord {
     last_ = rows - 1;
   }
 
-  void row(const RunRow<Scalar>& row) {
+  void row(const RunRow<Scalar>& row) override {
     if (rows_.holds(row.index)) reduce(row);
     if (which_.empty()) return;
     if (until_kept_ == 0) {

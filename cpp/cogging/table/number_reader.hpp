@@ -69,14 +69,13 @@ class NumberReader {
                std::size_t expected_rows)
       : layout_(std::move(layout)), first_row_(first_row), end_row_(end_row), line_(first_line) {
     require(layout_.labels.size() == layout_.wanted.size(), "labels", "must be one for each wanted field",
-            static_cast<double>(layout_.labels.size()));
+            layout_.labels.size());
     if (layout_.decimal != '.' && layout_.decimal != ',')
       refuse("decimal", "must be a point or a comma", std::string(1, layout_.decimal));
     for (std::size_t i = 0; i < layout_.wanted.size(); ++i)
       require(layout_.wanted[i] < layout_.fields && (i == 0 || layout_.wanted[i] > layout_.wanted[i - 1]), "wanted",
-              "must be ascending and below fields", static_cast<double>(layout_.wanted[i]));
-    require(expected_rows <= rows_max, "expected_rows", "must be at most " + format(rows_max),
-            static_cast<double>(expected_rows));
+              "must be ascending and below fields", layout_.wanted[i]);
+    require(expected_rows <= rows_max, "expected_rows", "must be at most " + format(rows_max), expected_rows);
     columns_.resize(layout_.wanted.size());
     for (std::vector<double>& column : columns_) column.reserve(expected_rows);  // pages unused cost nothing
   }

@@ -14,9 +14,8 @@ struct ActuatorLag {
   Scalar time_constant = 0.0;  // s
 
   static constexpr auto fields() {
-    using E = ActuatorLag;
-    return std::tuple{Field{"time_constant", &E::time_constant, "s", "of the current loop", Rule::not_negative,
-                            vanishing(logarithmic_shape(Quantity::sample_time, 0.1, 100.0))}};
+    return std::tuple{Field{"time_constant", &ActuatorLag::time_constant, "s", "of the current loop",
+                            Rule::not_negative, vanishing(logarithmic_shape(Quantity::sample_time, 0.1, 100.0))}};
   }
 
   Scalar lag_time_constant() const { return time_constant; }

@@ -41,8 +41,8 @@ struct CoggingModulation {
   }
   static Kinds kinds() { return {Wave{"period", "sine", "cosine"}, SplineKnots{"pitch", "order", "origin"}}; }
   void validate() const {
-    require(sine.size() == cosine.size(), "cosine", "must have as many values as sine = " + format(double(sine.size())),
-            double(cosine.size()));
+    require(sine.size() == cosine.size(), "cosine", "must have as many values as sine = " + format(sine.size()),
+            cosine.size());
     require(order >= 1 && order <= BSpline::order_max, "order", "must be from 1 to 16", order);
     if (pitch > 0.0) require_points(order);
   }
@@ -61,7 +61,7 @@ struct CoggingModulation {
         origin = plant.knots.origin();
         require(std::ssize(sine) == plant.knots.control_points(), "cogging_modulation.sine",
                 "must have one value a control point of [cogging] = " + format(plant.knots.control_points()),
-                double(sine.size()));
+                sine.size());
       }
     }
     std::vector<Scalar> amplitudes;
@@ -86,7 +86,7 @@ struct CoggingModulation {
  private:
   void require_points(int least) const {
     require(sine.size() <= 1 || std::ssize(sine) >= least, "sine",
-            "more than one value must be at least the order = " + format(least), double(sine.size()));
+            "more than one value must be at least the order = " + format(least), sine.size());
   }
 
   CoggingModel<Scalar> model_;  // what bind() makes of the fields

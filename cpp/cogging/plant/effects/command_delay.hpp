@@ -15,8 +15,7 @@ struct CommandDelay {
   double delay = 0.0;  // s
 
   static constexpr auto fields() {
-    using E = CommandDelay;
-    return std::tuple{Field{"delay", &E::delay, "s", "from computed to acting", Rule::not_negative,
+    return std::tuple{Field{"delay", &CommandDelay::delay, "s", "from computed to acting", Rule::not_negative,
                             vanishing(linear_shape(Quantity::sample_time, 0.0, 50.0))}};
   }
 

@@ -1,8 +1,6 @@
 #pragma once
 // Large commands are cut.
 
-#include <limits>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -13,12 +11,11 @@ struct CommandSaturation {
   static constexpr std::string_view name = "command_saturation";
   static constexpr std::string_view law = "min(max(u, -limit), limit)";
 
-  Scalar limit = std::numeric_limits<double>::infinity();  // V
+  Scalar limit = infinity;  // V
 
   static constexpr auto fields() {
-    using E = CommandSaturation;
-    return std::tuple{Field{"limit", &E::limit, "V", "largest command that passes; infinite = none", Rule::above_0,
-                            vanishing(logarithmic_shape(Quantity::command, 0.1, 1.0))}};
+    return std::tuple{Field{"limit", &CommandSaturation::limit, "V", "largest command that passes; infinite = none",
+                            Rule::above_0, vanishing(logarithmic_shape(Quantity::command, 0.1, 1.0))}};
   }
 
   Scalar shape_command(const Scalar& command) const { return clamp(command, -limit, limit); }

@@ -14,16 +14,13 @@ struct CoulombAsymmetry {
   Scalar difference = 0.0;  // V
 
   static constexpr auto fields() {
-    using E = CoulombAsymmetry;
-    return std::tuple{Field{"difference", &E::difference, "V", "forward level less backward level",
+    return std::tuple{Field{"difference", &CoulombAsymmetry::difference, "V", "forward level less backward level",
                             amplitude(Quantity::friction, 2.0)}};
   }
 
   Scalar friction_level(const Motion<Scalar>& motion) const { return 0.5 * difference * sign(motion.direction); }
 
-  Variation variation() const {
-    return {.velocity = all(difference == 0.0) ? std::numeric_limits<double>::infinity() : 0.0};
-  }
+  Variation variation() const { return {.velocity = all(difference == 0.0) ? infinity : 0.0}; }
 };
 
 }  // namespace cogging

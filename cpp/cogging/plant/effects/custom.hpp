@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -56,12 +55,12 @@ struct Custom {
 
   using Law = std::shared_ptr<const OwnLaw>;
 
-  std::string label;        // its own name, for messages
-  std::array<Law, 4> laws;  // each at the place of its Hook; null where it has none
-  double length_scale = std::numeric_limits<double>::infinity();    // m, the shortest on which a law changes
-  double velocity_scale = std::numeric_limits<double>::infinity();  // m/s
-  double time_scale = std::numeric_limits<double>::infinity();      // s
-  std::shared_ptr<const void> origin;                               // what its maker knows it by
+  std::string label;                   // its own name, for messages
+  std::array<Law, 4> laws;             // each at the place of its Hook; null where it has none
+  double length_scale = infinity;      // m, the shortest on which a law changes
+  double velocity_scale = infinity;    // m/s
+  double time_scale = infinity;        // s
+  std::shared_ptr<const void> origin;  // what its maker knows it by
 
   void validate() const {
     require(std::any_of(laws.begin(), laws.end(), [](const Law& law) { return law != nullptr; }), label,

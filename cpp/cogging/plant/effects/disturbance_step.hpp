@@ -1,8 +1,6 @@
 #pragma once
 // A force that acts for a while.
 
-#include <limits>
-
 #include "cogging/plant/effect.hpp"
 
 namespace cogging {
@@ -13,9 +11,9 @@ struct DisturbanceStep {
   static constexpr std::string_view name = "disturbance_step";
   static constexpr std::string_view law = "force for start <= t < stop, else 0";
 
-  Scalar level = 0.0;                                     // V
-  double start = 0.0;                                     // s
-  double stop = std::numeric_limits<double>::infinity();  // s
+  Scalar level = 0.0;      // V
+  double start = 0.0;      // s
+  double stop = infinity;  // s
 
   static constexpr auto fields() {
     using E = DisturbanceStep;
@@ -30,9 +28,7 @@ struct DisturbanceStep {
   Scalar force(const Motion<Scalar>& motion) const {
     return motion.time >= start && motion.time < stop ? level : Scalar(0.0);
   }
-  double next_event(double time) const {
-    return time < start ? start : (time < stop ? stop : std::numeric_limits<double>::infinity());
-  }
+  double next_event(double time) const { return time < start ? start : (time < stop ? stop : infinity); }
 };
 
 }  // namespace cogging

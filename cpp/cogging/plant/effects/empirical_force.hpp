@@ -2,7 +2,6 @@
 // A force that was found in data and that nothing explains yet.
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "cogging/plant/effect.hpp"
@@ -56,7 +55,7 @@ struct EmpiricalForce {
 
   double next_event(double time) const {
     const auto next = std::upper_bound(time_nodes.begin(), time_nodes.end(), time);
-    return next == time_nodes.end() ? std::numeric_limits<double>::infinity() : *next;
+    return next == time_nodes.end() ? infinity : *next;
   }
 };
 

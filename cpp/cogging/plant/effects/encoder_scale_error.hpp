@@ -14,8 +14,7 @@ struct EncoderScaleError {
   Scalar scale = 0.0;
 
   static constexpr auto fields() {
-    using E = EncoderScaleError;
-    return std::tuple{Field{"scale", &E::scale, "1", "by which the reading is too large, relative",
+    return std::tuple{Field{"scale", &EncoderScaleError::scale, "1", "by which the reading is too large, relative",
                             amplitude(Quantity::relative, 0.1)}};
   }
 

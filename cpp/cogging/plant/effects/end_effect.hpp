@@ -27,10 +27,7 @@ struct EndEffect {
         Field{"travel", &E::travel, "m", "ends x0, x1 from which it is measured; infinite = of [axis]", Rule::any}};
   }
   static Kinds kinds() { return {Travel{"travel"}}; }
-  void validate() const {
-    if (!(travel[0] < travel[1]))
-      refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
-  }
+  void validate() const { require_travel(travel); }
 
   void bind(const PlantContext& plant) {
     for (int end : {0, 1})

@@ -1,8 +1,6 @@
 #pragma once
 // A resonance between motor and load.
 
-#include <limits>
-
 #include "cogging/plant/coupling.hpp"
 #include "cogging/plant/effect.hpp"
 
@@ -16,7 +14,7 @@ struct FlexibleMode {
   static constexpr std::string_view name = "flexible_mode";
   static constexpr std::string_view law = "m1 x'' = forces + k q + c q', m2 (x + q)'' = -k q - c q'";
 
-  double frequency = std::numeric_limits<double>::infinity();  // Hz
+  double frequency = infinity;  // Hz
   double damping_ratio = 0.01;
   double mass_ratio = 0.0;
 

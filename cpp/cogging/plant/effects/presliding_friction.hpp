@@ -1,8 +1,6 @@
 #pragma once
 // Spring-like hysteresis before breakaway.
 
-#include <limits>
-
 #include "cogging/plant/bristle.hpp"
 #include "cogging/plant/effect.hpp"
 
@@ -17,8 +15,8 @@ struct PreslidingFriction {
   static constexpr std::string_view law =
       "-(stiffness z + damping z'), z' = v - stiffness |v| z / g, in place of -g S(v)";
 
-  double stiffness = std::numeric_limits<double>::infinity();  // V/m
-  double damping = 0.0;                                        // V/(m/s)
+  double stiffness = infinity;  // V/m
+  double damping = 0.0;         // V/(m/s)
 
   static constexpr auto fields() {
     using E = PreslidingFriction;

@@ -14,8 +14,7 @@ struct QuadraticDrag {
   Scalar coefficient = 0.0;  // V/(m/s)^2
 
   static constexpr auto fields() {
-    using E = QuadraticDrag;
-    return std::tuple{Field{"coefficient", &E::coefficient, "V/(m/s)^2", "force a squared metre a second",
+    return std::tuple{Field{"coefficient", &QuadraticDrag::coefficient, "V/(m/s)^2", "force a squared metre a second",
                             amplitude(Quantity::force_per_velocity_squared)}};
   }
 

@@ -30,9 +30,7 @@ struct StribeckFriction {
     return static_excess * exp(-pow(abs(motion.velocity / velocity), exponent));
   }
 
-  Variation variation() const {
-    return {.velocity = all(static_excess == 0.0) ? std::numeric_limits<double>::infinity() : smallest(velocity)};
-  }
+  Variation variation() const { return {.velocity = all(static_excess == 0.0) ? infinity : smallest(velocity)}; }
 };
 
 }  // namespace cogging

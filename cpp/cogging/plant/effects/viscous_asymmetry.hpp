@@ -14,16 +14,13 @@ struct ViscousAsymmetry {
   Scalar difference = 0.0;  // V/(m/s)
 
   static constexpr auto fields() {
-    using E = ViscousAsymmetry;
-    return std::tuple{Field{"difference", &E::difference, "V/(m/s)", "forward slope less backward slope",
+    return std::tuple{Field{"difference", &ViscousAsymmetry::difference, "V/(m/s)", "forward slope less backward slope",
                             amplitude(Quantity::force_per_velocity)}};
   }
 
   Scalar force(const Motion<Scalar>& motion) const { return -0.5 * difference * abs(motion.velocity); }
 
-  Variation variation() const {
-    return {.velocity = all(difference == 0.0) ? std::numeric_limits<double>::infinity() : 0.0};
-  }
+  Variation variation() const { return {.velocity = all(difference == 0.0) ? infinity : 0.0}; }
 };
 
 }  // namespace cogging
