@@ -74,6 +74,11 @@ inline std::vector<double> to_vector(const Array& array) {
   return {array.data(), array.data() + array.size()};
 }
 
+/// Empty where there is none.
+inline std::vector<double> to_vector(const std::optional<Array>& array) {
+  return array ? to_vector(*array) : std::vector<double>();
+}
+
 inline std::span<const double> view(const Array& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }

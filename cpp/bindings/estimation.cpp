@@ -136,10 +136,8 @@ void bind_whitening(py::module_& module) {
       "autoregression",
       [](const Array& residual, const Array& counts, int order) {
         require(counts.size() == residual.size(), "counts", "must be as long as residual", counts.size());
-        return without_gil([&](StopRequest* stop) {
-          return autoregression({residual.data(), std::size_t(residual.size())},
-                                {counts.data(), std::size_t(counts.size())}, order, stop);
-        });
+        return without_gil(
+            [&](StopRequest* stop) { return autoregression(view(residual), view(counts), order, stop); });
       },
       py::arg("residual"), py::arg("counts"), py::kw_only(), py::arg("order"),
       R"(Coefficients a (order,) of e_k = r_k - sum_i a_i r_(k-i) with the least rms of e.

@@ -8,9 +8,8 @@ namespace {
 
 // Left out and empty are not the same: an empty column is one of a wrong length.
 std::vector<double> optional_column(const std::optional<Array>& column, const char* name, const Array& time) {
-  if (!column) return {};
-  require(column->size() > 0, name, "must be as long as time (" + format(time.size()) + ")", 0.0);
-  return to_vector(*column);
+  require(!column || column->size() > 0, name, "must be as long as time (" + format(time.size()) + ")", 0.0);
+  return to_vector(column);
 }
 
 // What one motion has and no other.

@@ -57,7 +57,7 @@ half of its memory, or 8 GiB.)");
       [](const Plant<>& plant, const py::object& controller, const Reference& reference, double duration,
          std::uint64_t seed, int steps_per_sample, bool record_estimates, std::optional<double> initial_position,
          double initial_velocity, const std::optional<Array>& added_command) {
-        const std::vector<double> added = added_command ? to_vector(*added_command) : std::vector<double>{};
+        const std::vector<double> added = to_vector(added_command);
         require_finite("added_command", added);
         RunOptions options{duration,         seed,  steps_per_sample, record_estimates, initial_position,
                            initial_velocity, added, nullptr};
@@ -84,13 +84,10 @@ more as keep what they err by below 1e-6 of the motion.)");
       [](const py::object& controller, const Array& time, const Array& reference,
          const std::optional<Array>& reference_velocity, const std::optional<Array>& reference_acceleration,
          const Array& position, const std::optional<Array>& applied) {
-        const auto optional = [](const std::optional<Array>& column) {
-          return column ? to_vector(*column) : std::vector<double>{};
-        };
         const std::vector<double> times = to_vector(time), positions = to_vector(reference),
-                                  velocities = optional(reference_velocity),
-                                  accelerations = optional(reference_acceleration), readings = to_vector(position),
-                                  told = optional(applied);
+                                  velocities = to_vector(reference_velocity),
+                                  accelerations = to_vector(reference_acceleration), readings = to_vector(position),
+                                  told = to_vector(applied);
         const GivenController given = take_controller(controller);
         return to_array(without_gil([&](StopRequest* request) {
           return close_with(given, request, [&](const auto& c, StopRequest* stop) {

@@ -53,18 +53,11 @@ class BSpline {
   /// function(order), with the usual orders as constants: loops over the active control points then unroll.
   template <class Function>
   COGGING_INLINE decltype(auto) with_order(const Function& function) const {
-    switch (order_) {
-      case 1:
-        return function(std::integral_constant<int, 1>{});
-      case 2:
-        return function(std::integral_constant<int, 2>{});
-      case 3:
-        return function(std::integral_constant<int, 3>{});
-      case 4:
-        return function(std::integral_constant<int, 4>{});
-      default:
-        return function(order_);
-    }
+    if (order_ == 1) return function(std::integral_constant<int, 1>{});
+    if (order_ == 2) return function(std::integral_constant<int, 2>{});
+    if (order_ == 3) return function(std::integral_constant<int, 3>{});
+    if (order_ == 4) return function(std::integral_constant<int, 4>{});
+    return function(order_);
   }
 
   template <class Scalar>

@@ -237,12 +237,9 @@ class Axis {
                                          double h) const
     requires std::same_as<Scalar, double>
   {
-    advance_in_pieces(
-        state, time, 0.0, h, 0.5 * h,
-        [&](AxisState<double>& at, double offset, double length) {
-          return move(at, drive, time, offset, length) <= 0.0;
-        },
-        [](const AxisState<double>& at) { return std::isfinite(at.velocity); });
+    advance_in_pieces(state, time, 0.0, h, 0.5 * h, [&](AxisState<double>& at, double offset, double length) {
+      return move(at, drive, time, offset, length) <= 0.0;
+    });
   }
 
   // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.

@@ -82,12 +82,9 @@ class BodyWithStates {
   }
 
   void move(AxisState<double>& state, const Drive<double>& drive, double time, double from, double until) const {
-    advance_in_pieces(
-        state, time, from, until, until - from,
-        [&](AxisState<double>& at, double offset, double length) {
-          return step(at, drive, time, offset, length, Mode::moves, 0.0);
-        },
-        [](const AxisState<double>& at) { return std::isfinite(at.velocity); });
+    advance_in_pieces(state, time, from, until, until - from, [&](AxisState<double>& at, double offset, double length) {
+      return step(at, drive, time, offset, length, Mode::moves, 0.0);
+    });
   }
 
   double coupling_force(const AxisState<double>& state) const {
@@ -135,7 +132,8 @@ class BodyWithStates {
     };
     const auto moved = [&](const Slope& slope, double length) { return moved_along(start, slope, length); };
     // A law that jumps at the end of the step must not be felt in it: look just before.
-    const Stages<Slope> slopes = runge_kutta(first, h, offset + 0.5 * h, offset + h * (1.0 - 1e-9), moved, stage);
+    const Stages<Slope> slopes =
+        runge_kutta(first, h, offset + 0.5 * h, offset + h * (1.0 - 1e-9), moved, stage, [](const auto&...) {});
     const auto mean = [&](double Slope::* part) { return slopes.sum(part) / 6.0; };
     state = moved({mean(&Slope::velocity), mean(&Slope::acceleration), mean(&Slope::deflection_rate),
                    mean(&Slope::relative), mean(&Slope::bristle_rate), 0.0},

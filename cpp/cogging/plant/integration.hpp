@@ -43,23 +43,16 @@ COGGING_INLINE Stages<Slope> runge_kutta(const Slope& first, double h, const Inp
   return {first, second, third, slope_at(last, end)};
 }
 
-template <class Slope, class Input, class Moved, class SlopeAt>
-COGGING_INLINE Stages<Slope> runge_kutta(const Slope& first, double h, const Input& middle, const Input& end,
-                                         const Moved& moved, const SlopeAt& slope_at) {
-  return runge_kutta(first, h, middle, end, moved, slope_at,
-                     [](const Slope&, const Slope&, const Slope&, const auto&) {});
-}
-
 /// Moves the state from offset `from` to offset `until` of the step that begins at `time`, in as many pieces as are
-/// accurate, while it is finite(state). step(state, offset, length) makes a piece and says whether it is accurate; the
-/// first is at most as long as `first`.
-template <class State, class Step, class Finite>
-void advance_in_pieces(State& state, double time, double from, double until, double first, const Step& step,
-                       const Finite& finite) {
+/// accurate, while its velocity is finite. step(state, offset, length) makes a piece and says whether it is accurate;
+/// the first is at most as long as `first`.
+template <class Step>
+void advance_in_pieces(AxisState<double>& state, double time, double from, double until, double first,
+                       const Step& step) {
   StepControl control(time, until - from, first);
   double done = from;
-  while (done < until && finite(state)) {
-    const State start = state;
+  while (done < until && std::isfinite(state.velocity)) {
+    const AxisState<double> start = state;
     const double left = until - done;
     const double length = control.step(left, [&](double tried) {
       state = start;

@@ -47,6 +47,23 @@ void at_place(const Variant& variant, const Visitor& visit) {
 template <class E>
 concept HasFields = requires { E::fields(); };
 
+using AnyLanes = Lanes<register_width>;
+
+/// Whether the axis sticks, or something else of it has a memory, or asks a function of somebody's own.
+inline bool runs_alone(const Plant<double>& plant) {
+  bool alone = false, rubs = plant.axis.coulomb != 0.0;
+  for (const Effect<double>& effect : plant.effects)
+    std::visit(
+        [&]<class E>(const E& law) {
+          if constexpr (!HasFields<E>) alone = true;
+          if constexpr (HasBristle<E>) alone = alone || law.bristle().exists();
+          if constexpr (HasCoupling<E>) alone = alone || !law.coupling().rigid();
+          if constexpr (HasFrictionLevel<E, double>) rubs = true;
+        },
+        effect);
+  return alone || (rubs && !(plant.axis.coulomb_width > 0.0));
+}
+
 }  // namespace detail
 
 /// The struct of many machines from those of each; what has no lanes in it is that of the first.
@@ -90,27 +107,6 @@ class SharedCourse {
  private:
   std::string text_;
 };
-
-namespace detail {
-
-using AnyLanes = Lanes<register_width>;
-
-/// Whether the axis sticks, or something else of it has a memory, or asks a function of somebody's own.
-inline bool runs_alone(const Plant<double>& plant) {
-  bool alone = false, rubs = plant.axis.coulomb != 0.0;
-  for (const Effect<double>& effect : plant.effects)
-    std::visit(
-        [&]<class E>(const E& law) {
-          if constexpr (!HasFields<E>) alone = true;
-          if constexpr (HasBristle<E>) alone = alone || law.bristle().exists();
-          if constexpr (HasCoupling<E>) alone = alone || !law.coupling().rigid();
-          if constexpr (HasFrictionLevel<E, double>) rubs = true;
-        },
-        effect);
-  return alone || (rubs && !(plant.axis.coulomb_width > 0.0));
-}
-
-}  // namespace detail
 
 /// What the forces of plants have in common that share a pack, none where one must stand alone.
 inline std::optional<SharedCourse> course_of_forces(const Plant<double>& plant) {

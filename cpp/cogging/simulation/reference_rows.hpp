@@ -116,7 +116,7 @@ class SharedRows {
     auto made = std::make_shared<const ReferenceRows>(reference, duration, sample_rate, check);
     const std::lock_guard lock(mutex_);
     if (auto found = find(key)) return found;
-    kept_.push_front({key, made});
+    kept_.emplace_front(key, made);
     if (kept_.size() > kept_most) kept_.pop_back();
     return made;
   }
@@ -128,16 +128,13 @@ class SharedRows {
     double duration, sample_rate;
     bool operator==(const Key&) const = default;
   };
-  struct Entry {
-    Key key;
-    std::shared_ptr<const ReferenceRows> rows;
-  };
+  using Entry = std::pair<Key, std::shared_ptr<const ReferenceRows>>;
 
   std::shared_ptr<const ReferenceRows> find(const Key& key) {
-    const auto at = std::find_if(kept_.begin(), kept_.end(), [&](const Entry& entry) { return entry.key == key; });
+    const auto at = std::find_if(kept_.begin(), kept_.end(), [&](const Entry& entry) { return entry.first == key; });
     if (at == kept_.end()) return nullptr;
     kept_.splice(kept_.begin(), kept_, at);
-    return at->rows;
+    return at->second;
   }
 
   std::mutex mutex_;
