@@ -1,8 +1,6 @@
 #pragma once
 // Methods that are compiled once for all classes: they know nothing of a type but where the data of an object lie.
 
-#include <string>
-
 #include "bindings.hpp"
 
 /// The object whose method is called. One that is not initialised is refused before the other arguments are looked at.

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <string_view>
 
 #include "bindings.hpp"
 #include "cogging/require.hpp"

@@ -1,7 +1,6 @@
 #include "own_controller.hpp"
 
 #include <cmath>
-#include <optional>
 
 #include "real_number.hpp"
 

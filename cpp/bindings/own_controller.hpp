@@ -1,13 +1,6 @@
 #pragma once
 // Controllers that are not of the core: an object of Python's, or compiled functions by their address.
 
-#include <cstddef>
-#include <memory>
-#include <span>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "bindings.hpp"
 #include "cogging/control/compiled.hpp"
 #include "cogging/control/list.hpp"

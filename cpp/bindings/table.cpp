@@ -1,4 +1,3 @@
-#include <atomic>
 
 #include "bindings.hpp"
 #include "cogging/table/number_reader.hpp"

@@ -4,10 +4,6 @@
 // friction is smooth (the exact one, with sticking, runs on `double` alone), and whether there is a current loop; where
 // they do not, a plant of them is refused.
 
-#include <algorithm>
-#include <cstddef>
-#include <string_view>
-
 #include "cogging/registers.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"

@@ -3,12 +3,8 @@
 // has promised more than it has ends the process without a word.
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
-#include <string>
-#include <string_view>
 
 #include "cogging/require.hpp"
 

@@ -2,7 +2,6 @@
 // A parameter struct says once, in `fields()`, what its members are called, their unit, what they mean and their rule.
 // The bindings, the model files and the packing of many machines into lanes all read that list.
 
-#include <string_view>
 #include <tuple>
 #include <type_traits>
 

@@ -3,10 +3,6 @@
 // elementary functions do the operations of elementary.hpp in the same order, so each number has the same bits; where
 // those take one branch of several, all are taken and the right one is chosen.
 
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-
 #include "cogging/register_types.hpp"
 #include "cogging/scalar.hpp"
 

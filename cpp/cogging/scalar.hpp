@@ -2,10 +2,7 @@
 // What the hot code asks of its scalar, for `double`. A pack of lanes (lanes.hpp) answers the same questions.
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 
 #include "cogging/elementary.hpp"
 

@@ -1,11 +1,6 @@
 #pragma once
 // An axis that is moved on by whoever gives the commands: the plant of a closed loop without its controller.
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <utility>
-
 #include "cogging/plant/plant.hpp"
 #include "cogging/simulation/closed_loop.hpp"
 #include "held_commands.hpp"

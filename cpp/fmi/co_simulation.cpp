@@ -1,10 +1,7 @@
 // The unit as FMI 3.0 has it, for co-simulation: what its importer calls.
 
-#include <cmath>
 #include <exception>
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
 
 #include "axis_unit.hpp"

@@ -1,11 +1,7 @@
 #pragma once
 // The amplifier of a unit: commands that come whenever they come, each held until the next.
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <deque>
-#include <vector>
 
 #include "cogging/plant/amplifier_laws.hpp"
 #include "cogging/plant/state.hpp"

@@ -1,15 +1,6 @@
 // Many runs, of each of which indexes and what else was asked for are kept.
 
-#include <cmath>
-#include <cstdint>
-#include <limits>
 #include <map>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "../bindings.hpp"
 #include "../controller_state.hpp"

@@ -1,8 +1,5 @@
 #include "instruction_sets.hpp"
 
-#include <cstdlib>
-#include <string>
-
 #include "cogging/require.hpp"
 
 // COGGING_SETS says SET(v3) SET(v4): for each, lanes.cpp was compiled.

@@ -4,10 +4,8 @@
 
 #include "lanes.hpp"
 
-#include <algorithm>
 #include <array>
 #include <variant>
-#include <vector>
 
 #include "instantiated.hpp"
 

@@ -1,13 +1,7 @@
 #pragma once
 // What packs of runs and of forces are given, and which runs share one.
 
-#include <algorithm>
-#include <cstddef>
-#include <optional>
-#include <span>
-#include <string>
 #include <unordered_map>
-#include <vector>
 
 #include "cogging/control/list.hpp"
 #include "cogging/estimation/prediction.hpp"

@@ -2,11 +2,7 @@
 // The rows of a linear fit of amplitudes: what each coefficient of a spline, or of a cogging model, counts at a
 // position.
 
-#include <algorithm>
-#include <cstddef>
 #include <span>
-#include <utility>
-#include <vector>
 
 #include "cogging/basis/b_spline.hpp"
 #include "cogging/basis/spline_harmonics.hpp"

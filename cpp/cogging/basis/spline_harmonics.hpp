@@ -3,13 +3,10 @@
 // 7).
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <iterator>
 #include <numbers>
-#include <type_traits>
 #include <utility>
 #include <vector>
 

@@ -1,13 +1,6 @@
 #pragma once
 // Adaptive robust control with the B-spline cogging model: ARC and DCARC (Lu et al. 2008, eq. 11 to 30).
 
-#include <algorithm>
-#include <array>
-#include <span>
-#include <string_view>
-#include <tuple>
-#include <vector>
-
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/control/controller.hpp"
 #include "cogging/control/projection.hpp"

@@ -1,10 +1,7 @@
 #pragma once
 // A position loop around a velocity loop.
 
-#include <span>
 #include <string>
-#include <string_view>
-#include <tuple>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"

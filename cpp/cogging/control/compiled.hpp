@@ -1,14 +1,8 @@
 #pragma once
 // A controller that the user gives as compiled functions, by address: of numba, of C, of anything that has the C ABI.
 
-#include <cmath>
-#include <cstddef>
 #include <memory>
-#include <span>
-#include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/reference/reference.hpp"

@@ -1,8 +1,6 @@
 #pragma once
 // When DCARC's gains are large enough: the matrix of Lu et al. 2008, eq. 29, over bounds and slopes.
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 

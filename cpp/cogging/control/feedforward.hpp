@@ -1,8 +1,6 @@
 #pragma once
 // Feedforward of acceleration, velocity and friction, as `pid` and `cascade` add it.
 
-#include <tuple>
-
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"

@@ -1,15 +1,8 @@
 #pragma once
 // Observer-based cancellation of cogging: positions only, any spatial periods (Malaize and Levine 2009, eq. 1 to 8).
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
-#include <span>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/sample_guard.hpp"

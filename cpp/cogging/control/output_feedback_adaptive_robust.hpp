@@ -2,11 +2,6 @@
 // Output-feedback adaptive robust control: positions only (Xu and Yao 2001, eq. 5 to 53).
 
 #include <array>
-#include <cmath>
-#include <span>
-#include <string>
-#include <string_view>
-#include <tuple>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/projection.hpp"

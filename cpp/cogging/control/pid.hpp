@@ -1,10 +1,7 @@
 #pragma once
 // PID with feedforward and friction compensation, from positions only.
 
-#include <span>
 #include <string>
-#include <string_view>
-#include <tuple>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"

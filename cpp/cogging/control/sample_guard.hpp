@@ -1,10 +1,7 @@
 #pragma once
 // What every controller answers to a sample that is no measurement: a reading or a reference that is not finite.
 
-#include <cmath>
-#include <limits>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include "cogging/parameters.hpp"

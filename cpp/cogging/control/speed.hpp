@@ -1,12 +1,7 @@
 #pragma once
 // A velocity loop alone.
 
-#include <cmath>
-#include <cstddef>
-#include <span>
 #include <string>
-#include <string_view>
-#include <tuple>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/control/feedforward.hpp"

@@ -1,11 +1,7 @@
 #pragma once
 // The observer's loop along a prediction, linear: what small forces and errors of the reading add to the innovations.
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstddef>
-#include <vector>
 
 #include "cogging/elementary.hpp"
 #include "cogging/estimation/prediction.hpp"

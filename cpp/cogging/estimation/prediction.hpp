@@ -2,12 +2,6 @@
 // One step ahead along a log: the plant is driven by the recorded command and held to the recorded position by
 // a fixed-gain observer. What it fails to foresee, the innovation, is what the model does not explain.
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "cogging/elementary.hpp"
 #include "cogging/interruption.hpp"
 #include "cogging/plant/integration.hpp"

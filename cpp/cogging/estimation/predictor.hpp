@@ -1,13 +1,8 @@
 #pragma once
 // A log held for many predictions along it: innovations of plants, and what small changes add to them.
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <span>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "cogging/estimation/observer_loop.hpp"
 #include "cogging/estimation/prediction.hpp"

@@ -1,10 +1,6 @@
 #pragma once
 // What a controller would have commanded: the loop is open, the readings are given.
 
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "cogging/control/controller.hpp"
 #include "cogging/interruption.hpp"
 #include "cogging/reference/sampled.hpp"

@@ -1,11 +1,8 @@
 #pragma once
 // An autoregressive filter that makes a correlated residual white.
 
-#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "cogging/interruption.hpp"
 #include "cogging/require.hpp"

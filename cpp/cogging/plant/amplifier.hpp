@@ -1,10 +1,8 @@
 #pragma once
 // The amplifier: what becomes of a command on its way to the motor.
 
-#include <cstddef>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "cogging/delay_line.hpp"
 #include "cogging/plant/amplifier_laws.hpp"

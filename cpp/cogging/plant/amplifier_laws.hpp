@@ -1,11 +1,6 @@
 #pragma once
 // What the effects of a plant say of its amplifier.
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <vector>
-
 #include "cogging/plant/effects/list.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"

@@ -1,12 +1,6 @@
 #pragma once
 // The axis: M x'' = u - B x' - Fc S(x') - F_cogging(x) + effects (Lu et al. 2008, eq. 1, 2, 8 to 10).
 
-#include <algorithm>
-#include <cmath>
-#include <concepts>
-#include <type_traits>
-#include <vector>
-
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/plant/body_with_states.hpp"
 #include "cogging/plant/effects/list.hpp"

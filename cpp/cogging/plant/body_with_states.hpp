@@ -2,10 +2,6 @@
 // An axis whose friction has a bristle, or whose load is a second mass. Motor force, friction, cogging and all
 // other forces act on the motor; the load feels the coupling alone.
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "cogging/plant/bristle.hpp"
 #include "cogging/plant/coupling.hpp"
 #include "cogging/plant/integration.hpp"

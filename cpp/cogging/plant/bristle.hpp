@@ -2,8 +2,6 @@
 // Friction of a contact that deflects before it slides: the bristle state of Dahl (1968) and of Canudas de Wit,
 // Olsson, Astrom, Lischinsky (1995, "LuGre").
 
-#include <cmath>
-
 #include "cogging/scalar.hpp"
 
 namespace cogging {

@@ -1,8 +1,6 @@
 #pragma once
 // What holds motor and load together where they are two masses.
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "cogging/scalar.hpp"

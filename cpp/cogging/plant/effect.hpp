@@ -28,9 +28,6 @@
 //   bool uses(Hook) const;                                // where a type has hooks that not each effect of it uses
 //   bool serial() const;                                  // only one thread at a time can ask it
 
-#include <array>
-#include <string_view>
-
 #include "cogging/basis/b_spline.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/plant/kinds.hpp"

@@ -1,8 +1,6 @@
 #pragma once
 // The encoder: reading = resolution round((x + errors + noise) / resolution).
 
-#include <vector>
-
 #include "cogging/parameters.hpp"
 #include "cogging/plant/effects/list.hpp"
 #include "cogging/scalar.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 // The one Runge-Kutta step, the pieces that make it accurate, and the way from event to event.
 
-#include <algorithm>
 #include <array>
 
 #include "cogging/plant/state.hpp"

@@ -1,9 +1,7 @@
 #pragma once
 // What parameters of an effect are together. A program that knows no field by name reads it here.
 
-#include <string>
 #include <variant>
-#include <vector>
 
 #include "cogging/parameters.hpp"
 #include "cogging/require.hpp"

@@ -1,8 +1,6 @@
 #pragma once
 // Seeded randomness: the same numbers from the same seed, on every platform.
 
-#include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <random>
 

@@ -1,9 +1,6 @@
 #pragma once
 // A function that is known at places.
 
-#include <string_view>
-#include <vector>
-
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 

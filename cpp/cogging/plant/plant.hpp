@@ -2,8 +2,6 @@
 // A whole machine: axis, its effects, encoder and noise. The truth; what a controller believes stands
 // elsewhere.
 
-#include <vector>
-
 #include "cogging/plant/axis.hpp"
 #include "cogging/plant/encoder.hpp"
 #include "cogging/plant/noise.hpp"

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "cogging/elementary.hpp"
 #include "cogging/plant/amplifier_laws.hpp"

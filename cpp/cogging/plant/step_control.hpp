@@ -1,11 +1,6 @@
 #pragma once
 // How long a step of Runge and Kutta may be, and what a plant says of itself for that.
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 

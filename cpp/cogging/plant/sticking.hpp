@@ -1,9 +1,6 @@
 #pragma once
 // Exact Coulomb friction: a body that sticks and slips, its steps cut where it stops or breaks away.
 
-#include <algorithm>
-#include <cmath>
-
 #include "cogging/plant/state.hpp"
 #include "cogging/plant/step_control.hpp"
 #include "cogging/scalar.hpp"

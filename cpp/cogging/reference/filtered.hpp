@@ -1,9 +1,7 @@
 #pragma once
 // A sine that starts from rest through a second-order generator (Xu and Yao 2001, eq. 58).
 
-#include <cmath>
 #include <numbers>
-#include <string_view>
 
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"

@@ -1,9 +1,6 @@
 #pragma once
 // A jerk-limited move there and back, with rests.
 
-#include <cmath>
-#include <string_view>
-
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"

@@ -1,10 +1,6 @@
 #pragma once
 // A motion given by its samples.
 
-#include <algorithm>
-#include <string_view>
-#include <vector>
-
 #include "cogging/reference/reference.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"

@@ -2,7 +2,6 @@
 // A sine about a centre.
 
 #include <numbers>
-#include <string_view>
 
 #include "cogging/elementary.hpp"
 #include "cogging/parameters.hpp"

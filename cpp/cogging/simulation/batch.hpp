@@ -1,15 +1,10 @@
 #pragma once
 // Many independent runs at once, on threads.
 
-#include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <cstddef>
-#include <exception>
 #include <functional>
 #include <future>
 #include <thread>
-#include <vector>
 
 #include "cogging/interruption.hpp"
 #include "cogging/require.hpp"

@@ -1,13 +1,7 @@
 #pragma once
 // One run: reference -> controller -> amplifier -> axis -> encoder -> recorder.
 
-#include <cmath>
-#include <cstdint>
-#include <limits>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "cogging/control/controller.hpp"
 #include "cogging/interruption.hpp"

@@ -2,13 +2,8 @@
 // Many runs side by side in the lanes of a pack, each with the bits that it has alone.
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <exception>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "cogging/simulation/closed_loop.hpp"
 #include "cogging/simulation/packing.hpp"

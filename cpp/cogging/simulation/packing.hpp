@@ -2,15 +2,10 @@
 // Which runs may share the lanes of a pack, and structs of one machine packed into structs of many.
 
 #include <array>
-#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <string>
-#include <tuple>
-#include <type_traits>
 #include <utility>
-#include <variant>
-#include <vector>
 
 #include "cogging/control/list.hpp"
 #include "cogging/lanes.hpp"

@@ -1,9 +1,6 @@
 #pragma once
 // The indexes by which the papers judge a run.
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <span>
 
 #include "cogging/parameters.hpp"

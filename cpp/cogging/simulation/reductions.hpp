@@ -1,16 +1,9 @@
 #pragma once
 // What a run may be asked for beside the papers' indexes, made on the way without keeping its rows.
 
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <string>
 #include <variant>
-#include <vector>
 
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"

@@ -1,14 +1,10 @@
 #pragma once
 // The motion of a run at its sample times: computed once, for one run or for all that follow it at this rate.
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <list>
 #include <memory>
 #include <mutex>
 #include <utility>
-#include <vector>
 
 #include "cogging/interruption.hpp"
 #include "cogging/plant/axis.hpp"

@@ -2,12 +2,7 @@
 // What a run of a batch leaves behind: indexes and other reductions, and those rows of a few columns that were asked
 // for.
 
-#include <array>
-#include <cstddef>
-#include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "cogging/require.hpp"
 #include "cogging/simulation/performance.hpp"

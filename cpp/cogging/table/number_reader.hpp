@@ -1,16 +1,9 @@
 #pragma once
 // Columns of numbers out of separated text, block by block: a file larger than memory can be read for a few columns.
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <cstddef>
-#include <cstdlib>
 #include <cstring>
-#include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "cogging/interruption.hpp"
 #include "cogging/require.hpp"

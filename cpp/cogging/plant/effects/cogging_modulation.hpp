@@ -1,9 +1,6 @@
 #pragma once
 // A known harmonic of the cogging whose amplitude changes along the travel.
 
-#include <cmath>
-#include <vector>
-
 #include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/plant/effect.hpp"
 

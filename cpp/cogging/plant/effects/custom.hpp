@@ -2,7 +2,6 @@
 // An effect of somebody's own, whose laws are functions.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <memory>

@@ -2,7 +2,6 @@
 // A force that was found in data and that nothing explains yet.
 
 #include <algorithm>
-#include <vector>
 
 #include "cogging/plant/effect.hpp"
 #include "cogging/plant/piecewise_linear.hpp"

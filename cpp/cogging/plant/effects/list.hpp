@@ -2,10 +2,8 @@
 // Every effect that a plant may have: one line each.
 
 #include <concepts>
-#include <cstddef>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "cogging/plant/effects/actuator_lag.hpp"
 #include "cogging/plant/effects/backlash.hpp"

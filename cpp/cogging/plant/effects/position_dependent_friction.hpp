@@ -1,8 +1,6 @@
 #pragma once
 // A Coulomb level that changes along the travel.
 
-#include <vector>
-
 #include "cogging/plant/effect.hpp"
 #include "cogging/plant/piecewise_linear.hpp"
 
