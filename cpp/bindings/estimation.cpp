@@ -1,5 +1,3 @@
-#include <stdexcept>
-
 #include "bindings.hpp"
 #include "cogging/estimation/predictor.hpp"
 #include "cogging/estimation/whitening.hpp"

@@ -93,7 +93,7 @@ py::cpp_function explained_in_one_line(const py::object& bound, const std::strin
   return py::cpp_function(call, py::name(name.c_str()), doc.c_str(), self...);
 }
 
-// So answer all functions and classes of a module, and the classes refuse objects that are not initialised.
+// Makes a module's functions, and its classes and their methods, refuse in one line what they cannot use.
 void answer_in_one_line(const py::module_& module) {
   for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
     const py::object bound = py::reinterpret_borrow<py::object>(value);

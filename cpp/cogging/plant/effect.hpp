@@ -49,6 +49,7 @@ struct Motion {
 
 using Range = std::array<double, 2>;
 
+/// Refuses a travel that is empty.
 inline void require_travel(const Range& travel) {
   if (!(travel[0] < travel[1]))
     refuse("travel", "needs lower end < upper end", "[" + format(travel[0]) + ", " + format(travel[1]) + "]");
