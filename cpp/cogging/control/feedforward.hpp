@@ -1,5 +1,5 @@
 #pragma once
-// Feedforward of acceleration, velocity and friction, as `pid` and `cascade` add it.
+// Feedforward of acceleration, velocity and friction, as `pid`, `cascade` and `speed` add it.
 
 #include "cogging/parameters.hpp"
 #include "cogging/reference/reference.hpp"
