@@ -46,40 +46,7 @@ class Axis {
   /// Raises std::invalid_argument for a parameter that breaks its rule, for effects that lack what they need of the
   /// plant or that exclude each other.
   Axis(const AxisParameters<Scalar>& parameters, CoggingModel<Scalar> cogging,
-       const std::vector<Effect<Scalar>>& effects = {})
-      : parameters_(validated(parameters)),
-        cogging_(std::move(cogging)),
-        inverse_mass_(Scalar(1.0) / parameters.mass),
-        direction_of_(parameters.coulomb_width),
-        has_friction_(!all(parameters.coulomb == 0.0)) {
-    const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
-    for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) {
-      if (uses(law, Hook::force) || uses(law, Hook::friction_level)) laws_.push_back(law);
-    });
-    bool effects_rub = false;
-    for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto& law) {
-      effects_rub = effects_rub || uses(law, Hook::friction_level);
-    });
-    has_friction_ = has_friction_ || effects_rub;
-    for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) {
-      if (uses(law, Hook::command_gain)) gains_.push_back(law);
-    });
-    is_bare_ = laws_.empty() && gains_.empty();
-    for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
-    for_each_law(bound, [&](const HasBristle auto& law) {
-      if (law.bristle().exists()) add_state(law.name, bristle_, law.bristle(), bristle_.exists());
-    });
-    CouplingParameters coupling;
-    for_each_law(bound, [&](const HasCoupling auto& law) {
-      if (!law.coupling().rigid()) add_state(law.name, coupling, law.coupling(), !coupling.rigid());
-    });
-    if constexpr (std::is_same_v<Scalar, double>) {
-      coupling_ = Coupling(coupling, parameters_.mass);
-      sticks_ = parameters_.coulomb_width == 0.0 && has_friction_ && !bristle_.exists();
-    }
-    has_states_ = bristle_.exists() || coupling_.exists();
-    learn_variation(bound, effects_rub);
-  }
+       const std::vector<Effect<Scalar>>& effects = {});
 
   const AxisParameters<Scalar>& parameters() const { return parameters_; }
 
@@ -218,13 +185,7 @@ class Axis {
   }
 
   COGGING_NOINLINE void advance_other(AxisState<double>& state, const Drive<double>& drive, double time, double h) const
-    requires std::same_as<Scalar, double>
-  {
-    if (has_states_)
-      BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
-    else
-      StickSlip(*this, drive, time, 0.0, h).advance(state);
-  }
+    requires std::same_as<Scalar, double>;
 
   // Where one step errs more than it may.
   COGGING_NOINLINE void advance_in_parts(AxisState<double>& state, const Drive<double>& drive, double time,
@@ -238,11 +199,7 @@ class Axis {
 
   // One step with the smooth sign; by how much it errs more than it may. Out of line: what it calls is put into it.
   COGGING_NOINLINE Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset,
-                               double h) const {
-    return step(state, drive, time, offset, h,
-                [&](const Scalar& cogging, const Scalar& x, const Scalar& v, const Scalar& u, double t)
-                    COGGING_INLINE_LAMBDA { return sliding(cogging, x, v, direction_of_(v), u, drive.force, t); });
-  }
+                               double h) const;
 
   // One step with f(cogging, position, velocity, command, time); by how much it errs more than it may.
   template <class Acceleration>
@@ -333,5 +290,62 @@ class Axis {
   Bristle bristle_;
   Coupling coupling_;
 };
+
+// These stand outside of the class, so that files which find them compiled (instantiated.hpp) need not compile them.
+
+template <class Scalar>
+Axis<Scalar>::Axis(const AxisParameters<Scalar>& parameters, CoggingModel<Scalar> cogging,
+                   const std::vector<Effect<Scalar>>& effects)
+    : parameters_(validated(parameters)),
+      cogging_(std::move(cogging)),
+      inverse_mass_(Scalar(1.0) / parameters.mass),
+      direction_of_(parameters.coulomb_width),
+      has_friction_(!all(parameters.coulomb == 0.0)) {
+  const std::vector<Effect<Scalar>> bound = bind_effects(effects, context_of(parameters_, cogging_));
+  for_each_law(bound, [&](const HasMotionLaw<Scalar> auto& law) {
+    if (uses(law, Hook::force) || uses(law, Hook::friction_level)) laws_.push_back(law);
+  });
+  bool effects_rub = false;
+  for_each_law(bound, [&](const HasFrictionLevel<Scalar> auto& law) {
+    effects_rub = effects_rub || uses(law, Hook::friction_level);
+  });
+  has_friction_ = has_friction_ || effects_rub;
+  for_each_law(bound, [&](const HasCommandGain<Scalar> auto& law) {
+    if (uses(law, Hook::command_gain)) gains_.push_back(law);
+  });
+  is_bare_ = laws_.empty() && gains_.empty();
+  for_each_law(bound, [&](const HasEvents auto& law) { events_.push_back(law); });
+  for_each_law(bound, [&](const HasBristle auto& law) {
+    if (law.bristle().exists()) add_state(law.name, bristle_, law.bristle(), bristle_.exists());
+  });
+  CouplingParameters coupling;
+  for_each_law(bound, [&](const HasCoupling auto& law) {
+    if (!law.coupling().rigid()) add_state(law.name, coupling, law.coupling(), !coupling.rigid());
+  });
+  if constexpr (std::is_same_v<Scalar, double>) {
+    coupling_ = Coupling(coupling, parameters_.mass);
+    sticks_ = parameters_.coulomb_width == 0.0 && has_friction_ && !bristle_.exists();
+  }
+  has_states_ = bristle_.exists() || coupling_.exists();
+  learn_variation(bound, effects_rub);
+}
+
+template <class Scalar>
+void Axis<Scalar>::advance_other(AxisState<double>& state, const Drive<double>& drive, double time, double h) const
+  requires std::same_as<Scalar, double>
+{
+  if (has_states_)
+    BodyWithStates(*this, bristle_, coupling_).advance(state, drive, time, h, sticks_);
+  else
+    StickSlip(*this, drive, time, 0.0, h).advance(state);
+}
+
+template <class Scalar>
+Scalar Axis<Scalar>::move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset,
+                          double h) const {
+  return step(state, drive, time, offset, h,
+              [&](const Scalar& cogging, const Scalar& x, const Scalar& v, const Scalar& u, double t)
+                  COGGING_INLINE_LAMBDA { return sliding(cogging, x, v, direction_of_(v), u, drive.force, t); });
+}
 
 }  // namespace cogging
