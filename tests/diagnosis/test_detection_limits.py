@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.diagnosis.detection_limits import is_sought
+from cogging.diagnosis.detection_limits import unmeasured
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.moving_axis import machine, record
 from tests.fixtures.own_laws import own_drag
 from tests.fixtures.pid_axis import MODEL, run
 
 CHANGES = {"mass_change", "viscous_change", "coulomb_change"}
-LISTED = {name for name, law in VOCABULARY.items() if is_sought(law)} | CHANGES
+LISTED = set(unmeasured(VOCABULARY))
 
 
 # What a result says ---------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ square of the size. The limit is the size at which the search accepts the effect
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,58 +33,43 @@ MOST_CHANGED = 2.0  # largest relative change of the axis that is reported
 UNSEEN = "in this motion its force is zero or indistinguishable from re-tuning"
 
 
-@dataclass(frozen=True)
-class Size:
-    """Measure of the size of an effect.
+def size_of(law: Effect, why: str) -> Limit | None:
+    """Return the limit of an effect without a value, for a reason; None if the search does not try the effect.
 
-    Attributes:
-        field: field that measures it, or the first of several.
-        unit: its unit.
-        meaning: formula of the size if it has several fields; else empty.
-        of_shape: whether the field is a shape parameter, because the effect has no amplitude.
-        grows: whether a larger value has a larger effect.
+    It does not if all amplitudes are lists at places that the user chose. The size is an amplitude, else a shape
+    parameter that is neutral at 0 or infinity.
     """
-
-    field: str
-    unit: str
-    meaning: str = ""
-    of_shape: bool = False
-    grows: bool = True
-
-
-def is_sought(law: Effect) -> bool:
-    """Return whether the search tries an effect: not if all its amplitudes are lists at places that the user chose."""
-    scalar = any(not isinstance(getattr(law, field), list) for field in fields_with_role(law, "amplitude"))
-    return scalar or bool(fields_with_role(law, "shape"))
-
-
-def size_of(law: Effect) -> Size | None:
-    """Return the measure of the size of an effect, or None if no field of it is neutral at 0 or infinity."""
-    amplitudes = fields_with_role(law, "amplitude")
+    amplitudes, shapes = fields_with_role(law, "amplitude"), fields_with_role(law, "shape")
+    if not shapes and all(isinstance(getattr(law, field), list) for field in amplitudes):
+        return None
     if amplitudes:
         wave, first = kind_of(law, Wave), amplitudes[0]
         meaning = f"sqrt({wave.sine}^2 + {wave.cosine}^2)" if wave else ""
         if isinstance(getattr(law, first), list):
             meaning = f"largest {meaning or first} along the travel"
-        return Size(first, law.FIELDS[first][0], meaning)
+        return Limit(first, law.FIELDS[first][0], None, why, meaning)
     for neutral in (0.0, np.inf):
-        for field in fields_with_role(law, "shape"):
+        for field in shapes:
             if law.ROLES[field]["neutral"] == neutral:
-                return Size(field, law.FIELDS[field][0], of_shape=True, grows=neutral == 0.0)
+                return Limit(field, law.FIELDS[field][0], None, why, smaller_shows=neutral == np.inf)
     return None
+
+
+def is_shape(law: Effect, size: Limit) -> bool:
+    """Return whether the size of an effect is a shape parameter: the effect has no amplitude."""
+    return bool(law.ROLES[size.parameter]["role"] == "shape")
 
 
 def unmeasured(vocabulary: Mapping[str, Effect], why: str = "nothing was measured") -> dict[str, Limit]:
     """Return the limits of all effects and changes of the axis without a value, for a reason."""
-    sizes = [(law.NAME, size) for law in vocabulary.values() if is_sought(law) and (size := size_of(law)) is not None]
-    none = {name: Limit(one.field, one.unit, None, why, one.meaning, not one.grows) for name, one in sizes}
+    none = {law.NAME: size for law in vocabulary.values() if (size := size_of(law, why)) is not None}
     return none | {f"{name}_change": Limit("change", "1", why=why) for name in CHANGES}
 
 
 def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]:
     """Return the detection limit of each effect that the search tries, and of mass, viscous and Coulomb friction."""
     evidence = found.both
-    result, columns, of = unmeasured(vocabulary, UNSEEN), [], []
+    result = unmeasured(vocabulary, UNSEEN)
     sought = [name for name in result if name in vocabulary]
 
     def of_name(name: str) -> Evidence:
@@ -92,22 +77,18 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
 
     @np.errstate(all="ignore")
     def evaluated(name: str) -> tuple[list[Any], str]:
-        law, out = vocabulary[name], []
-        size = size_of(law)
-        assert size is not None
+        out: list[Any] = []
         try:
-            for amount, shape, rows in _evaluations(evidence, law, size):
+            for amount, shape, rows in _evaluations(evidence, vocabulary[name], result[name]):
                 filtered = [b.rows(row)[0] for b, row in zip(of_name(name).balances, rows, strict=True)]
                 out.append((filtered, (name, amount, shape)))
         except ValueError:
             return out, "it cannot be evaluated along these logs"
         return out, ""
 
-    for name, (seen, why) in zip(sought, on_threads(evaluated, sought), strict=True):
-        columns += [rows for rows, _ in seen]
-        of += [label for _, label in seen]
-        if why:
-            result[name] = replace(result[name], why=why)
+    done = on_threads(evaluated, sought)
+    result |= {name: replace(result[name], why=why) for name, (_, why) in zip(sought, done, strict=True) if why}
+    columns, of = zip(*(one for out, _ in done for one in out), strict=True)
     tables = [np.array(rows) for rows in zip(*columns, strict=True)]
     names = [name for name, _, _ in of]
     lambdas = noncentralities(evidence, tables)
@@ -151,12 +132,11 @@ def accepted_ratio(freedom: int, trials: int, blocks: int) -> float:
 
 def _solve(none: Limit, law: Effect, seen: list[tuple[float, dict[str, Any], float]], needed: float) -> Limit:
     """Return the limit from size, shape and lambda of each evaluation; `none` if this motion cannot show the effect."""
-    size = size_of(law)
-    if size is None or not any(one > 0.0 for _, _, one in seen):
+    if not any(one > 0.0 for _, _, one in seen):
         return none
-    held = {k: [one[k] for _, one, _ in seen] for k in seen[0][1] if k != size.field}
+    held = {k: [one[k] for _, one, _ in seen] for k in seen[0][1] if k != none.parameter}
     shape = {k: v[0] if min(v) == max(v) else [min(v), max(v)] for k, v in held.items()}
-    if not size.of_shape:
+    if not is_shape(law, none):
         sizes = sorted(np.sqrt(needed / one) * amount if one > 0.0 else np.inf for amount, _, one in seen)
         value = float(sizes[len(sizes) // 2])
         return replace(none, value=value, why="", shape=shape) if np.isfinite(value) else replace(none, shape=shape)
@@ -164,13 +144,13 @@ def _solve(none: Limit, law: Effect, seen: list[tuple[float, dict[str, Any], flo
     if not enough:
         most = max(seen, key=lambda one: one[2])[0]
         unit = "" if none.unit == "1" else f" {none.unit}"
-        why = f"only a value {'above' if size.grows else 'below'} {most:.3g}{unit} would show"
+        why = f"only a value {'below' if none.smaller_shows else 'above'} {most:.3g}{unit} would show"
         return replace(none, why=why, shape=shape)
-    return replace(none, value=float(min(enough) if size.grows else max(enough)), why="", shape=shape)
+    return replace(none, value=float(max(enough) if none.smaller_shows else min(enough)), why="", shape=shape)
 
 
 def _evaluations(
-    evidence: Evidence, law: Effect, size: Size
+    evidence: Evidence, law: Effect, size: Limit
 ) -> Iterator[tuple[float, dict[str, Any], list[FloatArray]]]:
     """Yield size, shape and force along each log (V) of an effect at several shapes."""
     balances, model = evidence.balances, evidence.model
@@ -186,7 +166,7 @@ def _evaluations(
         "frequency": evidence.rate,
         "angle": 2.0 * np.pi,
     }
-    fields = [field for field in fields_with_role(law, "shape") if field != size.field]
+    fields = [field for field in fields_with_role(law, "shape") if field != size.parameter]
     scalars = [field for field in fields if not isinstance(getattr(law, field), list)]
 
     def between(field: str, part: float) -> float:
@@ -198,16 +178,16 @@ def _evaluations(
         offset = low if role["quantity"] == "position" else 0.0
         return float(offset + value * scales.get(role["quantity"], 1.0))
 
-    if size.of_shape:
+    if is_shape(law, size):
         shape = {field: between(field, PARTS[1]) for field in scalars}
-        role = law.ROLES[size.field]
+        role = law.ROLES[size.parameter]
         amounts = np.geomspace(max(role["low"], 1e-3 * role["high"]), role["high"], SIZES)
         if role["quantity"] == "stiffness":  # friction rises over an encoder step up to a part of the travel
             noise = min(b.encoder_noise for b in balances)
             amounts = model.axis.coulomb / np.geomspace(SHORTEST * noise, 0.03 * length, SIZES) / length
             scales["stiffness"] = length
         for amount in amounts * scales.get(role["quantity"], 1.0):
-            yield float(amount), dict(shape), _rows(evidence, law, {**shape, size.field: float(amount)}, size)
+            yield float(amount), dict(shape), _rows(evidence, law, {**shape, size.parameter: float(amount)}, size)
         return
     window = [field for field in fields if law.ROLES[field]["quantity"] == "time" and len(fields) == 2]
     for part in PARTS:
@@ -217,7 +197,7 @@ def _evaluations(
         yield 1.0, shape, _rows(evidence, law, shape, size)
 
 
-def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) -> list[FloatArray]:
+def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Limit) -> list[FloatArray]:
     """Return the force (V) of an effect of size 1, or of the size that its shape sets, along each log."""
     balances, model, wave = evidence.balances, evidence.model, kind_of(law, Wave)
     if kind_of(law, SplineKnots) is not None and wave is not None:  # its amplitude grows from -1 to 1
@@ -227,18 +207,16 @@ def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Size) ->
             rows.append((2.0 * place - 1.0) * np.sin(2.0 * np.pi * b.position / period))
         return rows
     fields: dict[str, Any] = dict(shape)
-    knots = kind_of(law, Knots)
+    pushes, knots, small = bool({"force", "friction_level", "command_gain"} & set(law.HOOKS)), kind_of(law, Knots), 1.0
     if knots is not None:
         low, high = min(float(b.position.min()) for b in balances), max(float(b.position.max()) for b in balances)
         fields |= {knots.nodes: np.linspace(low, high, 5).tolist(), knots.levels: [1.0, 0.5, -1.0, 0.5, 1.0]}
-    elif not size.of_shape:
-        fields[size.field] = 1.0
+    elif not is_shape(law, size):
+        small = 1.0 if pushes else 1e-6 * max(float(np.ptp(b.position)) for b in balances)
+        fields[size.parameter] = small
     effect = law.replace(**fields)
-    if {"force", "friction_level", "command_gain"} & set(law.HOOKS):
+    if pushes:
         return [b.added(model, [effect], u)[0] for b, u in zip(balances, evidence.drives, strict=True)]
-    small = 1.0 if size.of_shape else 1e-6 * max(float(np.ptp(b.position)) for b in balances)
-    if not size.of_shape:
-        effect = effect.replace(**{size.field: small})
     beside = model.replace(effects=(*model.effects, effect))
     return [one.change(b, beside, model) / small for b, one in zip(balances, evidence.instruments, strict=True)]
 
@@ -249,16 +227,16 @@ def _change_limits(evidence: Evidence, blocks: int) -> dict[str, Limit]:
     variances = np.diag(np.linalg.pinv(evidence.information_of_rows, hermitian=True))
     deviations = np.sqrt(np.maximum(variances, 0.0)) / null.size
     for name in CHANGES:
-        limit, stated, value = Limit("change", "1"), given.uncertainty.get(name), float(getattr(given.axis, name))
+        stated, value, path = given.uncertainty.get(name), float(getattr(given.axis, name)), f"axis.{name}"
+        least, why = None, ""
         if stated is None:
-            limit = replace(limit, why="the model states no uncertainty of it")
-        elif f"axis.{name}" not in evidence.paths or value <= 0.0:
-            limit = replace(limit, why="it is not fitted to these logs")
+            why = "the model states no uncertainty of it"
+        elif path not in evidence.paths or value <= 0.0:
+            why = "it is not fitted to these logs"
         else:
-            own = float(deviations[evidence.paths.index(f"axis.{name}")] / value)
-            least = np.sqrt(accepted_ratio(1, 1, blocks)) * np.hypot(own, stated) + norm.ppf(CHANCE) * own
-            limit = replace(limit, value=float(least))
+            own = float(deviations[evidence.paths.index(path)] / value)
+            least = float(np.sqrt(accepted_ratio(1, 1, blocks)) * np.hypot(own, stated) + norm.ppf(CHANCE) * own)
             if least >= MOST_CHANGED:
-                limit = replace(limit, value=None, why=f"only a change above {MOST_CHANGED:g} would show")
-        result[f"{name}_change"] = limit
+                least, why = None, f"only a change above {MOST_CHANGED:g} would show"
+        result[f"{name}_change"] = Limit("change", "1", least, why)
     return result

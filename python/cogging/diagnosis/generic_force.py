@@ -15,9 +15,7 @@ from cogging.diagnosis.yardstick import Discrepancy
 BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13, "time": 13}
 LAGS = tuple(2**k for k in range(9))  # rows by which the acceleration is delayed, for actuator dynamics
 FOLDS, BLOCKS = 5, 20  # folds of the cross-validation; blocks of a log that are dealt to them in turn
-RIDGES = np.asarray(
-    10.0 ** (0.5 * np.arange(-8, 5)), dtype=np.float64
-)  # ridge parameters, relative to a column's power
+RIDGES = 10.0 ** (0.5 * np.arange(-8.0, 5.0))  # ridge parameters, relative to a column's power
 LASTING = 0.05  # of the power: where another coordinate predicts more, time is listed after it
 APART = 0.01  # of the range: minimum distance of nodes
 LEAST = 1e-9  # of the largest column's power: minimum power of a column
@@ -80,8 +78,8 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))
     lasting = groups != "time"
     there = None if elsewhere is None else _fit(sums, elsewhere, lasting)[0]
-    (weights,) = _weights(sums, RIDGES[:1])
-    whole = (np.sum([s[0] for s in sums], axis=0), np.sum([s[1] for s in sums], axis=0), float(left @ left))
+    whole = (*_total(sums)[:2], float(left @ left))
+    (weights,) = _weights(whole, RIDGES[:1])
     noise = max(_lost(weights, whole), 0.0) / max(len(left) - len(groups), 1)
     return Predicted(_fit(sums, None, lasting)[0], there, tuple(curves), float(np.sqrt(noise)))
 
@@ -130,9 +128,14 @@ def _sums(table: FloatArray, left: FloatArray) -> Sums:
     return table @ table.T, table @ left, float(left @ left)
 
 
-def _weights(parts: Sequence[Sums], ridges: FloatArray) -> FloatArray:
+def _total(parts: Sequence[Sums]) -> Sums:
+    grams, rights, powers = zip(*parts, strict=True)
+    return np.sum(grams, axis=0), np.sum(rights, axis=0), float(sum(powers))
+
+
+def _weights(sums: Sums, ridges: FloatArray) -> FloatArray:
     """Return the amplitudes of ridge regressions, (ridges, columns)."""
-    gram, right = np.sum([part[0] for part in parts], axis=0), np.sum([part[1] for part in parts], axis=0)
+    gram, right, _ = sums
     size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
     return np.asarray(np.linalg.solve(gram + ridges[:, None, None] * np.diag(size), right[:, None])[..., 0])
 
@@ -142,19 +145,17 @@ def _fit(parts: Sequence[Sums], elsewhere: Sums | None, used: Mask) -> tuple[flo
     own = [(gram[np.ix_(used, used)], right[used], power) for gram, right, power in parts]
     lost = np.zeros(len(RIDGES))
     for k, one in enumerate(own):
-        lost += [_lost(force, one) for force in _weights(own[:k] + own[k + 1 :], RIDGES)]
-    best = int(np.argmin(lost))
-    (force,) = _weights(own, RIDGES[[best]])
-    gram = np.sum([one[0] for one in own], axis=0)
-    whole = (gram, np.sum([one[1] for one in own], axis=0), sum(one[2] for one in own))
-    remains, power = float(lost[best]), whole[2]
+        lost += [_lost(force, one) for force in _weights(_total(own[:k] + own[k + 1 :]), RIDGES)]
+    best, whole = int(np.argmin(lost)), _total(own)
+    (force,) = _weights(whole, RIDGES[[best]])
+    gram, right, power = whole
     size = np.diag(gram) + LEAST * np.diag(gram).max() + 1e-300
-    rows = max(float(np.trace(gram)), 1.0)
-    noise = max(_lost(force, whole), 0.0) / rows
+    noise = max(_lost(force, whole), 0.0) / max(float(np.trace(gram)), 1.0)
     deviation = np.sqrt(noise * np.diag(np.linalg.inv(gram + RIDGES[best] * np.diag(size))))
+    remains = float(lost[best])
     if elsewhere is not None:
-        own_there = (elsewhere[0][np.ix_(used, used)], elsewhere[1][used], elsewhere[2])
-        remains, power = _lost(force, own_there), elsewhere[2]
+        gram, right, power = elsewhere
+        remains = _lost(force, (gram[np.ix_(used, used)], right[used], power))
     share = float(np.clip(1.0 - remains / power, 0.0, 1.0)) if power > 0.0 else 0.0
     return share, force, deviation
 

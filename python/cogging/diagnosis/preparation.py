@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +38,16 @@ class Prepared:
     confirm_names: list[str]
     notes: tuple[str, ...]
 
+    def changed(self, change: Callable[[Log, str], tuple[Log, Iterable[str]]]) -> Prepared:
+        """Return the logs after a change, a function of each log and its name, with the notes that it returns."""
+        logs, notes = [], list(self.notes)
+        for log, name in zip((*self.given, *self.confirm), (*self.names, *self.confirm_names), strict=True):
+            after, said = change(log, name)
+            logs.append(after)
+            notes += [f"{name}: {text}" for text in said if text]
+        count = len(self.given)
+        return replace(self, given=logs[:count], confirm=logs[count:], notes=tuple(notes))
+
 
 def prepared(
     logs: Logs, model: Model, confirm: Logs, names: Sequence[str] | None, confirm_names: Sequence[str] | None
@@ -56,13 +66,8 @@ def prepared(
         if len(log) < ROWS_MIN:
             raise ValueError(f"{name}: rows: must be at least {ROWS_MIN} to be diagnosed, got {len(log)}")
         check_against_model(log, model, name)
-    whole = _counted_once(given, called, others, others_called)
-    notes = list(whole.notes)
-    given = [_without_pauses(log, name, notes) for log, name in zip(whole.given, whole.names, strict=True)]
-    others = [_without_pauses(log, name, notes) for log, name in zip(whole.confirm, whole.confirm_names, strict=True)]
-    for log, name in zip((*given, *others), (*whole.names, *whole.confirm_names), strict=True):
-        notes += [f"{name}: {hint}" for hint in hints(audit(log), model)]
-    return replace(whole, given=given, confirm=others, notes=tuple(notes))
+    whole = _counted_once(given, called, others, others_called).changed(_without_pauses)
+    return whole.changed(lambda log, name: (log, hints(audit(log), model)))
 
 
 def _counted_once(given: list[Log], called: list[str], others: list[Log], others_called: list[str]) -> Prepared:
@@ -85,35 +90,28 @@ def _counted_once(given: list[Log], called: list[str], others: list[Log], others
     return Prepared(left, names, others_left, others_names, (*said, *others_said))
 
 
-def _without_pauses(log: Log, name: str, notes: list[str]) -> Log:
-    """Return a log without its pauses, and append a note on these."""
+def _without_pauses(log: Log, name: str) -> tuple[Log, list[str]]:
+    """Return a log without its pauses, and a note on these."""
     try:
         running, said = without_pauses(log)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
-    if said:
-        notes.append(f"{name}: {said}")
-    return running
+    return running, [said]
 
 
 def whole_logs(logs: Prepared, model: Model) -> Prepared:
     """Return the logs with outliers repaired and missing rows interpolated."""
-    notes = list(logs.notes)
-    given = [_repair(log, model, name, notes) for log, name in zip(logs.given, logs.names, strict=True)]
-    others = [_repair(log, model, name, notes) for log, name in zip(logs.confirm, logs.confirm_names, strict=True)]
-    return replace(logs, given=given, confirm=others, notes=tuple(notes))
 
+    def repair(log: Log, name: str) -> tuple[Log, list[str]]:
+        check = check_controller(log, model)
+        commands = np.zeros(len(log), dtype=bool)
+        if check is not None and check.reproduces:
+            commands[list(check.doubted_commands)] = True
+        whole, said = repaired(log, spikes(log.position), commands)
+        whole, also = with_missing_rows(whole, model)
+        return whole, [said, also]
 
-def _repair(log: Log, model: Model, name: str, notes: list[str]) -> Log:
-    """Return a log with outliers repaired and missing rows interpolated, and append notes on these."""
-    check = check_controller(log, model)
-    commands = np.zeros(len(log), dtype=bool)
-    if check is not None and check.reproduces:
-        commands[list(check.doubted_commands)] = True
-    whole, said = repaired(log, spikes(log.position), commands)
-    whole, also = with_missing_rows(whole, model)
-    notes += [f"{name}: {text}" for text in (said, also) if text]
-    return whole
+    return logs.changed(repair)
 
 
 def read_logs(logs: Logs, names: Sequence[str] | None = None, kind: str = "log") -> tuple[list[Log], list[str]]:
