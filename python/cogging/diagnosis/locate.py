@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from cogging.calls import check_arguments
-from cogging.diagnosis.balance.candidates import Search, sharpen, wave_scan
+from cogging.diagnosis.balance.candidates import Search, peaks_of, sharpen, wave_scan, wave_sum
 from cogging.diagnosis.balance.cells import hats
 from cogging.diagnosis.balance.decision import Outcome
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
@@ -123,11 +123,9 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
     """Return the significant waves of force in position and in time, the strongest first."""
     search, balances = Search(evidence), evidence.balances
     weights, travel, duration = search.weights, float(search.length), float(search.duration)
-    pulls = np.concatenate(weights)
 
     def refine(name: str, number: float, extent: float) -> float:
-        place = np.concatenate([getattr(b, name) for b in balances])
-        return sharpen(lambda k: float(abs(pulls @ np.exp(2j * np.pi * k * place))), number, 0.25 / extent)
+        return sharpen(wave_sum(weights, [getattr(b, name) for b in balances]), number, 0.25 / extent)
 
     found: list[tuple[str, float, int]] = []  # coordinate, cycles per unit of it, trials
     peaks, trials = wave_scan(search, [np.ones(len(b.time)) for b in balances])
@@ -136,11 +134,9 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
     power = np.sum([np.abs(np.fft.rfft(g, size)) ** 2 for g in weights], axis=0)
     frequency = np.fft.rfftfreq(size, balances[0].step)
     power[(frequency < TURNS / duration) | (frequency > 0.4 * evidence.rate)] = 0.0
-    for _ in range(WAVES):
-        peak = float(frequency[int(np.argmax(power))])
-        if peak > 0.0 and power.max() > 0.0:
-            found.append(("time", refine("time", peak, duration), int(duration * 0.4 * evidence.rate)))
-            power[np.abs(frequency - peak) < 1.0 / duration] = 0.0
+    for j in peaks_of(power, frequency, 1.0 / duration, WAVES):
+        number = refine("time", float(frequency[j]), duration)
+        found.append(("time", number, int(duration * 0.4 * evidence.rate)))
     waves: list[Wave] = []
     for name, number, trials in found:
         turns = [2.0 * np.pi * number * getattr(b, name) for b in balances]

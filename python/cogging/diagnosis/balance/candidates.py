@@ -54,7 +54,7 @@ BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
 PLACES = 1001  # grid of the centre of a local force
 FAR_END = 50.0  # decay lengths: distance at which an end has no effect
 # Scans
-PEAKS = 4  # peaks of a position spectrum that are tried for each kind of wave; 3 for tones
+PEAKS, TONES = 4, 3  # peaks of a spectrum that are tried for each kind of wave along the travel, and in time
 LEAST_PEAK = 12.0  # minimum score of a peak: noise exceeds it in a few hundred of 100,000 lines
 LEAST_TURNS = 1.0  # minimum periods in the travel: a longer wave is a spring or an offset
 FAMILY_TURNS = 1.5  # minimum periods of a wave with harmonics
@@ -271,35 +271,28 @@ class Search:
         self,
         name: str,
         fields: Mapping[str, Any],
-        amplitudes: Mapping[str, float],
+        amplitude: str,
+        size: float,
         trials: int = 1,
-        label: str = "",
         vary: str | None = None,
         accept: Callable[[FloatArray], bool] | None = None,
     ) -> float:
-        """Try an effect of the vocabulary at one shape; `amplitudes`: fields, and sizes to evaluate columns at."""
+        """Try an effect of the vocabulary at one shape; `size`: of its amplitude, where its column is evaluated."""
 
         def make(**changed: float) -> Shape:
-            return law_shape(name, {**fields, **changed}, amplitudes)
+            held = {**fields, **changed}
+            base = E[name].replace(**held)
+            label = ", ".join(f"{field} {value:.4g}" for field, value in held.items() if isinstance(value, float))
+            columns = added([base.replace(**{amplitude: size})], size)
+            return Shape(label, columns, lambda a: base.replace(**{amplitude: float(a[0])}))
 
         refine = None if vary is None else (fields[vary], lambda value: make(**{vary: float(value)}), STEP)
-        return self.put(name, make()._replace(label=label), trials, accept, refine)
+        return self.put(name, make(), trials, accept, refine)
 
 
-def law_shape(name: str, fields: Mapping[str, Any], amplitudes: Mapping[str, float]) -> Shape:
-    """Return an effect of the vocabulary at one shape, with a column per amplitude: its force over its size."""
-    base = E[name].replace(**fields)
-    effects = [base.replace(**{field: size}) for field, size in amplitudes.items()]
-    label = ", ".join(f"{field} {value:.4g}" for field, value in fields.items() if isinstance(value, float))
-    columns = added(effects, list(amplitudes.values()))
-    return Shape(label, columns, lambda a: base.replace(**dict(zip(amplitudes, map(float, a), strict=False))))
-
-
-def added(effects: Sequence[Effect], sizes: Sequence[float]) -> Columns:
-    """Return columns of the force of each effect over its size."""
-    return lambda c: [
-        b.added(c.model, effects, d) / np.asarray(sizes)[:, None] for b, d in zip(c.balances, c.drives, strict=True)
-    ]
+def added(effects: Sequence[Effect], size: float) -> Columns:
+    """Return columns of the force of effects over their size."""
+    return lambda c: [b.added(c.model, effects, d) / size for b, d in zip(c.balances, c.drives, strict=True)]
 
 
 def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
@@ -359,6 +352,23 @@ def sharpen(f: Callable[[float], float], x: float, step: float, rounds: int = 7)
     return x
 
 
+def wave_sum(
+    weights: Sequence[FloatArray], places: Sequence[FloatArray], least: float = -np.inf
+) -> Callable[[float], float]:
+    """Return |sum w exp(2 pi i k x)| of weights w at places x of each log as a function of k; -1 up to the least k."""
+    w, x = np.concatenate(weights), np.concatenate(places)
+    return lambda k: float(abs(w @ np.exp(2j * np.pi * k * x))) if k > least else -1.0
+
+
+def peaks_of(score: FloatArray, places: FloatArray, apart: float, count: int, least: float = 0.0) -> list[int]:
+    """Return the indexes of the highest peaks of a score above `least`, at places that are `apart` from each other."""
+    left, peaks = score.copy(), list[int]()
+    while len(peaks) < count and left.max() > least:
+        peaks.append(int(np.argmax(left)))
+        left[np.abs(places - places[peaks[-1]]) < apart] = 0.0
+    return peaks
+
+
 def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
     """Return the best shape of each name and generic force, the highest score first; `also`: own effects."""
     s = Search(ctx)
@@ -416,8 +426,8 @@ def forces_of_place(s: Search) -> None:
     """Try offset, spring, end effects, local forces and gravity."""
     low, high, length, middle = s.low, s.high, s.length, 0.5 * (s.low + s.high)
     small = SMALL * s.force
-    s.law("constant_force", {}, {"force": small})
-    s.law("cable_spring", {"center": middle}, {"stiffness": small / length}, label="linear")
+    s.law("constant_force", {}, "force", small)
+    s.law("cable_spring", {"center": middle}, "stiffness", small / length)
 
     def spring(a: FloatArray) -> Effect:
         center = middle - float(a[1]) / (float(a[0]) or 1e-300) if a[0] else 0.0
@@ -431,13 +441,13 @@ def forces_of_place(s: Search) -> None:
     s.most["end_effect"] = 0.25 * length  # a force that decays more slowly is a spring
     for L in np.geomspace(0.01, 0.25, 8) * length:
         fields = {"decay_length": float(L), "travel": travel}
-        s.law("end_effect", fields, {"force": small}, 8, f"{L:.3g}", vary="decay_length")
+        s.law("end_effect", fields, "force", small, 8, vary="decay_length")
         s.varied("end_effect", float(L), partial(two_ends, s), 8)
     widths = [float(width) for width in np.geomspace(*BUMPS, 6) * length]
 
     def bump(center: float, width: float) -> float:
         fields = {"center": center, "width": width}
-        return s.law("local_force", fields, {"force": small}, round(length / width), vary="center")
+        return s.law("local_force", fields, "force", small, round(length / width), vary="center")
 
     _, place = max((bump(center, width), center) for width in widths for center in best_places(s, width))
     for width in widths:
@@ -485,19 +495,18 @@ def two_ends(s: Search, length: float) -> Shape:
 def friction(s: Search) -> None:
     """Try friction that depends on direction, speed and position, and presliding."""
     top, small = s.top, UNIT * max(s.model.axis.coulomb, 1e-3 * s.force)
-    s.law("coulomb_asymmetry", {}, {"difference": small})
-    s.law("viscous_asymmetry", {}, {"difference": small / top})
+    s.law("coulomb_asymmetry", {}, "difference", small)
+    s.law("viscous_asymmetry", {}, "difference", small / top)
     for v in np.geomspace(max(2e-3 * top, 2 * min(b.speed_noise for b in s.balances)), 0.3 * top, 8):
         for exponent in (1.0, 2.0):
-            fields, label = {"velocity": float(v), "exponent": exponent}, f"{v:.3g} {exponent}"
-            excess = {"static_excess": small}
-            s.law("stribeck_friction", fields, excess, 16, label, vary="velocity", accept=lambda a: bool(a[0] > 0))
+            fields = {"velocity": float(v), "exponent": exponent}
+            s.law("stribeck_friction", fields, "static_excess", small, 16, "velocity", lambda a: bool(a[0] > 0))
     slow = top * np.geomspace(2e-3, 0.2, 5)
     falling = along(lambda b: friction_hats(b, slow)[:-1])
     s.put("stribeck_friction", Shape("other shape", falling), accept=lambda a: bool(np.sum(a) < 0))
     for count in (3, 5, 8):
         s.put("position_dependent_friction", friction_profile(s, count, small), 3)
-    s.law("quadratic_drag", {}, {"coefficient": 1e-3 * s.force / top**2})
+    s.law("quadratic_drag", {}, "coefficient", 1e-3 * s.force / top**2)
 
     def powers(*exponents: float) -> Columns:
         return along(lambda b: np.vstack([-np.sign(b.velocity) * (np.abs(b.velocity) / top) ** p for p in exponents]))
@@ -524,14 +533,10 @@ def friction(s: Search) -> None:
 
 def friction_profile(s: Search, count: int, size: float) -> Shape:
     """Return friction that is linear between nodes along the travel, less its mean, which is Coulomb friction."""
-    nodes = [float(x) for x in np.linspace(s.low, s.high, count)]
-    base = E["position_dependent_friction"]
-    contrast = np.eye(count)[:-1] - 1.0 / count
-    effects = [base.replace(nodes=nodes, levels=[float(x) for x in size * row]) for row in contrast]
-    columns = added(effects, [size] * len(effects))
-    return Shape(
-        f"{count} nodes", columns, lambda a: base.replace(nodes=nodes, levels=[float(v) for v in a @ contrast])
-    )
+    profile = partial(E["position_dependent_friction"].replace, nodes=np.linspace(s.low, s.high, count).tolist())
+    levels = contrast(np.eye(count))
+    columns = added([profile(levels=row) for row in (size * levels).tolist()], size)
+    return Shape(f"{count} nodes", columns, lambda a: profile(levels=(a @ levels).tolist()))
 
 
 def command(s: Search) -> None:
@@ -572,8 +577,7 @@ def command(s: Search) -> None:
     for share in np.geomspace(3e-4, 0.3, 8):
         s.varied("command_dead_zone", share * s.force, dead_zone, 8, within(WHOLE))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
-        fields = {"time_constant": float(tau)}
-        s.law("force_constant_drift", fields, {"change": UNIT}, 5, f"{tau:.3g}", vary="time_constant")
+        s.law("force_constant_drift", {"time_constant": float(tau)}, "change", UNIT, 5, vary="time_constant")
 
 
 def exact(b: DifferencedBalance, d: FloatArray) -> FloatArray:
@@ -586,16 +590,15 @@ def delayed(time: float) -> Columns:
     return driven(lambda b, d: np.interp(b.time - time, b.time, d) - d)
 
 
-def lagged(time: float) -> Columns:
-    """Return the change of the command by a first-order lag (s)."""
-    return driven(lambda b, d: lag(d, b.step, time))
+def lagged(tau: float) -> Columns:
+    """Return the mean change of the held command by a first-order lag (s) over each step; it is causal."""
 
+    def change(b: DifferencedBalance, d: FloatArray) -> FloatArray:
+        p = np.exp(-b.step / tau)
+        before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
+        return np.asarray((before - d) * (1 - p) * tau / b.step)
 
-def lag(d: FloatArray, step: float, tau: float) -> FloatArray:
-    """Return the mean change of a held command by a first-order lag over each step, (n,); it is causal."""
-    p = np.exp(-step / tau)
-    before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
-    return np.asarray((before - d) * (1 - p) * tau / step)
+    return driven(change)
 
 
 def misread(effects: Sequence[Effect], size: float) -> Columns:
@@ -700,14 +703,8 @@ def time(s: Search) -> None:
                 return tuple(tone(frequency=k * q, sine=float(one), cosine=float(other)) for k, (one, other) in pairs)
 
             label = f"{q:.4g} Hz" + (" with harmonics" if family else "")
-            shape = Shape(label, tone_columns(q, orders), law)
+            shape = Shape(label, sines("time", 2 * np.pi * q * np.array(orders)), law)
             s.put("disturbance_tone", shape, trials, family=f"disturbance_tone{family}")
-
-
-def tone_columns(frequency: float, orders: Sequence[int]) -> Columns:
-    """Return sine and cosine in time of multiples of a frequency (Hz)."""
-    w = 2 * np.pi * frequency
-    return along(lambda b: np.vstack([f(w * o * b.time) for o in orders for f in (np.sin, np.cos)]))
 
 
 def best_window(s: Search) -> tuple[float, float]:
@@ -742,17 +739,9 @@ def best_tones(s: Search) -> tuple[list[float], int]:
     use = (f > 2.0 / duration) & (f < TONE_SHARE * b.rate)
     f, score = f[use], 2 * np.abs(spectrum[use]) ** 2 / (rows * gain_of(ctx, f[use]))
 
-    def size_at(q: float) -> float:
-        parts = [w @ np.exp(2j * np.pi * q * x.time) for w, x in zip(s.weights, s.balances, strict=True)]
-        return float(abs(sum(parts)))
-
-    best = []
-    for _ in range(3):
-        j = int(np.argmax(score))
-        if score[j] < LEAST_PEAK:
-            break
-        best.append(float(sharpen(size_at, float(f[j]), 0.25 / duration, 6)))
-        score[np.abs(f - f[j]) < 1.0 / duration] = 0
+    size_at = wave_sum(s.weights, [x.time for x in s.balances])
+    peaks = peaks_of(score, f, 1.0 / duration, TONES, LEAST_PEAK)
+    best = [sharpen(size_at, float(f[j]), 0.25 / duration, 6) for j in peaks]
     return best, int(duration * TONE_SHARE * b.rate)
 
 
@@ -828,15 +817,11 @@ def waves(s: Search) -> None:
     ctx, length, cogging = s.ctx, s.length, s.model.cogging
     known = [] if cogging is None else [float(w) / (2 * np.pi) for w in cogging.basis.wavenumbers]  # 1/m
     turn = [1.0 / (2 * np.pi)] if s.model.units.position == "rad" else []  # one turn: gravity
-    places = np.concatenate([b.position for b in s.balances])
     peaks = []
     for name, multiplier in WAVES.items():
         multipliers = [multiplier(b, d, s.force) for b, d in zip(s.balances, ctx.drives, strict=True)]
-        weighed = np.concatenate([w * m for w, m in zip(s.weights, multipliers, strict=True)])
-
-        def size_at(k: float, weighed: FloatArray = weighed) -> float:
-            return float(abs(weighed @ np.exp(2j * np.pi * k * places))) if k * length > LEAST_TURNS else -1.0
-
+        weighed = [w * m for w, m in zip(s.weights, multipliers, strict=True)]
+        size_at = wave_sum(weighed, [b.position for b in s.balances], LEAST_TURNS / length)
         scanned, trials = wave_scan(s, multipliers)
         for kappa, score in scanned:
             if score < LEAST_PEAK:
@@ -883,8 +868,7 @@ def several_waves(s: Search) -> None:
         return
     kappas = [1.0 / first]
     for count in range(2, MOST_WAVES + 1):
-        made = several(s, kappas)
-        c, _ = s.ctx.project(rows_of(s.ctx, made))
+        c, _ = s.ctx.project(rows_of(s.ctx, sines("position", 2 * np.pi * np.array(kappas))))
         left = adjoint(s.ctx, s.ctx.basis[0], e - np.linalg.lstsq(c.T, e, rcond=None)[0] @ c)
         peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances], left)
         peaks = [peak for peak in peaks if peak[0] * s.length > FAMILY_TURNS]
@@ -892,14 +876,14 @@ def several_waves(s: Search) -> None:
             return
         kappas = [*kappas, peaks[0][0]]
         label = " and ".join(f"{1 / k:.4g}" for k in kappas)
-        shape = Shape(label, several(s, kappas), wave_law("cogging_harmonic", *(1.0 / k for k in kappas)))
+        columns = sines("position", 2 * np.pi * np.array(kappas))
+        shape = Shape(label, columns, wave_law("cogging_harmonic", *(1.0 / k for k in kappas)))
         s.put("cogging_harmonic", shape, trials**count, period=first, family=f"cogging_harmonic {count}")
 
 
-def several(s: Search, kappas: Sequence[float]) -> Columns:
-    """Return sine and cosine of wavenumbers (1/m) along the travel."""
-    w = 2 * np.pi * np.array(kappas)
-    return along(lambda b: np.vstack([f(q * b.position) for q in w for f in (np.sin, np.cos)]))
+def sines(coordinate: str, turns: FloatArray) -> Columns:
+    """Return sine and cosine of a coordinate times each of `turns` (rad per unit)."""
+    return along(lambda b: np.vstack([f(q * getattr(b, coordinate)) for q in turns for f in (np.sin, np.cos)]))
 
 
 def wave_law(name: str, *periods: float) -> Law:
@@ -956,13 +940,7 @@ def wave_scan(
     norm = wave_power(s, multipliers, k)
     score = 2 * spectrum[use] / np.maximum(norm, 1e-9 * norm.max())
     score[norm < BAND_SHARE * norm.max()] = 0
-    peaks, left = [], score.copy()
-    for _ in range(PEAKS):
-        j = int(np.argmax(left))
-        if left[j] <= 0:
-            break
-        peaks.append((float(k[j]), float(score[j])))
-        left[np.abs(k - k[j]) < 1.0 / s.length] = 0
+    peaks = [(float(k[j]), float(score[j])) for j in peaks_of(score, k, 1.0 / s.length, PEAKS)]
     return peaks, int(max(10, (k[-1] - k[0]) * s.length))
 
 
