@@ -16,7 +16,6 @@ from cogging.diagnosis.report.sentences import (
     doubt_text,
     explained_text,
     headline,
-    is_sure,
     meaning,
     name_text,
     percent,
@@ -62,13 +61,13 @@ def test_a_headline_is_as_sure_as_its_names(results):
         said = headline(result)
         first = result.effects[0]
         doubted = said.removeprefix("The model lacks ").startswith(("either ", "probably ", "perhaps "))
-        assert doubted is not is_sure(first)
+        assert doubted is not first.is_sure
         assert f"{percent(first.share)} of the gap)" in said
-        doubts = sum(not is_sure(effect) for effect in result.effects[:2])
+        doubts = sum(not effect.is_sure for effect in result.effects[:2])
         assert sum(said.count(word) for word in ("either ", "probably ", "perhaps ")) == doubts
-        assert ("some of them uncertain" in said) is not all(map(is_sure, result.effects[2:]))
+        assert ("some of them uncertain" in said) is not all(effect.is_sure for effect in result.effects[2:])
         for effect in result.effects[:2]:
-            if not is_sure(effect) and not effect.alternatives:
+            if not effect.is_sure and not effect.alternatives:
                 word = "probably" if effect.confidence >= 0.5 else "perhaps"
                 assert f"{word} {name_text(effect)} (confidence {percent(effect.confidence)}" in said
                 told += 1
@@ -114,14 +113,14 @@ def test_that_something_is_there_is_not_what_it_is_called(results):
             assert percent(effect.confidence) in called
             assert "never" not in called
             assert "standard deviations" not in called
-            assert ("not enough" in called or "instead" in called) is not is_sure(effect)
+            assert ("not enough" in called or "instead" in called) is not effect.is_sure
 
 
 def test_ambiguous_says_which_names_which_of_them_how_sure_and_what_they_share(results):
     """Also where the name itself has 97 %."""
     seen = set()
     for result in results:
-        doubted = [effect for effect in result.effects if not is_sure(effect)]
+        doubted = [effect for effect in result.effects if not effect.is_sure]
         for effect in doubted:
             told = doubt_text(effect, result.vocabulary)
             for name in (effect.name, *effect.alternatives):
@@ -132,7 +131,7 @@ def test_ambiguous_says_which_names_which_of_them_how_sure_and_what_they_share(r
         for effect in doubted[:2]:
             assert doubt_text(effect, result.vocabulary) in meaning(result)
         assert len(meaning(result)) <= 4
-        assert all(doubt_text(effect, result.vocabulary) == "" for effect in result.effects if is_sure(effect))
+        assert all(doubt_text(effect, result.vocabulary) == "" for effect in result.effects if effect.is_sure)
     assert seen == {(True, True), (True, False), (False, False)}
 
 

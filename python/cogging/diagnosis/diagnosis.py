@@ -137,19 +137,8 @@ def _unmeasured(
     """Return a result with a verdict that was reached before the search."""
     gap = Gap(model.units.command, 0.0, 0.0, 0.0, None, None, "not measured")
     unseen = _labelled(unmeasured(vocabulary), model.units)
-    return Diagnosis(
-        verdict,
-        (),
-        None,
-        gap,
-        None,
-        model,
-        model,
-        notes=tuple(notes),
-        vocabulary=vocabulary,
-        limits=unseen,
-        mismatch=mismatch,
-    )
+    more: dict[str, Any] = {"notes": tuple(notes), "vocabulary": vocabulary, "limits": unseen, "mismatch": mismatch}
+    return Diagnosis(verdict, (), None, gap, None, model, model, **more)
 
 
 def _labelled(known: Mapping[str, Limit], units: Units) -> dict[str, Limit]:
@@ -269,7 +258,8 @@ def _result(
         tuple(location.lines()),
         tuple(_ledger(terms, families, out, given, confirm, found)),
         tuple(notes),
-        _series(before, after) | {"given": stated},
+        before.columns
+        | {"gap_before": before.series, "gap_after": after.series, "mask": before.masks, "given": stated},
         vocabulary,
         _labelled(limits(found, vocabulary), units),
     )
@@ -408,9 +398,3 @@ def _ledger(
         reason = f"the logs contradict it: the gain in 2 ln likelihood is {'; '.join(against)}"
         steps_taken.append(Step(name.lstrip("~"), False, reason, float(sum(gains)), None, None, None, None))
     return steps_taken
-
-
-def _series(before: Discrepancy, after: Discrepancy) -> dict[str, Any]:
-    """Return the rows of the logs for the figures, by name."""
-    series: dict[str, Any] = {name: [rows[name] for rows in before.rows] for name in before.rows[0]}
-    return series | {"gap_before": before.series, "gap_after": after.series, "mask": before.masks}

@@ -54,6 +54,11 @@ class NamedEffect:
     curve: Mapping[str, Any] | None = None
     in_model: bool = True
 
+    @property
+    def is_sure(self) -> bool:
+        """Whether the contract allows a verdict of `named`."""
+        return self.confidence >= SURE and not self.alternatives
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of the JSON result."""
         entry = {
@@ -132,29 +137,11 @@ class Gap:
             return None
         return (self.before**2 - self.after**2) / above
 
-    @property
-    def confirmed(self) -> float | None:
-        """Gap after over gap before on the confirm logs; None without any."""
-        if not self.confirm_before or self.confirm_after is None:
-            return None
-        return self.confirm_after / self.confirm_before
-
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of the JSON result."""
-        return {
-            "unit": self.unit,
-            "floor": self.floor,
-            "given": self.given,
-            "before": self.before,
-            "after": self.after,
-            "confirm_before": self.confirm_before,
-            "confirm_after": self.confirm_after,
-            "share": self.share,
-            "predictable": self.predictable,
-            "signal": self.signal,
-            "tracking_error_before": self.position_before,
-            "tracking_error_after": self.position_after,
-        }
+        names = ("unit", "floor", "given", "before", "after", "confirm_before", "confirm_after", "share", "predictable")
+        errors = {f"tracking_error_{when}": getattr(self, f"position_{when}") for when in ("before", "after")}
+        return {name: getattr(self, name) for name in (*names, "signal")} | errors
 
 
 @dataclass(frozen=True)

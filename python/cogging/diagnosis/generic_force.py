@@ -9,6 +9,7 @@ import numpy as np
 
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats
+from cogging.diagnosis.places import COORDINATE_UNITS, Shape
 from cogging.diagnosis.yardstick import Discrepancy
 
 #: Nodes of the piecewise linear force along each coordinate.
@@ -23,30 +24,19 @@ ROWS = 10000  # of a log, which suffice for some 150 columns
 
 
 @dataclass(frozen=True)
-class Curve:
-    """A force (V) at places of one coordinate, and the share of the gap's power that it predicts, 0 to 1."""
-
-    coordinate: str
-    share: float
-    places: FloatArray
-    force: FloatArray
-    deviation: FloatArray
-
-
-@dataclass(frozen=True)
 class Predicted:
     """Share of the gap's power that a generic force predicts.
 
     Attributes:
         within: share on the given logs by cross-validation, 0 to 1.
         elsewhere: share on the confirm logs after a fit to the given logs; None without confirm logs.
-        curves: force along each coordinate alone, the largest share first.
+        curves: force along each coordinate alone, the largest share first; untested.
         noise: rms residual of the complete force on the given logs, V, corrected for its degrees of freedom.
     """
 
     within: float
     elsewhere: float | None
-    curves: tuple[Curve, ...]
+    curves: tuple[Shape, ...]
     noise: float
 
     @property
@@ -72,7 +62,8 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     curves = []
     for name in BENDS:
         share, force, deviation = _fit(sums, None if name == "time" else elsewhere, groups == name)
-        curves.append(Curve(name, share, places[name], given.push * force, deviation))
+        missing = given.push * force
+        curves.append(Shape(name, COORDINATE_UNITS[name], places[name], missing, deviation, 0.0, 0.0, share))
     # every persistent force is a function of time too: list time after the other coordinates
     lasts = max(curve.share for curve in curves if curve.coordinate != "time") > LASTING
     curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import chi2
@@ -15,7 +16,6 @@ from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.generic_force import Predicted, predicted
 from cogging.diagnosis.location import SIGNIFICANT, Location, Wave
-from cogging.diagnosis.places import COORDINATE_UNITS, Shape
 from cogging.diagnosis.preparation import Logs, read_logs
 from cogging.diagnosis.yardstick import Discrepancy, Yardstick
 from cogging.log_check.log_audit import check_against_model
@@ -33,10 +33,7 @@ ROUNDS = 3  # of re-tuning
 
 @check_arguments(logs=LOGS, model=MODEL)
 @on_one_blas_thread(scipy=True)
-def locate_gap(
-    logs: Logs,
-    model: Model | str | os.PathLike[str],
-) -> Location:
+def locate_gap(logs: Logs, model: Model | str | os.PathLike[str]) -> Location:
     """Locate the gap between logs and a model by coordinate, place, spatial period and frequency.
 
     The model is first re-tuned within its stated uncertainty. The unexplained force is then tested against a generic
@@ -91,21 +88,9 @@ def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Locati
             tables.append(b.rows(table))
         statistic, _, freedom = evidence.score(tables)
         chance = float(chi2.logsf(statistic, max(freedom, 1)) + np.log(len(rest.curves)))
-        shapes.append(
-            Shape(
-                name,
-                COORDINATE_UNITS[name],
-                curve.places,
-                curve.force,
-                curve.deviation,
-                statistic,
-                0.0 if nothing else min(chance, 0.0),
-                curve.share,
-            )
-        )
+        shapes.append(replace(curve, statistic=statistic, log_p_value=0.0 if nothing else min(chance, 0.0)))
     shapes.sort(key=lambda shape: shape.log_p_value)
-    series = {name: [rows[name] for rows in gap.rows] for name in gap.rows[0]}
-    series |= {"gap": list(gap.series), "mask": [mask.astype(float) for mask in gap.masks]}
+    series = gap.columns | {"gap": list(gap.series), "mask": [mask.astype(float) for mask in gap.masks]}
     return Location(tuple(shapes), () if nothing else tuple(_waves(evidence, gap)), gap.rms, evidence.model, series)
 
 
@@ -132,7 +117,7 @@ def _waves(evidence: Evidence, gap: Discrepancy) -> list[Wave]:
     found += [("position", refine("position", k, travel), trials) for k, _ in peaks if k * travel >= TURNS]
     size = int(2 ** np.ceil(np.log2(2 * max(len(g) for g in weights))))
     power = np.sum([np.abs(np.fft.rfft(g, size)) ** 2 for g in weights], axis=0)
-    frequency = np.fft.rfftfreq(size, balances[0].step)
+    frequency = np.asarray(np.fft.rfftfreq(size, balances[0].step), dtype=np.float64)
     power[(frequency < TURNS / duration) | (frequency > 0.4 * evidence.rate)] = 0.0
     for j in peaks_of(power, frequency, 1.0 / duration, WAVES):
         number = refine("time", float(frequency[j]), duration)

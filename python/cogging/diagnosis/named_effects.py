@@ -11,7 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.decision import NAMELESS
 from cogging.diagnosis.balance.evidence import LARGELY, Evidence
-from cogging.diagnosis.entries import SURE, Gap, NamedEffect, Value
+from cogging.diagnosis.entries import Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
 from cogging.diagnosis.patched_model import Term
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
@@ -233,11 +233,9 @@ def unlisted(
     if systematic < SYSTEMATIC or (systematic < LARGELY and left < gap.before**2 - gap.after**2):
         return None
     curve = rest.curves[0]
-    unit = COORDINATE_UNITS[curve.coordinate]
-    shape = Shape(curve.coordinate, unit, curve.places, curve.force, curve.deviation, 0.0, 0.0, curve.share)
     return {
         "coordinate": curve.coordinate,
-        "shape": shape_text(shape, units),
+        "shape": shape_text(curve, units),
         "share": curve.share,
         "places": curve.places.tolist(),
         "force": curve.force.tolist(),
@@ -253,5 +251,4 @@ def final_verdict(effects: Sequence[NamedEffect], rest: Mapping[str, Any] | None
         return "unlisted"
     if not effects:
         return "no_gap"
-    sure = all(effect.confidence >= SURE and not effect.alternatives for effect in effects)
-    return "named" if sure else "ambiguous"
+    return "named" if all(effect.is_sure for effect in effects) else "ambiguous"

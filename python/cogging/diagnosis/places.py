@@ -11,15 +11,9 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.effects.effect import VOCABULARY, Effect, Knots
 from cogging.model.units import Units
+from cogging.plot.gaps import COORDINATES
 
-COORDINATE_UNITS = {
-    "position": "m",
-    "velocity": "m/s",
-    "acceleration": "m/s^2",
-    "time": "s",
-    "command": "V",
-    "frequency": "Hz",
-}
+COORDINATE_UNITS = {**COORDINATES, "frequency": "Hz"}
 STRONG = 3.0  # standard deviations of a significant force
 WEAKER = 0.1  # of the strongest force: weaker ranges are omitted
 RUNS = 2  # maximum number of ranges
@@ -36,8 +30,8 @@ class Shape:
         places: nodes, (m,).
         force: missing force at the nodes, V, (m,), or (2 m,) for a position: first forward, then backward.
         deviation: standard deviation of each force.
-        statistic: score statistic T of a generic force along this coordinate.
-        log_p_value: ln of the probability of such a statistic under the null hypothesis.
+        statistic: score statistic T of a generic force along this coordinate; 0 without a test.
+        log_p_value: ln of the probability of such a statistic under the null hypothesis; 0 without a test.
         share: share of the gap's power that the force explains, cross-validated.
     """
 

@@ -50,6 +50,11 @@ class Discrepancy:
         return np.concatenate([row[mask] for row, mask in zip(columns, self.masks, strict=True)])
 
     @property
+    def columns(self) -> dict[str, Any]:
+        """Columns of `rows` by name, one array per log."""
+        return {name: [rows[name] for rows in self.rows] for name in self.rows[0]}
+
+    @property
     def rms(self) -> float:
         """Rms over rows in motion, V."""
         moving = self.in_motion()
@@ -119,7 +124,7 @@ class Yardstick:
 
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
         if not self.replay:
-            along = tuple(_motion(b, b.time[:: b.every], slice(None, None, b.every)) for b in balances)
+            along = tuple(_motion(b, b.time[:: b.every]) for b in balances)
             rests = [instruments_of(b, model).residual(b, model) for b in balances]
             left = tuple(b._low_pass(r * b.keep, b.corner)[:: b.every] for b, r in zip(balances, rests, strict=True))
             return Discrepancy(BALANCED, left, along, tuple(b.mask for b in balances))
@@ -153,13 +158,11 @@ def _moved(log: Log, distance: float) -> Log:
     if not distance:
         return log
     reference = None if log.reference is None else log.reference + distance
-    return Log(
-        log.time, log.position + distance, log.command, reference, log.reference_velocity, log.reference_acceleration
-    )
+    return replace(log, position=log.position + distance, reference=reference)
 
 
-def _motion(b: Any, time: FloatArray, rows: slice | None = None) -> dict[str, FloatArray]:
-    """Return the coordinates of a balance at its own rows, or interpolated at times (s)."""
+def _motion(b: Any, time: FloatArray) -> dict[str, FloatArray]:
+    """Return the coordinates of a balance at times (s), interpolated."""
     slow = b._low_pass(b.velocity, 0.5 / ACCELERATION_TIME)
     asked = b.acceleration if b.reference is None else b.reference[2]
     motion = {
@@ -168,8 +171,6 @@ def _motion(b: Any, time: FloatArray, rows: slice | None = None) -> dict[str, Fl
         "acceleration": np.gradient(slow, b.step) if b.reference is None else asked,
         "command": b._low_pass(b.command, b.corner),
     }
-    if rows is not None:
-        return {"time": time, **{name: row[rows] for name, row in motion.items()}}
     return {"time": time, **{name: np.interp(time, b.time, row) for name, row in motion.items()}}
 
 

@@ -50,8 +50,8 @@ def html(result: Diagnosis, *, title: str = "", step: NextStep | None = None) ->
         raise ValueError(f"a report needs {error.name}: pip install 'cogging[report]'") from None
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    page: str = template.render(style=STYLE.read_text(encoding="utf-8"), **_content(result, title, step))
-    return page
+    texts = {"style": STYLE.read_text(encoding="utf-8"), "plain": plain, "numbers": numbers, "shape_words": shape_words}
+    return str(template.render(**texts, **_content(result, title, step)))
 
 
 def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, Any]:
@@ -59,28 +59,23 @@ def _content(result: Diagnosis, title: str, step: NextStep | None) -> dict[str, 
     return {
         "title": title,
         "version": importlib.metadata.version("cogging"),
-        "verdict": result.verdict,
+        "result": result,
         "headline": headline(result),
         "meaning": meaning(result),
         "step": step or next_step(result),
-        "gap": result.gap,
         "bars": _bars(result),
         "micro": units.of("µm"),
         "command_unit": units.command,
         "default_units": units == Units(),
         "explained": explained_text(result.gap) if result.effects else "",
-        "confirmed": result.gap.confirmed,
         "effects": [_effect(result, effect) for effect in result.effects],
-        "mismatch": result.mismatch,
-        "unlisted": result.unlisted,
         "term": term_text(unlisted["added"], result.gap.unit) if "added" in unlisted else "",
         "unlisted_text": "" if result.unlisted is None else f"{capital(str(result.unlisted['shape']))}.",
         "where": result.location.lines() if result.location is not None else list(result.where_text),
         "further": _further(result),
-        "ledger": result.ledger,
-        "limits": _limits(result),
+        "shown": {name: limit for name, limit in result.limits.items() if not limit.why},
+        "unseen": {name: limit for name, limit in result.limits.items() if limit.why},
         "axis": result.axis_lines(),
-        "notes": result.notes,
         "parameters": (rows := _parameters(result)),
         "main": [row for row in rows if row["path"].startswith(("axis.", "effects."))][:MAIN],
         "model": to_toml(result.model.to_dict()),
@@ -106,23 +101,6 @@ def _bars(result: Diagnosis) -> list[dict[str, Any]]:
         for label, size, kind in sizes
         if size is not None
     ]
-
-
-def _limits(result: Diagnosis) -> dict[str, list[dict[str, Any]]]:
-    """Return the rows of the detection limits, and of the effects without one."""
-    rows = [
-        {
-            "words": plain(name),
-            "size": limit.meaning or limit.parameter,
-            "value": numbers(limit.value),
-            "unit": "" if limit.unit == "1" else limit.unit,
-            "smaller_shows": limit.smaller_shows,
-            "shape": shape_words(limit),
-            "why": limit.why,
-        }
-        for name, limit in result.limits.items()
-    ]
-    return {"shown": [row for row in rows if not row["why"]], "unseen": [row for row in rows if row["why"]]}
 
 
 def _effect(result: Diagnosis, effect: NamedEffect) -> dict[str, Any]:

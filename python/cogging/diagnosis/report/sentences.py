@@ -51,19 +51,15 @@ MEANINGS = {
 }
 #: Coordinate along which an effect acts, by the quantity of its parameters.
 ALONG = {
-    "position": "position",
-    "distance": "position",
-    "angle": "position",
-    "force_per_position": "position",
-    "velocity": "velocity",
-    "force_per_velocity": "velocity",
-    "force_per_velocity_squared": "velocity",
-    "friction": "velocity",
-    "stiffness": "velocity",
-    "time": "time",
-    "command": "command",
-    "sample_time": "frequency",
-    "frequency": "frequency",
+    quantity: coordinate
+    for coordinate, quantities in {
+        "position": ("position", "distance", "angle", "force_per_position"),
+        "velocity": ("velocity", "force_per_velocity", "force_per_velocity_squared", "friction", "stiffness"),
+        "time": ("time",),
+        "command": ("command",),
+        "frequency": ("sample_time", "frequency"),
+    }.items()
+    for quantity in quantities
 }
 HARDLY = "under 5 % of the gap"
 LITTLE = 0.05  # of the gap: smaller shares read as HARDLY
@@ -108,18 +104,13 @@ def names_text(effects: Sequence[NamedEffect]) -> str:
         if effect.alternatives:
             others = [shortened(plain(other), LONGEST) for other in effect.alternatives]
             phrase = f"either {joined([phrase, *others], 'or')}"
-        elif not is_sure(effect):
+        elif not effect.is_sure:
             phrase = f"{'probably' if effect.confidence >= 0.5 else 'perhaps'} {phrase}"
             figures = [f"confidence {percent(effect.confidence)}", *figures]
         phrases.append(f"{phrase} ({', '.join(figures)})" if figures else phrase)
     more = effects[IN_HEADLINE:]
-    uncertain = "" if all(map(is_sure, more)) else ", some of them uncertain"
+    uncertain = "" if all(effect.is_sure for effect in more) else ", some of them uncertain"
     return joined([*phrases, *([f"{len(more)} more{uncertain}"] if more else [])])
-
-
-def is_sure(effect: NamedEffect) -> bool:
-    """Return whether the contract allows a verdict of `named` for an effect."""
-    return effect.confidence >= SURE and not effect.alternatives
 
 
 def name_text(effect: NamedEffect) -> str:
@@ -138,7 +129,7 @@ def explained_text(gap: Gap) -> str:
 def doubt_text(effect: NamedEffect, vocabulary: Mapping[str, Effect]) -> str:
     """Return sentences on an uncertain name, its confidence and its alternatives; empty for a certain one."""
     name, confidence = plain(effect.name), percent(effect.confidence)
-    if is_sure(effect):
+    if effect.is_sure:
         return ""
     if not effect.alternatives:
         return f"{capital(name)}: no other known effect fits as well, but its confidence is only {confidence}."
@@ -195,7 +186,7 @@ def standing_text(effect: NamedEffect) -> str:
 def certainty_text(effect: NamedEffect, vocabulary: Mapping[str, Effect]) -> str:
     """Return sentences on the confidence of a name and on its alternatives."""
     confidence = f"Confidence that it is {plain(effect.name)}: {percent(effect.confidence)}"
-    if is_sure(effect):
+    if effect.is_sure:
         return f"{confidence}."
     if effect.alternatives:
         others = joined([plain(other) for other in effect.alternatives], "or")
