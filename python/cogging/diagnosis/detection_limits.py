@@ -17,7 +17,7 @@ from scipy.stats import ncx2, norm
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import NEAR_REST, SHORTEST
 from cogging.diagnosis.balance.decision import THRESHOLD, Outcome, block_edges, score_of
-from cogging.diagnosis.balance.evidence import Evidence, orthonormal
+from cogging.diagnosis.balance.evidence import Evidence, beside, nuisance_basis
 from cogging.diagnosis.entries import Limit
 from cogging.diagnosis.physical import fields_with_role
 from cogging.effects.effect import Effect, Knots, SplineKnots, Wave, kind_of
@@ -114,14 +114,10 @@ def noncentralities(evidence: Evidence, tables: Sequence[FloatArray], name: str 
     null = evidence.screen
     own = (f"effects.{name}.", f"effects.{name}[")
     kept = [k for k in range(len(null.x)) if not (k < len(evidence.paths) and evidence.paths[k].startswith(own))]
-    root, sigma = np.sqrt(null.weight / null.spread), null.prior[0][kept]
-    finite = np.isfinite(sigma)
-    prior = np.diag(1.0 / np.where(finite, sigma, 1.0))[:, finite]
-    q = orthonormal(np.hstack([null.x[kept] * root, prior]))
+    root = np.sqrt(null.weight / null.spread)
+    q = nuisance_basis(null.x[kept] * root, null.prior[0][kept])
     columns = evidence.filtered(tables, null.taps) * root
-    before = np.linalg.norm(columns, axis=1)
-    columns = np.hstack([columns, np.zeros((len(columns), int(finite.sum())))])
-    after = np.linalg.norm(columns - (columns @ q.T) @ q, axis=1)
+    before, after = (np.linalg.norm(rows, axis=1) for rows in (columns, beside(columns, q)))
     return np.asarray(np.where(after > LEFT * before, after**2, 0.0))
 
 

@@ -189,7 +189,7 @@ def _result(
     before, before_there = given[0], confirm[0]
     if logs.confirm and before_there is None:
         notes.append("the encoder resolves too little motion in the confirm logs: they confirm nothing")
-    read = _as_read(yardstick, stated, before)
+    read = _as_read(yardstick, stated)
     if read is not None and read.rms < before.rms:  # discard re-tuning that makes the gap larger
         nominal, before, before_there = stated, read, yardstick.on_confirm(stated)
     names = paths_without(whole, {terms[k].path for k in out})
@@ -204,8 +204,7 @@ def _result(
 
     # 2. the remaining gap, the named effects and the unlisted force
     rest = predicted(after, after_there)
-    command = after.in_motion("command")
-    rms = float(np.sqrt(np.mean(command**2))) if len(command) else 0.0
+    rms = after.rms_of("command")
     gap = Gap(
         units.command,
         min(rest.noise, after.rms),
@@ -321,7 +320,7 @@ def _harm(
     return harm, why
 
 
-def _as_read(yardstick: Yardstick, stated: Model, before: Discrepancy) -> Discrepancy | None:
+def _as_read(yardstick: Yardstick, stated: Model) -> Discrepancy | None:
     """Return the gap of the stated model on the given logs, or None if its replay fails."""
     try:
         return yardstick.on_given(stated)

@@ -25,19 +25,12 @@ ROWS = 10000  # of a log, which suffice for some 150 columns
 
 @dataclass(frozen=True)
 class Predicted:
-    """Share of the gap's power that a generic force predicts.
+    """Share of the gap's power that a generic force predicts."""
 
-    Attributes:
-        within: share on the given logs by cross-validation, 0 to 1.
-        elsewhere: share on the confirm logs after a fit to the given logs; None without confirm logs.
-        curves: force along each coordinate alone, the largest share first; untested.
-        noise: rms residual of the complete force on the given logs, V, corrected for its degrees of freedom.
-    """
-
-    within: float
-    elsewhere: float | None
-    curves: tuple[Shape, ...]
-    noise: float
+    within: float  # share on the given logs by cross-validation, 0 to 1
+    elsewhere: float | None  # share on the confirm logs after a fit to the given logs; None without confirm logs
+    curves: tuple[Shape, ...]  # force along each coordinate alone, the largest share first; untested
+    noise: float  # rms residual of the whole force on the given logs, V, corrected for its degrees of freedom
 
     @property
     def share(self) -> float:

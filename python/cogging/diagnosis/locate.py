@@ -78,7 +78,7 @@ def location_of(evidence: Evidence, gap: Discrepancy, rest: Predicted) -> Locati
         rest: prediction of it by a generic force.
     """
     shapes = []
-    nothing = gap.rms < SMALL * float(np.sqrt(np.mean(gap.in_motion("command") ** 2)))
+    nothing = gap.rms < SMALL * gap.rms_of("command")
     for curve in rest.curves:
         name, tables = curve.coordinate, []
         for b, u in zip(evidence.balances, evidence.drives, strict=True):

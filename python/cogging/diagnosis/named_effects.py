@@ -15,7 +15,7 @@ from cogging.diagnosis.entries import Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
 from cogging.diagnosis.patched_model import Term
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
-from cogging.effects.effect import Effect, laws_of
+from cogging.effects.effect import laws_of
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths
 from cogging.model.units import Units
@@ -129,14 +129,28 @@ def _ends(low: float, high: float) -> tuple[float | None, float | None]:
 
 
 def _where(term: Term, evidence: Evidence) -> dict[str, Any]:
-    """Return coordinate and range of a term."""
-    if term.effect is not None:
-        return where_of(term.effect, evidence)
-    rows = _motion(evidence)
-    name = "acceleration" if term.path == "axis.mass" else "velocity"
-    if term.accepted.found.columns is not None:
+    """Return coordinate and range of a term: of 90 % of its force, or of the quantity that it acts on."""
+    effect, motion = term.effect, _motion(evidence)
+    hooks = set() if effect is None else set(effect.HOOKS)
+    if effect is not None and {"force", "friction_level", "command_gain"} & hooks:
+        law = laws_of(effect.resolved(evidence.model.axis, evidence.model.cogging))
+        rows = {name: motion[name] for name in ("position", "velocity", "time")}
+        if {"force", "friction_level"} & hooks:
+            return _held_by(law.force_at if "force" in hooks else law.friction_level_at, rows)
+        return _held_by(law.gain_at, {name: rows[name] for name in ("position", "time")})
+    if effect is None and term.accepted.found.columns is None:
+        name = "acceleration" if term.path == "axis.mass" else "velocity"
+    elif effect is None:
         name = "position" if term.curve is None else str(term.curve["coordinate"])
-    return {"coordinate": name, "range": [float(rows[name].min()), float(rows[name].max())]}
+    elif {"reading", "shape_command"} & hooks:
+        name = "position" if "reading" in hooks else "command"
+    elif "state" in hooks:
+        slow = evidence.model.axis.coulomb_width
+        return {"coordinate": "velocity", "range": [-slow, slow]}
+    else:
+        fastest = 0.5 / float(np.median(np.diff(evidence.balances[0].log.time)))
+        return {"coordinate": "frequency", "range": [DYNAMIC, fastest]}
+    return {"coordinate": name, "range": [float(motion[name].min()), float(motion[name].max())]}
 
 
 def _motion(evidence: Evidence) -> dict[str, FloatArray]:
@@ -144,27 +158,6 @@ def _motion(evidence: Evidence) -> dict[str, FloatArray]:
     b = max(evidence.balances, key=lambda one: len(one.time))
     names = ("position", "velocity", "acceleration", "time", "command")
     return {name: getattr(b, name)[b.keep > 0] for name in names}
-
-
-def where_of(effect: Effect, evidence: Evidence) -> dict[str, Any]:
-    """Return coordinate and range of 90 % of the force of an effect, or of the quantity that it acts on."""
-    hooks, motion = effect.HOOKS, _motion(evidence)
-    resolved = laws_of(effect.resolved(evidence.model.axis, evidence.model.cogging))
-    rows = {name: motion[name] for name in ("position", "velocity", "time")}
-    if "force" in hooks or "friction_level" in hooks:
-        return _held_by(resolved.force_at if "force" in hooks else resolved.friction_level_at, rows)
-    if "command_gain" in hooks:
-        return _held_by(resolved.gain_at, {name: rows[name] for name in ("position", "time")})
-    if "reading" in hooks or "shape_command" in hooks:
-        name = "position" if "reading" in hooks else "command"
-        return {"coordinate": name, "range": [float(motion[name].min()), float(motion[name].max())]}
-    if "state" in hooks:
-        slow = evidence.model.axis.coulomb_width
-        return {"coordinate": "velocity", "range": [-slow, slow]}
-    return {
-        "coordinate": "frequency",
-        "range": [DYNAMIC, 0.5 / float(np.median(np.diff(evidence.balances[0].log.time)))],
-    }
 
 
 def _held_by(law: Callable[..., Any], rows: Mapping[str, FloatArray]) -> dict[str, Any]:

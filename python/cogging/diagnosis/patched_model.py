@@ -26,21 +26,13 @@ FOLLOWED = 0.95  # minimum share of a force's power that a function of one coord
 
 @dataclass(frozen=True)
 class Term:
-    """An accepted candidate in the patched model.
-
-    Attributes:
-        accepted: candidate.
-        effect: its re-fitted law; None for a change of the axis or without a law.
-        path: path of its effect in the patched model, or of the changed axis parameter; "" without either.
-        curve: coordinate, places and force (V) of a candidate without a law; else None.
-        certain: whether its interval excludes zero.
-    """
+    """An accepted candidate in the patched model."""
 
     accepted: Accepted
-    effect: Effect | None
-    path: str
-    curve: Mapping[str, Any] | None = None
-    certain: bool = True
+    effect: Effect | None  # its re-fitted law; None for a change of the axis or without a law
+    path: str  # of its effect in the patched model, or of the changed axis parameter; "" without either
+    curve: Mapping[str, Any] | None = None  # coordinate, places and force (V) of a candidate without a law
+    certain: bool = True  # whether its interval excludes zero
 
 
 def paths_without(whole: Model, gone: Collection[str]) -> dict[str, str]:

@@ -22,21 +22,13 @@ Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 @dataclass(frozen=True)
 class Prepared:
-    """Logs of one diagnosis.
+    """Logs of one diagnosis."""
 
-    Attributes:
-        given: logs to diagnose.
-        names: their names in messages.
-        confirm: logs of other motion.
-        confirm_names: their names.
-        notes: notes on the preparation.
-    """
-
-    given: list[Log]
-    names: list[str]
-    confirm: list[Log]
+    given: list[Log]  # logs to diagnose
+    names: list[str]  # their names in messages
+    confirm: list[Log]  # logs of other motion
     confirm_names: list[str]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # on the preparation
 
     def changed(self, change: Callable[[Log, str], tuple[Log, Iterable[str]]]) -> Prepared:
         """Return the logs after a change, a function of each log and its name, with the notes that it returns."""

@@ -15,19 +15,12 @@ MISSED = 1e-3  # of the rms command: error of the stated controller above which 
 
 @dataclass(frozen=True)
 class RunningController:
-    """Controller of the logs.
+    """Controller of the logs."""
 
-    Attributes:
-        model: given model with the controller of the logs.
-        replay: whether the loop can be replayed.
-        contradiction: how the logs contradict the stated controller, or None.
-        notes: notes on changes of the controller.
-    """
-
-    model: Model
-    replay: bool
-    contradiction: str | None = None
-    notes: tuple[str, ...] = ()
+    model: Model  # given model with that controller
+    replay: bool  # whether the loop can be replayed
+    contradiction: str | None = None  # how the logs contradict the stated controller
+    notes: tuple[str, ...] = ()  # on changes of the controller
 
 
 def running_controller(logs: Sequence[Log], model: Model) -> RunningController:

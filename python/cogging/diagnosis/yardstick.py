@@ -28,21 +28,13 @@ ROUNDS = 2  # of re-tuning on confirm logs: the second uses the friction width o
 
 @dataclass(frozen=True)
 class Discrepancy:
-    """Unexplained force of logs under one model.
+    """Unexplained force of logs under one model."""
 
-    Attributes:
-        signal: REPLAYED or BALANCED.
-        series: unexplained force of each log, V.
-        rows: time, position, velocity, acceleration and command of the same rows, one mapping per log.
-        masks: rows in motion, one per log.
-        position: rms of measured less replayed position, m; None without replay.
-    """
-
-    signal: str
-    series: tuple[FloatArray, ...]
-    rows: tuple[Mapping[str, FloatArray], ...]
-    masks: tuple[Mask, ...]
-    position: float | None = None
+    signal: str  # REPLAYED or BALANCED
+    series: tuple[FloatArray, ...]  # unexplained force of each log, V
+    rows: tuple[Mapping[str, FloatArray], ...]  # time, position, velocity, acceleration and command of the same rows
+    masks: tuple[Mask, ...]  # rows in motion of each log
+    position: float | None = None  # rms of measured less replayed position, m; None without replay
 
     def in_motion(self, name: str = "") -> FloatArray:
         """Return a column of `rows`, by default the unexplained force, over the rows in motion of all logs, (n,)."""
@@ -57,7 +49,11 @@ class Discrepancy:
     @property
     def rms(self) -> float:
         """Rms over rows in motion, V."""
-        moving = self.in_motion()
+        return self.rms_of()
+
+    def rms_of(self, name: str = "") -> float:
+        """Return the rms of a column of `rows`, by default of the unexplained force, over rows in motion."""
+        moving = self.in_motion(name)
         return float(np.sqrt(np.mean(moving**2))) if len(moving) else 0.0
 
     @property
@@ -68,22 +64,14 @@ class Discrepancy:
 
 @dataclass(frozen=True)
 class Yardstick:
-    """Measure of the gap of any model: nuisance parameters re-fitted under their priors, effects fixed.
+    """Measure of the gap of any model: nuisance parameters re-fitted under their priors, effects fixed."""
 
-    Attributes:
-        found: outcome of the search, which holds the force balances.
-        given: given logs.
-        confirm: confirm logs.
-        stated: model as read, with the running controller.
-        replay: whether to replay the loop.
-        tuned: cache of models and their versions re-tuned to the confirm logs, by id.
-    """
-
-    found: Outcome
+    found: Outcome  # of the search, which holds the force balances
     given: Sequence[Log]
     confirm: Sequence[Log]
-    stated: Model
-    replay: bool
+    stated: Model  # model as read, with the running controller
+    replay: bool  # whether to replay the loop
+    #: Cache of models and their versions re-tuned to the confirm logs, by id.
     tuned: dict[int, tuple[Model, Model]] = field(default_factory=dict)
 
     def on_given(self, model: Model) -> Discrepancy:

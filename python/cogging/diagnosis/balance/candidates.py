@@ -87,35 +87,20 @@ Refine = tuple[float, Callable[[float], Shape], float]
 
 @dataclass
 class Found:
-    """Best shape of one name.
+    """Best shape of one name."""
 
-    Attributes:
-        name: name of the effect, or of a generic force, which starts with ~.
-        label: label of the shape.
-        T: score statistic.
-        k: degrees of freedom of T.
-        N: number of shapes that were tried.
-        amplitudes: amplitudes of the columns, (k,).
-        columns: function(evidence) that returns the columns of each log; None for a parameter of the axis.
-        effect: function(amplitudes) that returns one law or several; None without a law; the path of an axis parameter.
-        others: further names of a shape without a law.
-        likeness: share of the T of a shape without a law that the law of its name explains.
-        period: period of a wave along the travel, m.
-        refine: a number of the shape, function(number) that returns a `Shape`, and the first relative step.
-    """
-
-    name: str
-    label: str
-    T: float
-    k: int
-    N: float
-    amplitudes: Any
-    columns: Any
-    effect: Any = None
-    others: tuple[str, ...] = ()
-    likeness: float = 1.0
-    period: float | None = None
-    refine: Refine | None = None
+    name: str  # of the effect, or of a generic force, which starts with ~
+    label: str  # of the shape
+    T: float  # score statistic
+    k: int  # degrees of freedom of T
+    N: float  # number of shapes that were tried
+    amplitudes: Any  # of the columns, (k,)
+    columns: Any  # function(evidence) that returns the columns of each log; None for a parameter of the axis
+    effect: Any = None  # function(amplitudes) that returns one law or several; None without; path of a parameter
+    others: tuple[str, ...] = ()  # further names of a shape without a law
+    likeness: float = 1.0  # share of the T of a shape without a law that the law of its name explains
+    period: float | None = None  # of a wave along the travel, m
+    refine: Refine | None = None  # a number of the shape, function(number) that returns a `Shape`, first relative step
 
     @property
     def near_rest(self) -> bool:
@@ -932,7 +917,14 @@ def wave_scan(
     """Return wavenumbers (1/m) and scores of the highest peaks of multiplier * wave, and the number of trials."""
     n = int(2 ** np.ceil(np.log2(8 * min(s.length / WAVE_GRID, 2**17))))
     dx = s.length / (n // 8)
-    spectrum = travel_spectrum(s, s.weights if weights is None else weights, multipliers, n, dx)
+    grid = np.zeros(n)
+    for b, w, m in zip(s.balances, s.weights if weights is None else weights, multipliers, strict=True):
+        place = (b.position - s.low) / dx
+        left = place.astype(int)
+        share = place - left
+        np.add.at(grid, left, w * m * (1 - share))
+        np.add.at(grid, left + 1, w * m * share)
+    spectrum = np.abs(np.fft.rfft(grid)) ** 2
     kappa = np.fft.rfftfreq(n, dx)
     shortest = max(4.0 * dx, SHORTEST_WAVE, ROWS_PER_WAVE * s.top * max(b.step for b in s.balances))
     use = (kappa > LEAST_TURNS / s.length) & (kappa < 1.0 / shortest)
@@ -942,20 +934,6 @@ def wave_scan(
     score[norm < BAND_SHARE * norm.max()] = 0
     peaks = [(float(k[j]), float(score[j])) for j in peaks_of(score, k, 1.0 / s.length, PEAKS)]
     return peaks, int(max(10, (k[-1] - k[0]) * s.length))
-
-
-def travel_spectrum(
-    s: Search, weights: Sequence[FloatArray], multipliers: Sequence[FloatArray], n: int, dx: float
-) -> FloatArray:
-    """Return the power spectrum of the weighted rows along the travel, on n grid points dx (m) apart, (n / 2 + 1,)."""
-    grid = np.zeros(n)
-    for b, w, m in zip(s.balances, weights, multipliers, strict=True):
-        place = (b.position - s.low) / dx
-        left = place.astype(int)
-        share = place - left
-        np.add.at(grid, left, w * m * (1 - share))
-        np.add.at(grid, left + 1, w * m * share)
-    return np.asarray(np.abs(np.fft.rfft(grid)) ** 2)
 
 
 def wave_power(s: Search, multipliers: Sequence[FloatArray], k: FloatArray) -> FloatArray:

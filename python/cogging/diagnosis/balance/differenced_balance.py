@@ -44,36 +44,21 @@ CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie be
 FORCE_NOISE = (2.0, 30.0)  # Hz: band in which the force noise is estimated
 GAP = 24  # invalid rows after a gap, over which the first taps of the whitening filter reach
 ENCODER_SHARE = 0.3  # of the residual power: encoder noise at the corner where the residual is systematic
-COMMAND_HOOKS = (
-    "command_gain",
-    "command_delay",
-    "lag",
-    "shape_command",
-)  # hooks that change the command before it acts
+#: Hooks that change the command before it acts.
+COMMAND_HOOKS = ("command_gain", "command_delay", "lag", "shape_command")
 
 
 class FineMotion(NamedTuple):
-    """Motion at every row, and at sub-steps of the rows close to a reversal.
+    """Motion at every row, and at sub-steps of the rows close to a reversal."""
 
-    Attributes:
-        instant: s, (m,).
-        start: s, (m,): midpoint to the previous instant, from which the command of an instant acts.
-        position: m, (m,).
-        velocity: m/s, (m,).
-        rows: indexes of the rows of the motion, (n,).
-        near: rows close to a reversal, (n,).
-        around: indexes about each of them, (count, 2 half - 1).
-        weights: weights of these in the mean of a row, (2 half - 1,).
-    """
-
-    instant: FloatArray
-    start: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    rows: NDArray[np.intp]
-    near: Mask
-    around: NDArray[np.intp]
-    weights: FloatArray
+    instant: FloatArray  # s, (m,)
+    start: FloatArray  # s, (m,): midpoint to the previous instant, from which the command of an instant acts
+    position: FloatArray  # m, (m,)
+    velocity: FloatArray  # m/s, (m,)
+    rows: NDArray[np.intp]  # indexes of the rows of the motion, (n,)
+    near: Mask  # rows close to a reversal, (n,)
+    around: NDArray[np.intp]  # indexes about each of them, (count, 2 half - 1)
+    weights: FloatArray  # of these in the mean of a row, (2 half - 1,)
 
 
 def decimated(rows: FloatArray, every: int) -> FloatArray:

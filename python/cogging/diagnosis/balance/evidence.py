@@ -5,7 +5,7 @@ Nuisance parameters (mass, friction, known cogging, accepted effects) are fitted
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -87,53 +87,34 @@ class TooLittleMotion(ValueError):
 
 @dataclass
 class Maximum:
-    """Maximum-likelihood fit of columns x (p, n) to whitened rows r (n,).
+    """Maximum-likelihood fit of columns x (p, n) to whitened rows r (n,)."""
 
-    Attributes:
-        cost: -2 ln likelihood.
-        w: amplitudes of the scaled columns, (p,).
-        rest: residual r - w x, (n,).
-        variance: of the residual.
-        weight: weight of each row, less than 1 for outliers, (n,).
-        gram: weighted Gram matrix of the scaled columns, priors included, (p, p).
-        unit: 2 ln of the noise scale of each row before its whitening filter, (n,).
-        theta: amplitudes in their own units, w / size, (p,).
-        taps: whitening filter of each log.
-        r: whitened rows, (n,).
-        x: whitened and scaled columns, (p, n).
-        prior: standard deviation and mean of each scaled amplitude.
-        size: scale of each column, (p,).
-        none: fit without the added columns, the likelier of `same` and that behind its own filter.
-        same: fit to the same rows without the added columns.
-        inflation: largest ratio of the variance of a score to that of independent rows.
-        explained: part of each row that the added columns explain, in standard deviations, (n,).
-    """
-
-    cost: float
-    w: FloatArray
-    rest: FloatArray
-    variance: float
-    weight: FloatArray
-    gram: FloatArray
-    unit: FloatArray = field(default_factory=lambda: np.zeros(1))
-    theta: FloatArray = field(init=False)
-    taps: list[FloatArray] = field(init=False)
-    r: FloatArray = field(init=False)
-    x: FloatArray = field(init=False)
-    prior: tuple[FloatArray, FloatArray] = field(init=False)
-    size: FloatArray = field(init=False)
+    cost: float  # -2 ln likelihood
+    w: FloatArray  # amplitudes of the scaled columns, (p,)
+    rest: FloatArray  # residual r - w x, (n,)
+    variance: float  # of the residual
+    weight: FloatArray  # of each row, less than 1 for outliers, (n,)
+    gram: FloatArray  # weighted Gram matrix of the scaled columns, priors included, (p, p)
+    unit: FloatArray = field(default_factory=lambda: np.zeros(1))  # 2 ln of the noise scale before the filter, (n,)
+    theta: FloatArray = field(init=False)  # amplitudes in their own units, w / size, (p,)
+    taps: list[FloatArray] = field(init=False)  # whitening filter of each log
+    r: FloatArray = field(init=False)  # whitened rows, (n,)
+    x: FloatArray = field(init=False)  # whitened and scaled columns, (p, n)
+    prior: tuple[FloatArray, FloatArray] = field(init=False)  # standard deviation and mean of each scaled amplitude
+    size: FloatArray = field(init=False)  # scale of each column, (p,)
+    #: The likelier fit without the added columns: `same`, or that behind its own filter.
     none: Maximum = field(init=False)
-    same: Maximum = field(init=False)
-    inflation: float = field(init=False, default=1.0)
-    explained: FloatArray = field(init=False)
+    same: Maximum = field(init=False)  # fit to the same rows without the added columns
+    inflation: float = field(init=False, default=1.0)  # largest ratio of a score's variance to that of independent rows
+    explained: FloatArray = field(init=False)  # part of each row that the added columns explain, in deviations, (n,)
 
-    def solved(self, free: Mask, theta: FloatArray, r: FloatArray | None = None) -> FloatArray:
-        """Return theta (p,) with the free amplitudes re-fitted and the others held, to its own rows or to r."""
-        sigma, target = self.prior
-        slope = self.x @ (self.weight * (self.r if r is None else r)) + target / np.maximum(
-            sigma**2 / self.variance, 1e-12
-        )
-        w = np.where(free, 0.0, theta * self.size)
+    def slope(self, r: FloatArray, target: FloatArray) -> FloatArray:
+        """Return the products of the columns with rows r (n,), with a prior of mean `target` (p,), (p,)."""
+        return np.asarray(self.x @ (self.weight * r) + target / np.maximum(self.prior[0] ** 2 / self.variance, 1e-12))
+
+    def solved(self, free: Mask, theta: FloatArray, r: FloatArray) -> FloatArray:
+        """Return theta (p,) with the free amplitudes re-fitted to rows r (n,) and the others held."""
+        slope, w = self.slope(r, self.prior[1]), np.where(free, 0.0, theta * self.size)
         w[free] = np.linalg.lstsq(self.gram[np.ix_(free, free)], (slope - self.gram @ w)[free])[0]
         return np.asarray(w / self.size)
 
@@ -170,12 +151,7 @@ def student_cost(rest: FloatArray, variance: float) -> FloatArray:
 
 
 def likeliest(
-    x: FloatArray,
-    r: FloatArray,
-    sigma: FloatArray,
-    target: FloatArray,
-    rounds: int = 3,
-    near: Maximum | None = None,
+    x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArray, rounds: int = 3, near: Maximum | None = None
 ) -> Maximum:
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
@@ -212,59 +188,39 @@ class Sticking:
 class Evidence:
     """Force balances of logs under a model and the terms accepted so far.
 
-    Attributes:
-        balances: force balances of the logs.
-        given: stated model, which sets the priors.
-        model: re-tuned model with the accepted effects.
-        extra: accepted candidates without a law: each has `columns(evidence)`.
-        free: paths of the axis without a prior.
-        plainly: whether to skip whitening whatever the size of the residual.
-        with_width: whether the width of the model's friction law is a nuisance parameter. In the search it is not: the
-            change of an arctangent with its width has the shape of Stribeck friction.
-        uniform: whether all rows have the same noise level, as where a given model lacks most of the command.
-        base: evidence of the model whose noise the residual has (see `Instruments.change`); None for the model's own.
-        instruments: of each log.
-        largely: whether the residual is too large a share of the command to be treated as noise.
-        alike: number of rows that count as one independent row; 1 for noise.
-        paths: paths of the p nuisance parameters, before the columns of `extra`.
-        prior_sigma: prior standard deviation of each nuisance parameter and column of `extra`, (q,).
-        prior_offset: prior mean, (q,).
-        limits: bounds of re-tuned parameters, by path.
-        masks: valid rows of each log before the whitening filter.
-        counted: valid rows behind it.
-        levels: relative noise level of these rows of each log (see `local_levels`).
-        residuals: residual of each log, low-pass filtered and decimated, (m,).
-        nuisances: columns of the nuisance parameters likewise, (q, m).
-        start: whitening filters of the first fit.
-        fit: fit of the nuisance parameters behind `start`.
-        theta: their amplitudes, (q,).
+    There are p nuisance parameters, and q with the columns of `extra`. The rows (m,) of a log are its residual behind
+    low-pass filter and decimation.
     """
 
     balances: list[DifferencedBalance]
-    given: Model
-    model: Model
-    extra: list[Any] = field(default_factory=list)
-    free: tuple[str, ...] = ()
-    plainly: bool = False
-    uniform: bool = False
+    given: Model  # stated model, which sets the priors
+    model: Model  # re-tuned model with the accepted effects
+    extra: list[Any] = field(default_factory=list)  # accepted candidates without a law: each has `columns(evidence)`
+    free: tuple[str, ...] = ()  # paths of the axis without a prior
+    plainly: bool = False  # whether to skip whitening whatever the size of the residual
+    uniform: bool = False  # whether all rows have the same noise level, as where a model lacks most of the command
+    #: Whether the width of the model's friction law is a nuisance parameter. In the search it is not: the change of an
+    #: arctangent with its width has the shape of Stribeck friction.
     with_width: bool = False
+    #: Evidence of the model whose noise the residual has (see `Instruments.change`); None for the model's own.
     base: Evidence | None = field(default=None, repr=False)
-    instruments: list[Instruments] = field(init=False, repr=False)
-    largely: bool = field(init=False, repr=False, default=False)
-    alike: float = field(init=False, repr=False, default=1.0)
-    paths: list[str] = field(init=False, repr=False)
-    prior_sigma: FloatArray = field(init=False, repr=False)
-    prior_offset: FloatArray = field(init=False, repr=False)
+    instruments: list[Instruments] = field(init=False, repr=False)  # of each log
+    largely: bool = field(init=False, repr=False, default=False)  # whether the residual is too large to be noise
+    alike: float = field(init=False, repr=False, default=1.0)  # rows that count as one independent row; 1 for noise
+    paths: list[str] = field(init=False, repr=False)  # of the nuisance parameters, (p,)
+    prior_sigma: FloatArray = field(init=False, repr=False)  # prior standard deviation of each amplitude, (q,)
+    prior_offset: FloatArray = field(init=False, repr=False)  # prior mean, (q,)
+    #: Bounds of re-tuned parameters, by path.
     limits: dict[str, tuple[float, float]] = field(init=False, repr=False, default_factory=dict)
-    masks: list[Mask] = field(init=False, repr=False)
-    counted: list[Mask] = field(init=False, repr=False)
-    levels: list[FloatArray] = field(init=False, repr=False, default_factory=list)
-    raw: list[FloatArray] = field(init=False, repr=False)
-    residuals: list[FloatArray] = field(init=False, repr=False)
-    nuisances: list[FloatArray] = field(init=False, repr=False)
-    start: list[FloatArray] = field(init=False, repr=False)
-    fit: Maximum = field(init=False, repr=False)
-    theta: FloatArray = field(init=False, repr=False)
+    masks: list[Mask] = field(init=False, repr=False)  # valid rows of each log before the whitening filter
+    counted: list[Mask] = field(init=False, repr=False)  # valid rows behind it
+    levels: list[FloatArray] = field(init=False, repr=False, default_factory=list)  # their relative noise level
+    raw: list[FloatArray] = field(init=False, repr=False)  # residual of each log, V, (n,)
+    residuals: list[FloatArray] = field(init=False, repr=False)  # its rows, (m,)
+    nuisances: list[FloatArray] = field(init=False, repr=False)  # rows of the columns of all amplitudes, (q, m)
+    start: list[FloatArray] = field(init=False, repr=False)  # whitening filters of the first fit
+    fit: Maximum = field(init=False, repr=False)  # of the nuisance parameters behind `start`
+    theta: FloatArray = field(init=False, repr=False)  # their amplitudes, (q,)
 
     def prepare(self, rounds: int = 0, listen: bool = False) -> Evidence:
         """Make the columns and re-tune the model by Gauss-Newton steps with a line search; return self.
@@ -298,12 +254,11 @@ class Evidence:
         """
         fit, known = self.fit, parameters_of(model, together=True)
         old = parameters_of(self.model, together=True)
-        has = np.array([p in known for p in self.paths] + [False] * (len(fit.w) - len(self.paths)))
+        has = self.mask_of(p in known for p in self.paths)
         moved = [known[p].value - old[p].value if p in known else 0.0 for p in self.paths]
-        sigma, target = fit.prior
+        target = fit.prior[1]
         target = np.where(has, target - np.pad(moved, (0, len(fit.w) - len(moved))) * fit.size, target)
-        left = self.rows_under(model, fit.taps)
-        slope = fit.x @ (fit.weight * left) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
+        slope = fit.slope(self.rows_under(model, fit.taps), target)
         beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
         own = slope[has] - beside @ slope[~has]
         return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
@@ -311,9 +266,8 @@ class Evidence:
     @cached_property
     def near_rest(self) -> Evidence:
         """Evidence of the same model with rows near rest, where friction may hold the axis."""
-        other = replace(self, balances=[b.with_creep() for b in self.balances], extra=[*self.extra, Sticking()])
-        other.make()
-        return other
+        balances, extra = [b.with_creep() for b in self.balances], [*self.extra, Sticking()]
+        return replace(self, balances=balances, extra=extra).prepare()
 
     @property
     def drives(self) -> list[FloatArray]:
@@ -552,18 +506,15 @@ class Evidence:
         own_paths = [path for path, _ in effect_paths(model.effects)]
         remain = [e for path, e in zip(own_paths, self.model.effects, strict=False) if path not in gone]
         bare = self.model.replace(effects=tuple(remain))
-        own = np.array(
-            [p in known and not p.startswith("effects.") for p in paths] + [False] * (len(free) - len(paths))
-        )
-        own |= self.mixed & np.pad([p in known for p in paths], (0, len(free) - len(paths)))
+        own = self.mask_of(p in known and not p.startswith("effects.") for p in paths)
+        own |= self.mixed & self.mask_of(p in known for p in paths)
         at = len(paths)
         for place, column in enumerate(self.extra):
             free[at : at + len(column.amplitudes)] = place in kept
             at += len(column.amplitudes)
         # fit the effects beside all nuisance parameters, then the axis alone with the friction width
         moved = self.null.solved(free, moved, self.rows_under(bare, self.null.taps))
-        beside = np.array([p not in known for p in paths] + [False] * (len(free) - len(paths)))
-        moved, gap = np.where(beside, 0.0, moved), self.unfiltered
+        moved, gap = np.where(self.mask_of(p not in known for p in paths), 0.0, moved), self.unfiltered
         width = self.model.axis.coulomb_width
 
         def tuned(share: float, factor: float = 1.0) -> tuple[float, float, Model]:
@@ -579,6 +530,11 @@ class Evidence:
         best = min(map(tuned, SHARES_OF_A_STEP), key=itemgetter(0))
         is_free = width > 0.0 and self.given.uncertainty.get("coulomb_width") != 0.0
         return min([best, *(tuned(best[1], factor) for factor in WIDER if is_free)], key=itemgetter(0))[2]
+
+    def mask_of(self, chosen: Iterable[bool]) -> Mask:
+        """Return a choice of nuisance parameters as one of all amplitudes, (q,): those of `extra` are not chosen."""
+        chosen = list(chosen)
+        return np.array(chosen + [False] * (len(self.prior_sigma) - len(chosen)), dtype=bool)
 
     def paths_in(self, model: Model) -> list[str]:
         """Return `paths` as named in a model with further effects: effects of one name are numbered."""
@@ -630,8 +586,7 @@ class Evidence:
         own = self.mixture
         if not len(own):
             return
-        sigma, target = fit.prior
-        slope = fit.x @ (fit.weight * fit.r) + target / np.maximum(sigma**2 / fit.variance, 1e-12)
+        slope = fit.slope(fit.r, fit.prior[1])
         if self.largely or self.uniform:
             needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
         else:
@@ -805,19 +760,15 @@ class Evidence:
         null = self.screen
         sigma, target = null.prior
         root = np.sqrt(null.weight / null.variance)
-        finite = np.isfinite(sigma)
-        prior = np.diag(1.0 / np.where(finite, sigma, 1.0))[:, finite]
-        y = np.concatenate([null.r * root, (target / sigma)[finite]])
-        q = orthonormal(np.hstack([null.x * root, prior]))
+        y = np.concatenate([null.r * root, (target / sigma)[np.isfinite(sigma)]])
+        q = nuisance_basis(null.x * root, sigma)
         return root, q, y - (q @ y) @ q
 
     def project(self, tables: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Return whitened candidate columns orthogonal to the nuisances, (k, n + priors), and their norms before."""
-        root, q, e = self.basis
+        root, q, _ = self.basis
         c = self.filtered(tables, self.screen.taps) * root
-        before = np.linalg.norm(c, axis=1)
-        c = np.hstack([c, np.zeros((len(c), len(e) - c.shape[1]))])
-        return c - (c @ q.T) @ q, before
+        return beside(c, q), np.linalg.norm(c, axis=1)
 
     def score(self, tables: Sequence[FloatArray]) -> tuple[float, FloatArray, int]:
         """Return the score statistic T of columns (k, m), their amplitudes (k,) and the degrees of freedom of T.
@@ -859,6 +810,21 @@ def reduced(gram: FloatArray, slope: FloatArray, kept: NDArray[np.intp]) -> tupl
 def positive_loss(parts: FloatArray, y: FloatArray) -> float:
     """Return the least |A u - y|^2 over u that are not negative, with A (p, q) and y (p,)."""
     return float(nnls(parts, y, maxiter=100 * parts.shape[1])[1]) ** 2 if parts.shape[1] else float(y @ y)
+
+
+def nuisance_basis(x: FloatArray, sigma: FloatArray) -> FloatArray:
+    """Return orthonormal rows that span columns x (p, n) with pseudo-observations of priors, (p, n + priors).
+
+    `sigma`: standard deviation of each prior, (p,); infinite without one.
+    """
+    finite = np.isfinite(sigma)
+    return orthonormal(np.hstack([x, np.diag(1.0 / np.where(finite, sigma, 1.0))[:, finite]]))
+
+
+def beside(c: FloatArray, q: FloatArray) -> FloatArray:
+    """Return columns c (k, n) orthogonal to a `nuisance_basis` q (p, n + priors), (k, n + priors)."""
+    c = np.hstack([c, np.zeros((len(c), q.shape[1] - c.shape[1]))])
+    return np.asarray(c - (c @ q.T) @ q)
 
 
 def orthonormal(rows: FloatArray) -> FloatArray:

@@ -43,23 +43,15 @@ class Instruments(NamedTuple):
 
     The loop feeds its own noise back into the command and into later rows, so that a column made of the command raises
     false alarms.
-
-    Attributes:
-        drive: command regressed on the model's force along the reference at several lags, V, (n,).
-        needed: command that the measured motion needs under the model, V, (n,). It has no part that balances a force
-            which the model lacks.
-        force: net force, with what the ringing of loads adds to the command, V, (n,).
-        acceleration: the one that the drive causes, m/s^2, (n,): with ringing in it, mass and the share of a load could
-            replace each other.
-        blur: force of the bare axis along the measured motion less that along the reference: mostly noise of the speed,
-            V, (n,).
     """
 
-    drive: FloatArray
+    drive: FloatArray  # command regressed on the model's force along the reference at several lags, V, (n,)
+    #: Command that the measured motion needs under the model, V, (n,): no part balances a force which the model lacks.
     needed: FloatArray
-    force: FloatArray
+    force: FloatArray  # net force, with what the ringing of loads adds to the command, V, (n,)
+    #: The one that the drive causes, m/s^2, (n,): with ringing, mass and the share of a load could replace each other.
     acceleration: FloatArray
-    blur: FloatArray
+    blur: FloatArray  # bare axis' force along the measured motion less that along the reference: mostly noise, V, (n,)
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
         """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
