@@ -35,15 +35,13 @@ def motion(seconds=1.5, size=0.1):
     return t, x, v, np.sum(-a * w * w * np.sin(w * t), axis=0)
 
 
-def moved(force=0.0, rate_noise=0.0, seed=0):
+def moved(force=0.0, noise=0.0, seed=0, seconds=1.5):
     """A log of that motion whose command is what the axis needs, with an extra force (V, a function of t, x, v)."""
-    t, x, v, a = motion()
-    extra = force(t, x, v) if callable(force) else force
-    command = MASS * a + 0.166 * v - extra
-    command = command + rate_noise * np.random.default_rng(seed).standard_normal(len(t))
+    t, x, v, a = motion(seconds)
+    command = MASS * a + 0.166 * v - (force(t, x, v) if callable(force) else force)
+    command = command + noise * np.random.default_rng(seed).standard_normal(len(t))
     # held over the step that follows: its value there
-    held = np.append(0.5 * (command[1:] + command[:-1]), command[-1])
-    return cogging.Log(time=t, position=x, command=held)
+    return cogging.Log(t, x, np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
 
 
 FORCES = {
@@ -147,7 +145,7 @@ NEUTRAL = {
 @pytest.mark.parametrize("name", NEUTRAL)
 def test_an_effect_without_size_leaves_the_residual_and_its_noise_as_they_are(name):
     """The noise of the command is that of M a: a mean over the rows would smooth one of the two."""
-    balance = DifferencedBalance(moved(0.2, rate_noise=0.1))
+    balance = DifferencedBalance(moved(0.2, noise=0.1))
     instruments = instruments_of(balance, machine())
     alone, beside = (instruments.residual(balance, m) for m in (machine(), machine(E[name].replace(**NEUTRAL[name]))))
     counted = balance.keep > 0
@@ -228,20 +226,13 @@ def test_lost_motion_against_a_load_between_stiff_stops():
     t = np.arange(0.0, 1.5, step)
     w = 2 * np.pi * 2.0
     a = -0.02 * w**2 * np.sin(w * t)
-    load = solve_ivp(
-        lambda s, y: [
-            y[1],
-            2e7 * stop_depth(0.02 * np.sin(w * s) - y[0], gap)
-            + 1e4 * (stop_depth(0.02 * np.sin(w * s) - y[0], gap) != 0.0) * (0.02 * w * np.cos(w * s) - y[1]),
-        ],
-        (0.0, t[-1]),
-        [gap / 2, 0.02 * w],
-        method="Radau",
-        t_eval=t,
-        max_step=5e-4,
-        rtol=1e-7,
-        atol=1e-10,
-    ).y
+
+    def moves(s, y):
+        depth = stop_depth(0.02 * np.sin(w * s) - y[0], gap)
+        return [y[1], 2e7 * depth + 1e4 * (depth != 0.0) * (0.02 * w * np.cos(w * s) - y[1])]
+
+    start, exact = [gap / 2, 0.02 * w], {"max_step": 5e-4, "rtol": 1e-7, "atol": 1e-10}
+    load = solve_ivp(moves, (0.0, t[-1]), start, method="Radau", t_eval=t, **exact).y
     relative = 0.02 * w * np.cos(w * t) - load[1]
     found = lost_motion(a, step, gap)
     assert np.max(np.abs(relative)) > 0.01
@@ -275,7 +266,7 @@ def test_a_load_answers_as_its_transfer_function_says():
 def searched(force):
     """A search in a log with a force that its model lacks."""
     model = machine().replace(uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
-    b = DifferencedBalance(moved(force, rate_noise=0.02), 5e-3)
+    b = DifferencedBalance(moved(force, noise=0.02), 5e-3)
     return Search(Evidence([b], model, model).prepare())
 
 
@@ -289,10 +280,7 @@ def test_a_period_is_found_within_its_resolution():
 @pytest.mark.parametrize("width", [1e-3, 2e-2])
 def test_a_model_alone_leaves_no_more_than_the_one_it_was_fitted_beside(width):
     """Friction that rises otherwise than the model's: a mixture of laws explains it, and the model must do without."""
-    t, x, v, a = motion(seconds=4.0)
-    command = MASS * a + 0.166 * v + 0.05 * np.tanh(v / 0.1)
-    command = command + 0.01 * np.random.default_rng(3).standard_normal(len(t))
-    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    log = moved(lambda t, x, v: -0.05 * np.tanh(v / 0.1), 0.01, seed=3, seconds=4.0)
     axis = cogging.AxisParameters(mass=0.13, viscous=0.2, coulomb=0.04, coulomb_width=width)
     model = cogging.Model(axis=axis, uncertainty={"mass": 0.2, "viscous": 0.5, "coulomb": 0.5})
     balance = DifferencedBalance(log, width)
@@ -313,15 +301,13 @@ def test_a_model_alone_leaves_no_more_than_the_one_it_was_fitted_beside(width):
 
 def test_a_model_alone_without_an_effect_moves_the_others_to_where_they_are_likeliest():
     """An offset beside a spring whose center is not the travel's: without the spring it is the mean of both."""
-    t, x, v, a = motion(seconds=4.0)
-    command = MASS * a + 0.166 * v + 2.0 * (x - 0.05) - 0.3
-    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    log = moved(lambda t, x, v: 0.3 - 2.0 * (x - 0.05), seconds=4.0)
     spring, offset = E["cable_spring"].replace(stiffness=2.0, center=0.05), E["constant_force"].replace(force=0.3)
     plain = machine()
     evidence = Evidence([DifferencedBalance(log, 5e-3)], plain, plain.replace(effects=(spring, offset))).prepare()
     less = evidence.settled(evidence.model, ["effects.cable_spring"])
     assert [e.NAME for e in less.effects] == ["constant_force"]
-    assert less.effects[0].force == pytest.approx(0.3 + 2.0 * (0.05 - np.mean(x)), abs=0.02)
+    assert less.effects[0].force == pytest.approx(0.3 + 2.0 * (0.05 - np.mean(log.position)), abs=0.02)
     two = evidence.model.replace(effects=(*evidence.model.effects, spring))
     assert "effects.cable_spring[0].stiffness" in evidence.paths_in(two)
     assert "effects.cable_spring.stiffness" in evidence.paths_in(evidence.model)
@@ -329,15 +315,13 @@ def test_a_model_alone_without_an_effect_moves_the_others_to_where_they_are_like
 
 def test_a_scale_error_is_no_way_to_explain_the_noise_of_the_readings():
     """Derivatives by an accepted scale error have the acceleration that acts, not the measured one with its noise."""
-    t, x, v, a = motion()
-    command = MASS * a + 0.166 * v
-    held = np.append(0.5 * (command[1:] + command[:-1]), command[-1])
+    exact = moved()
     model = machine().replace(uncertainty={"mass": 0.5, "viscous": 0.5})
     wrong = model.replace(effects=(E["encoder_scale_error"].replace(scale=1e-3),))
     columns, residuals = [], []
     for size in (0.0, 2e-5):
-        noise = size * np.random.default_rng(6).standard_normal(len(t))
-        log = cogging.Log(time=t, position=x + noise, command=held, reference=x)
+        noise = size * np.random.default_rng(6).standard_normal(len(exact))
+        log = replace(exact, position=exact.position + noise, reference=exact.position)
         evidence = Evidence([DifferencedBalance(log, 5e-3)], model, wrong).prepare()
         columns.append(evidence.nuisances[0][evidence.paths.index("effects.encoder_scale_error.scale")][100:-100])
         residuals.append(evidence.residuals[0][100:-100])
@@ -347,10 +331,9 @@ def test_a_scale_error_is_no_way_to_explain_the_noise_of_the_readings():
 
 def test_intervals_end_where_the_likelihood_ratio_does():
     """Against a bounded least squares of all amplitudes at once: no friction law has a negative level."""
-    t, x, v, a = motion(seconds=4.0)
-    command = MASS * a + 0.166 * v + 0.05 * np.tanh(v / 0.1) + 0.04 * np.exp(-np.abs(v) / 0.05) * np.sign(v)
-    command = command + 0.01 * np.random.default_rng(3).standard_normal(len(t))
-    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    log = moved(
+        lambda t, x, v: -0.05 * np.tanh(v / 0.1) - 0.04 * np.exp(-np.abs(v) / 0.05) * np.sign(v), 0.01, 3, seconds=4.0
+    )
     axis = cogging.AxisParameters(mass=MASS, viscous=0.166, coulomb=0.05, coulomb_width=2e-2)
     stated = cogging.Model(axis=axis, uncertainty={"mass": 0.2, "viscous": 0.5, "coulomb": 0.5})
     bump = E["stribeck_friction"].replace(static_excess=0.03, velocity=0.05)
@@ -401,18 +384,15 @@ def test_deviations_of_amplitudes_are_those_of_many_draws(noise):
 
 def test_friction_that_saturates_slowly_keeps_its_level_near_the_interval_of_coulomb():
     """It lies above what an arctangent fits to the speeds of the log. No law of the model is the true one."""
-    t, x, v, a = motion(seconds=4.0)
 
     def law(speed):
         return 0.3 * (0.5 * np.tanh(speed / 3e-3) + 0.5 * speed / (np.abs(speed) + 1.2e-2))
 
     axis = cogging.AxisParameters(mass=MASS, viscous=0.166, coulomb=0.15, coulomb_width=5e-3)
     model = cogging.Model(axis=axis, uncertainty={"mass": 0.02, "viscous": 0.3, "coulomb": 0.1})
-    level, short = law(np.std(v)) / 0.15 - 1.0, []
+    level, short = law(np.std(motion(4.0)[2])) / 0.15 - 1.0, []
     for seed in range(3):
-        command = MASS * a + 0.166 * v + law(v) + 0.02 * np.random.default_rng(seed).standard_normal(len(t))
-        log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
-        found = cogging.diagnose(log, model)
+        found = cogging.diagnose(moved(lambda t, x, v: -law(v), 0.02, seed, seconds=4.0), model)
         assert [effect.name for effect in found.effects] == ["coulomb_change"]
         change = found.effects[0].parameters["change"]
         low, high = change.ci95
@@ -430,14 +410,11 @@ def test_mass_and_friction_lie_within_their_intervals(widths):
     With all friction laws beside the true one, the level of Coulomb friction was within in 10 to 15.
     """
     true, stated = widths
-    t, x, v, a = motion(seconds=8.0)
-    force = MASS * a + 0.166 * v + 0.15 * 2 / np.pi * np.arctan(v / true)
     axis = cogging.AxisParameters(mass=MASS, viscous=0.18, coulomb=0.14, coulomb_width=stated)
     model = cogging.Model(axis=axis, uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
     errors = []
     for seed in range(20):
-        command = force + 0.02 * np.random.default_rng(seed).standard_normal(len(t))
-        log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+        log = moved(lambda t, x, v: -0.15 * 2 / np.pi * np.arctan(v / true), 0.02, seed, seconds=8.0)
         evidence = Evidence([DifferencedBalance(log, 5e-3)], model, model).prepare(2)
         evidence = replace(evidence, with_width=True).prepare(1)
         errors.append([])
@@ -463,9 +440,7 @@ def test_a_log_without_valid_rows_has_no_blocks():
 
 
 def test_a_confirm_log_of_too_little_motion_confirms_nothing():
-    t, x, v, a = motion(seconds=4.0)
-    command = MASS * a + 0.166 * v - 0.05 + 0.02 * np.random.default_rng(0).standard_normal(len(t))
-    log = cogging.Log(time=t, position=x, command=np.append(0.5 * (command[1:] + command[:-1]), command[-1]))
+    log = moved(0.05, 0.02, seconds=4.0)
     found = cogging.diagnose(log[800:], machine(), confirm=log[:800])
     assert found.effects[0].name == "constant_force"
     assert found.gap.confirm_before is None

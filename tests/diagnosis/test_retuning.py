@@ -14,10 +14,18 @@ from tests.fixtures.pid_axis import FAST, other, run
 PITCH = 0.012  # m
 WAVE = cogging.CoggingModel(cogging.SplineHarmonics(periods=[PITCH]), sine=[[0.2]], cosine=[[0.0]])
 MODEL = pid_axis.MODEL.replace(cogging=WAVE)
+MACHINE = moving_axis.machine()
+#: The same stated wrongly, within its uncertainty but for the width of friction.
+STATED = MACHINE.replace(axis=MACHINE.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
 
 
 def balance(*effects, model=MODEL):
     return DifferencedBalance(run(*effects, model=model), model.axis.coulomb_width, model.encoder.resolution)
+
+
+def searched(true, seed, stated):
+    """What two logs of a machine show, whose motions and noise belong to a seed."""
+    return search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
 
 
 @pytest.mark.parametrize("scale", [0.004, *(pytest.param(scale, marks=pytest.mark.study) for scale in (-0.002, 0.001))])
@@ -114,10 +122,7 @@ def test_friction_that_sticks_is_no_presliding(width):
 def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
     """Each candidate has residual forces of its own, which must not decide between one and two parameters."""
     true = moving_axis.machine([cogging.EFFECTS["constant_force"](force=6.0)])
-    stated = moving_axis.machine()
-    stated = stated.replace(axis=stated.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
-    given, confirm = (moving_axis.record(true, 10 * seed + k) for k in (1, 2))
-    outcome = search([given], [confirm], stated)
+    outcome = searched(true, seed, STATED)
     assert outcome.nominal.largely
     first = outcome.accepted[0].found
     assert first.name == "constant_force"
@@ -128,9 +133,7 @@ def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
 def test_a_force_constant_that_changes_by_most_of_itself_is_a_drift(change, seed):
     """The command that the motion needs is then not linear in the change."""
     law = cogging.EFFECTS["force_constant_drift"](change=change, time_constant=3.0)
-    true, stated = moving_axis.machine([law]), moving_axis.machine()
-    stated = stated.replace(axis=stated.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
-    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
+    outcome = searched(moving_axis.machine([law]), seed, STATED)
     first = outcome.accepted[0]
     assert first.found.name == "force_constant_drift"
     assert first.share > 0.9
@@ -144,9 +147,7 @@ def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(stren
     law = cogging.EFFECTS["end_effect"]
     low = law(force=4.0 * strength, decay_length=0.03, travel=[-0.15, 9.0])
     high = law(force=9.0 * strength, decay_length=0.05, travel=[-9.0, 0.15])
-    true, stated = moving_axis.machine([low, high]), moving_axis.machine()
-    stated = stated.replace(axis=stated.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
-    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
+    outcome = searched(moving_axis.machine([low, high]), seed, STATED)
     assert [one.found.name for one in outcome.accepted] == ["end_effect"]
     for found, end, force, length in zip(
         outcome.evidence.model.effects, (-0.15, 0.15), (4.0 * strength, 9.0 * strength), (0.03, 0.05), strict=True
@@ -177,17 +178,15 @@ def test_a_payload_is_a_change_of_mass_though_the_model_was_re_tuned_to_it(seed)
     laws = {"constant_force": {"force": 6.0}, "viscous_asymmetry": {"difference": 5.0}}
     true = moving_axis.machine([cogging.EFFECTS[name](**fields) for name, fields in laws.items()])
     true = true.replace(axis=true.axis.replace(mass=3.2))
-    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), moving_axis.machine())
+    outcome = searched(true, seed, MACHINE)
     assert {one.found.name for one in outcome.accepted} == {*laws, "mass_change"}
     assert outcome.evidence.model.axis.mass == pytest.approx(3.2, rel=2e-3)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_payload_on_a_mass_that_was_stated_exactly_is_a_change_of_mass(seed):
-    true = moving_axis.machine()
-    stated = true.replace(uncertainty={**true.uncertainty, "mass": 0.0})
-    true = true.replace(axis=true.axis.replace(mass=3.2))
-    outcome = search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
+    stated = MACHINE.replace(uncertainty={**MACHINE.uncertainty, "mass": 0.0})
+    outcome = searched(MACHINE.replace(axis=MACHINE.axis.replace(mass=3.2)), seed, stated)
     assert [one.found.name for one in outcome.accepted] == ["mass_change"]
     assert outcome.evidence.model.axis.mass == pytest.approx(3.2, rel=2e-3)
 
