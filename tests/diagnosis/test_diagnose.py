@@ -9,6 +9,9 @@ import pytest
 
 import cogging
 from cogging.cli.main import main
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
+from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.patched_model import paths_without, with_intervals
 from tests.fixtures.pid_axis import MODEL, PID, other, run
 
 effects = cogging.effects
@@ -130,6 +133,26 @@ def test_two_found_effects_of_one_name_keep_their_places():
         assert not step.accepted or step.gap_after < step.gap_before
 
 
+def test_intervals_stay_with_their_effects_where_one_between_them_is_left_out():
+    sizes = {0.05: 0.02, 0.031: 0.03, 0.019: 0.04}  # V by period (m)
+    waves = [effects.CoggingHarmonic(period=p, sine=s, cosine=0.0) for p, s in sizes.items()]
+    spring = effects.CableSpring(stiffness=0.5, center=0.1)
+    log = run(*waves, spring, seed=4)
+    balance = DifferencedBalance(log, quantum=MODEL.encoder.resolution)
+    evidence = Evidence([balance], MODEL, MODEL.replace(effects=(*waves, spring))).prepare(2, listen=True)
+    whole = evidence.model
+    first, gone, last = (f"effects.cogging_harmonic[{place}]" for place in range(3))
+    names = paths_without(whole, {gone})
+    assert names == {first: first, last: gone, "effects.cable_spring": "effects.cable_spring"}
+    everything = with_intervals(whole, evidence, whole, {path: path for path in [first, gone, last, *names]})
+    patched = whole.replace(effects=(whole.effects[0], *whole.effects[2:]))
+    found = with_intervals(patched, evidence, whole, names)
+    for new, old in ((first, first), (gone, last), ("effects.cable_spring", "effects.cable_spring")):
+        for field in ("stiffness",) if "spring" in new else ("period", "sine", "cosine"):
+            assert found.intervals[f"{new}.{field}"] == pytest.approx(everything.intervals[f"{old}.{field}"], rel=1e-12)
+    assert found.intervals[f"{gone}.sine"][0] > 0.03
+
+
 def test_a_wrong_controller_is_told(tmp_path):
     log = run(duration=3.0)
     wrong = MODEL.replace(controller=PID.replace(mass=0.0, viscous=0.0))
@@ -144,10 +167,9 @@ def test_a_short_log_is_refused():
     log = run(duration=0.2)
     with pytest.raises(ValueError, match=r"log 1: rows: must be at least 500 to be diagnosed, got 201"):
         cogging.diagnose(log, MODEL)
-    with pytest.raises(ValueError, match=r"logs: must be at least 1, got 0"):
-        cogging.diagnose([], MODEL)
-    with pytest.raises(ValueError, match=r"logs: must be at least 1, got 0"):
-        cogging.locate_gap([], MODEL)
+    for call in (cogging.diagnose, cogging.locate_gap):
+        with pytest.raises(ValueError, match=r"logs: must be at least 1, got 0"):
+            call([], MODEL)
 
 
 # The result and the command -------------------------------------------------------------------------------------------

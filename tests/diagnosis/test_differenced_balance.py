@@ -16,6 +16,7 @@ from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, student_cost
 from cogging.diagnosis.balance.nuisances import instruments_of
 from cogging.effects.effect import VOCABULARY as E
+from tests.fixtures.pid_axis import FAST, run
 
 RATE = 5000.0  # Hz
 MASS = 0.12
@@ -172,6 +173,20 @@ def test_a_moved_balance_has_its_positions_elsewhere():
     np.testing.assert_allclose(b.moved(0.01).residual(spring) - b.residual(spring), 0.02, rtol=1e-9)
 
 
+@pytest.mark.parametrize("factor", [1.0, 3.0])
+def test_rows_within_a_noisy_second_have_its_level(factor):
+    fine = FAST.replace(encoder=cogging.EncoderParameters(resolution=1e-9))
+    log, rng = run(model=fine, seed=3), np.random.default_rng(8)
+    noisy = (log.time > 1.5) & (log.time < 2.5)
+    noise = 0.06 * rng.standard_normal(len(log.time)) * np.where(noisy, factor, 1.0)
+    balance = DifferencedBalance(cogging.Log(log.time, log.position, log.command + noise, log.reference), quantum=1e-9)
+    evidence = Evidence([balance], fine, fine).prepare(2, listen=True)
+    time = balance.time[:: balance.every][evidence.counted[0]]
+    inside, outside = (time > 1.7) & (time < 2.3), (time < 1.3) | (time > 2.7)
+    level = evidence.levels[0]
+    assert np.median(level[inside]) / np.median(level[outside]) == pytest.approx(factor, rel=0.2)
+
+
 @pytest.mark.parametrize(("pole", "zero"), [(0.9, 0.0), (0.0, 0.6), (0.95, -0.5)])
 def test_the_noise_filter_whitens(pole, zero):
     """Rows (1 + zero q) / (1 - pole q) of white noise: the filter is close to the inverse, whose first tap is 1."""
@@ -228,7 +243,8 @@ def test_lost_motion_against_a_load_between_stiff_stops():
     a = -0.02 * w**2 * np.sin(w * t)
 
     def moves(s, y):
-        depth = stop_depth(0.02 * np.sin(w * s) - y[0], gap)
+        lead = 0.02 * np.sin(w * s) - y[0]
+        depth = np.sign(lead) * max(abs(lead) - gap / 2, 0.0)  # to which the motor presses into a stop
         return [y[1], 2e7 * depth + 1e4 * (depth != 0.0) * (0.02 * w * np.cos(w * s) - y[1])]
 
     start, exact = [gap / 2, 0.02 * w], {"max_step": 5e-4, "rtol": 1e-7, "atol": 1e-10}
@@ -249,11 +265,6 @@ def test_lost_motion_is_continuous_in_the_gap():
     assert 0.0 < largest < 2e-3 * np.max(np.abs(found))
 
 
-def stop_depth(lead, gap):
-    """How far a motor that leads the load's middle presses into a stop, m."""
-    return np.sign(lead) * max(abs(lead) - gap / 2, 0.0)
-
-
 def test_a_load_answers_as_its_transfer_function_says():
     step, f, damping, tone = 1e-4, 40.0, 0.1, 25.0
     t = np.arange(0.0, 2.0, step)
@@ -263,16 +274,11 @@ def test_a_load_answers_as_its_transfer_function_says():
     assert phasor == pytest.approx((2 * damping * q + 1) / (q * q + 2 * damping * q + 1), rel=0.01)
 
 
-def searched(force):
-    """A search in a log with a force that its model lacks."""
-    model = machine().replace(uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
-    b = DifferencedBalance(moved(force, noise=0.02), 5e-3)
-    return Search(Evidence([b], model, model).prepare())
-
-
 def test_a_period_is_found_within_its_resolution():
-    s = searched(lambda t, x, v: 0.1 * np.sin(2 * np.pi * x / 0.021))
-    peaks, trials = wave_scan(s, [np.ones(len(b.time)) for b in s.balances])
+    model = machine().replace(uncertainty={"mass": 0.03, "viscous": 0.2, "coulomb": 0.2})
+    b = DifferencedBalance(moved(lambda t, x, v: 0.1 * np.sin(2 * np.pi * x / 0.021), noise=0.02), 5e-3)
+    s = Search(Evidence([b], model, model).prepare())
+    peaks, trials = wave_scan(s, [np.ones(len(b.time))])
     assert abs(peaks[0][0] - 1 / 0.021) < 1.0 / s.length
     assert trials > 10
 

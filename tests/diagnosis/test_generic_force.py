@@ -10,7 +10,6 @@ from cogging.diagnosis.entries import Gap
 from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.named_effects import unlisted
 from cogging.diagnosis.yardstick import BALANCED, Discrepancy
-from tests.fixtures.measured import FOLDER, needs
 from tests.fixtures.pid_axis import MODEL, run
 
 
@@ -53,16 +52,8 @@ def test_a_force_of_any_shape_is_predicted_and_noise_is_not(coordinate):
 
 
 @pytest.mark.data
-def test_half_of_the_command_is_no_noise():
+def test_half_of_the_command_is_no_noise(two_mass):
     """Two masses, log B with the mode stated: what is left is half of the command, and comes back each second."""
-    needs("two_mass")
-    from scipy.io import loadmat
-
-    rows = slice(2500, 17500)
-    columns = loadmat(FOLDER / "two_mass" / "MultisineTypeB.mat", squeeze_me=True)
-    log = cogging.Log(
-        *(np.ravel(columns[name])[rows] * k for name, k in (("time", 1e-6), ("theta_mx", 1), ("iq_adx", 1)))
-    )
     mode = cogging.effects.FlexibleMode(frequency=76.5, damping_ratio=0.02, mass_ratio=0.5)
     axis = cogging.AxisParameters(mass=0.0103, viscous=0.02, coulomb=0.1, coulomb_width=0.05)
     model = cogging.Model(
@@ -71,7 +62,7 @@ def test_half_of_the_command_is_no_noise():
         effects=[mode],
         units=cogging.Units(command="A", position="rad"),
     )
-    result = cogging.diagnose(log, model)
+    result = cogging.diagnose(two_mass("B", slice(2500, 17500)), model)
     assert result.verdict == "unlisted"
     assert result.gap.share > 0.4
     assert result.unlisted["coordinate"]

@@ -14,8 +14,9 @@ from tests.fixtures.measured import FOLDER, odrive_motor
 pytestmark = pytest.mark.data
 
 
-def diagnosed(name, other, *, smoothed):
-    log, confirm = (odrive.read(one, FOLDER, smoothed=smoothed) for one in (name, other))
+def diagnosed(*, smoothed):
+    """From mass, viscous and Coulomb friction alone, by the current that acts or as the drive smooths it."""
+    log, confirm = (odrive.read(f"slow2_nocomp_{run}", FOLDER, smoothed=smoothed) for run in (0, 1))
     result = cogging.diagnose(log, odrive_motor(), confirm=confirm)
     print("\n" + result.text())
     return result
@@ -23,14 +24,7 @@ def diagnosed(name, other, *, smoothed):
 
 @pytest.fixture(scope="module")
 def result():
-    """From mass, viscous and Coulomb friction alone, by the current that acts."""
-    return diagnosed("slow2_nocomp_0", "slow2_nocomp_1", smoothed=False)
-
-
-@pytest.fixture(scope="module")
-def recorded():
-    """The same from the current as the drive tells it, which lags by an eighth of a second."""
-    return diagnosed("slow2_nocomp_0", "slow2_nocomp_1", smoothed=True)
+    return diagnosed(smoothed=False)
 
 
 def harmonics(result, within=0.02):
@@ -79,7 +73,9 @@ def test_the_mass_stays_that_of_the_motor(result):
 
 
 @pytest.mark.study
-def test_the_recorded_current_shows_the_largest_harmonic_too(recorded):
+def test_the_recorded_current_shows_the_largest_harmonic_too():
+    """From the current as the drive tells it, which lags by an eighth of a second."""
+    recorded = diagnosed(smoothed=True)
     found = harmonics(recorded, within=0.03)
     assert next(iter(found)) == 7
     assert found[7] == pytest.approx(held()[7], rel=0.15)

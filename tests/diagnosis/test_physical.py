@@ -76,33 +76,20 @@ def test_no_friction_pushes():
         assert ("it would push the axis" in unphysical(model, 1, [log])) is pushes
 
 
-def pendulum(name):
-    table = np.genfromtxt(measured.FOLDER / "pendulum" / f"{name}.csv", delimiter=",", names=True)
-    return cogging.Log(table["time"], table["position"], table["torque"])
-
-
-def two_mass(kind):
-    from scipy.io import loadmat
-
-    table = loadmat(measured.FOLDER / "two_mass" / f"MultisineType{kind}.mat", squeeze_me=True)
-    rows = slice(2500, 10_000)
-    return cogging.Log(
-        *(np.ravel(table[name])[rows] * unit for name, unit in (("time", 1e-6), ("theta_mx", 1.0), ("iq_adx", 1.0)))
-    )
-
-
 @pytest.mark.data
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # the confirm log of two_mass, predicted with its mode, diverges
 @pytest.mark.parametrize("machine", ["pendulum", "two_mass"])
-def test_no_real_machine_gets_a_term_that_it_cannot_have(machine):
+def test_no_real_machine_gets_a_term_that_it_cannot_have(machine, request):
     measured.needs(machine)
     if machine == "pendulum":
         axis = {"mass": 0.147, "viscous": 0.02, "coulomb": 0.15, "coulomb_width": 0.05}
-        logs, resolution, stated = [pendulum("ddp"), pendulum("direct_collocation")], 0.002914, {}
+        files = [measured.FOLDER / "pendulum" / f"{name}.csv" for name in ("ddp", "direct_collocation")]
+        logs = [cogging.read_log(file, columns={"command": "torque"}) for file in files]
+        resolution, stated = 0.002914, {}
     else:
         axis = {"mass": 0.0096, "viscous": 0.02, "coulomb": 0.1, "coulomb_width": 0.05}
-        logs, resolution = [two_mass("A"), two_mass("B")], 6e-6
-        stated = {"mass": 0.3, "viscous": 1.0, "coulomb": 1.0}
+        logs = [request.getfixturevalue("two_mass")(letter, slice(2500, 10_000)) for letter in "AB"]
+        resolution, stated = 6e-6, {"mass": 0.3, "viscous": 1.0, "coulomb": 1.0}
     encoder, units = cogging.EncoderParameters(resolution=resolution), cogging.Units(position="rad")
     model = cogging.Model(axis=cogging.AxisParameters(**axis), encoder=encoder, uncertainty=stated, units=units)
     for given, confirm in itertools.permutations(logs):

@@ -1,11 +1,16 @@
-"""Where a gap sits, in words, and as an empirical force."""
+"""Where a gap sits, in words and without a name, and as an empirical force."""
+
+import json
 
 import numpy as np
+import pytest
 
 import cogging
 from cogging.diagnosis.places import Shape, empirical_term, length_text, ranges
+from tests.fixtures.pid_axis import MODEL, other, run
 
 UNITS = cogging.Units()
+effects = cogging.effects
 
 
 def test_ranges_in_words():
@@ -32,3 +37,43 @@ def test_a_curve_as_an_effect():
     assert empirical_term(curve | {"coordinate": "time"}) is not None
     assert empirical_term(curve | {"coordinate": "command"}) is None
     assert empirical_term({"coordinate": "time", "shape": "bursts"}) is None
+
+
+def test_the_gap_is_located_without_a_name():
+    located = cogging.locate_gap(run(effects.CoggingHarmonic(period=0.03, sine=0.03)), MODEL)
+    (wave, *_) = located.waves
+    assert wave.coordinate == "spatial period"
+    assert wave.value == pytest.approx(0.03, rel=1e-2)
+    assert wave.amplitude == pytest.approx(0.03, rel=0.1)
+    assert "every 30" in located.text()
+    json.dumps(located.to_dict(), allow_nan=False)
+    located = cogging.locate_gap(run(effects.DisturbanceTone(frequency=17.0, sine=0.03)), MODEL)
+    assert located.waves[0].coordinate == "frequency"
+    assert "at 17" in located.text()
+    assert len(located.plot().axes) == 4
+
+
+def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
+    """A magnetic strip under a part of the travel, say: a force that no law of the vocabulary has."""
+    places = np.linspace(0.0, 0.51, 103)
+    bump = 0.08 * np.exp(-(((places - 0.26) / 0.06) ** 2))
+    hidden = effects.EmpiricalForce(position_nodes=list(places), position_forces=list(bump))
+    result = cogging.diagnose(run(hidden), MODEL, confirm=other(hidden), empirical=True)
+    assert result.verdict == "unlisted"
+    assert result.unlisted["coordinate"] == "position"
+    told = result.unlisted["added"]
+    assert told["name"] == "empirical_force"
+    assert told["signal"] == result.gap.signal
+    assert told["gap_before"] == result.gap.after
+    assert told["gap_after"] < 0.8 * told["gap_before"]
+    assert told["confirm_after"] < 0.9 * told["confirm_before"]
+    assert "empirical and names no cause" in result.text()
+    assert "empirical and names no cause" in result.html()
+    within = np.linspace(0.1, 0.38, 57)
+    found = sum(effect.force_at(position=within) for effect in result.model.effects if hasattr(effect, "force_at"))
+    assert np.corrcoef(found, np.interp(within, places, bump))[0, 1] > 0.95
+    path = tmp_path / "patched.toml"
+    result.model.write(path)
+    again = cogging.Model.read(path)
+    assert again.effects == result.model.effects
+    assert len(run(*again.effects, duration=0.5)) > 500

@@ -1,7 +1,5 @@
 """Missing effects of a ball screw that other people measured; what is not met is asserted as it is, and said."""
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -65,27 +63,6 @@ def test_the_notebook_prints_the_axis(axis):
     assert axis.model.controller is None or not differences(axis.text() + "\n", printed)
 
 
-def laps_of(log):
-    """The rows of each lap from rest to rest at the start, as the reference repeats itself: a list of slices."""
-    span = log.reference - log.reference.min()
-    below = span < 0.02 * span.max()
-    edges = np.flatnonzero(np.diff(below.astype(int)))
-    leave = edges[~below[edges + 1]]  # from below the mark to above it
-    return [slice(int(first), int(last)) for first, last in itertools.pairwise(leave)]
-
-
-def test_the_floor_of_four_laps(logs):
-    """What differs from lap to lap no model of position and speed can explain: a floor that needs no model."""
-    log = logs[0]
-    laps = laps_of(log)
-    length = min(lap.stop - lap.start for lap in laps)
-    command = np.stack([log.command[lap.start : lap.start + length] for lap in laps])
-    spread = np.sqrt(np.mean(command.var(axis=0, ddof=1)))
-    print(f"\n{len(laps)} laps of {length} rows; the command differs between them by {spread:.3f} N rms")
-    assert len(laps) >= 3
-    assert 0.1 < spread < 2.0
-
-
 # Hidden by hand in the axis -------------------------------------------------------------------------------------------
 
 
@@ -101,28 +78,20 @@ def test_a_coulomb_level_taken_away(logs):
         assert friction == pytest.approx(published.coulomb + published.viscous * speed, rel=0.05)
 
 
-@pytest.fixture(scope="module")
-def replay(logs):
-    """The published model on the axis' own reference with a spring and a tone, noise and the encoder's quantum."""
-    log = logs[0]
-    model = emps_model()
+def test_a_spring_and_a_tone_in_its_replay(logs):
+    """The published model on the axis' own reference with both, noise and the encoder's quantum."""
+    log, model = logs[0], emps_model()
+    spring = cogging.effects.CableSpring(stiffness=40.0, center=0.12)
     truth = model.replace(
         axis=model.axis.replace(coulomb_width=1e-4),
-        effects=(
-            *model.effects,
-            cogging.effects.CableSpring(stiffness=40.0, center=0.12),
-            cogging.effects.DisturbanceTone(frequency=11.0, sine=2.0),
-        ),
+        effects=(*model.effects, spring, cogging.effects.DisturbanceTone(frequency=11.0, sine=2.0)),
         encoder=cogging.EncoderParameters(resolution=50e-9),
         noise=cogging.NoiseParameters(force=1.0, bandwidth=50.0),
     )
     velocity = np.gradient(log.reference, log.time)
     motion = cogging.Sampled(time=log.time, position=log.reference, velocity=velocity)
-    return cogging.simulate(truth, motion, duration=float(log.time[-1]), seed=5)
-
-
-def test_a_spring_and_a_tone_in_its_replay(replay):
-    result = cogging.diagnose(replay, emps_model())
+    replay = cogging.simulate(truth, motion, duration=float(log.time[-1]), seed=5)
+    result = cogging.diagnose(replay, model)
     print("\n" + result.text())
     found = {name: e for e in result.effects for name in (e.name, *e.alternatives)}
     # Without a second log, a spring and the slow end of an end effect stay alternatives of each other.

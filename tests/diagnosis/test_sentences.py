@@ -9,19 +9,7 @@ import pytest
 
 import cogging
 from cogging.diagnosis.entries import Value
-from cogging.diagnosis.report.sentences import (
-    HARDLY,
-    along_of,
-    certainty_text,
-    doubt_text,
-    explained_text,
-    headline,
-    meaning,
-    name_text,
-    percent,
-    shared_text,
-    standing_text,
-)
+from cogging.diagnosis.report import sentences
 from cogging.diagnosis.report.words import harmonic_text, plain
 from cogging.effects.effect import VOCABULARY
 from tests.fixtures.drawn_results import VERDICTS, drawn_result
@@ -47,7 +35,7 @@ def results():
 def test_a_headline_says_what_was_found_before_what_was_not(results):
     """That nothing known explains the gap is said only where nothing was found."""
     for result in results:
-        said = headline(result)
+        said = sentences.headline(result)
         assert ("no known effect explains" in said) is (result.verdict == "unlisted" and not result.effects)
         assert ("is unexplained" in said) is (result.verdict == "unlisted" and bool(result.effects))
         assert said.startswith("The model lacks ") is bool(result.effects)
@@ -58,18 +46,19 @@ def test_a_headline_is_as_sure_as_its_names(results):
     """In the order of their shares; an uncertain name comes with `either`, `probably` or `perhaps`."""
     told = 0
     for result in (one for one in results if one.effects):
-        said = headline(result)
+        said = sentences.headline(result)
         first = result.effects[0]
         doubted = said.removeprefix("The model lacks ").startswith(("either ", "probably ", "perhaps "))
         assert doubted is not first.is_sure
-        assert f"{percent(first.share)} of the gap)" in said
+        assert f"{sentences.percent(first.share)} of the gap)" in said
         doubts = sum(not effect.is_sure for effect in result.effects[:2])
         assert sum(said.count(word) for word in ("either ", "probably ", "perhaps ")) == doubts
         assert ("some of them uncertain" in said) is not all(effect.is_sure for effect in result.effects[2:])
         for effect in result.effects[:2]:
             if not effect.is_sure and not effect.alternatives:
                 word = "probably" if effect.confidence >= 0.5 else "perhaps"
-                assert f"{word} {name_text(effect)} (confidence {percent(effect.confidence)}" in said
+                sure = sentences.percent(effect.confidence)
+                assert f"{word} {sentences.name_text(effect)} (confidence {sure}" in said
                 told += 1
     assert told > 10
 
@@ -90,11 +79,11 @@ def test_the_printed_answer_is_short_and_all_of_it_is_asked_for(results):
 
 def test_the_share_of_a_headline_is_that_of_the_gap(results):
     for result in (one for one in results if one.effects and one.verdict == "unlisted"):
-        said, share = headline(result), re.search(r"explains (\d+) % of the gap", headline(result))
+        said, share = sentences.headline(result), re.search(r"explains (\d+) % of the gap", sentences.headline(result))
         if result.gap.closed is None:
             assert "explains" not in said
         elif share is None:
-            assert HARDLY in said
+            assert sentences.HARDLY in said
             assert result.gap.closed < 0.05
             assert "most of it is unexplained" in said
         else:
@@ -106,11 +95,11 @@ def test_that_something_is_there_is_not_what_it_is_called(results):
     """How far it stands out and how sure its name is are told apart, and neither lends itself to the other."""
     for result in results:
         for effect in result.effects:
-            there, called = standing_text(effect), certainty_text(effect, result.vocabulary)
+            there, called = sentences.standing_text(effect), sentences.certainty_text(effect, result.vocabulary)
             assert plain(effect.name) not in there
             assert f"{np.sqrt(effect.statistic):.0f} standard deviations" in there
             assert plain(effect.name) in called
-            assert percent(effect.confidence) in called
+            assert sentences.percent(effect.confidence) in called
             assert "never" not in called
             assert "standard deviations" not in called
             assert ("not enough" in called or "instead" in called) is not effect.is_sure
@@ -122,23 +111,23 @@ def test_ambiguous_says_which_names_which_of_them_how_sure_and_what_they_share(r
     for result in results:
         doubted = [effect for effect in result.effects if not effect.is_sure]
         for effect in doubted:
-            told = doubt_text(effect, result.vocabulary)
+            told = sentences.doubt_text(effect, result.vocabulary)
             for name in (effect.name, *effect.alternatives):
                 assert plain(name).casefold() in told.casefold()
-            assert percent(effect.confidence) in told
-            assert shared_text(effect, result.vocabulary) in told or not effect.alternatives
+            assert sentences.percent(effect.confidence) in told
+            assert sentences.shared_text(effect, result.vocabulary) in told or not effect.alternatives
             seen.add((bool(effect.alternatives), effect.confidence >= 0.9))
         for effect in doubted[:2]:
-            assert doubt_text(effect, result.vocabulary) in meaning(result)
-        assert len(meaning(result)) <= 4
-        assert all(doubt_text(effect, result.vocabulary) == "" for effect in result.effects if effect.is_sure)
+            assert sentences.doubt_text(effect, result.vocabulary) in sentences.meaning(result)
+        assert len(sentences.meaning(result)) <= 4
+        assert all(sentences.doubt_text(effect, result.vocabulary) == "" for effect in result.effects if effect.is_sure)
     assert seen == {(True, True), (True, False), (False, False)}
 
 
 @pytest.mark.parametrize("name", [name for name in VOCABULARY if set(VOCABULARY[name].HOOKS) & set(SHAPED)])
 def test_an_effect_is_said_to_act_along_what_stands_in_its_formula(name):
     """By its parameters' roles alone, which a custom effect has too; a constant acts everywhere."""
-    along = along_of(name, VOCABULARY)
+    along = sentences.along_of(name, VOCABULARY)
     law = VOCABULARY[name]
     free = not re.search(r"\b[xvt]\b", law.LAW.replace("S(v)", "")) and "force" in law.HOOKS
     assert (along == "") if free or name == "empirical_force" else along in of_the_law(law)
@@ -146,15 +135,15 @@ def test_an_effect_is_said_to_act_along_what_stands_in_its_formula(name):
 
 def test_screen_and_page_say_the_same(found):
     """Of a true result, and of one whose name is doubted."""
-    assert re.fullmatch(r"The model lacks viscous asymmetry \(\d+ % of the gap\)", headline(found))
+    assert re.fullmatch(r"The model lacks viscous asymmetry \(\d+ % of the gap\)", sentences.headline(found))
     doubted = replace(found.effects[0], confidence=0.36, alternatives=("quadratic_drag",))
     told = replace(found, verdict="ambiguous", effects=(doubted,))
     for said in (found.text(), told.text()):
         assert said.splitlines()[1].startswith("The model lacks ")
-    assert headline(told).startswith("The model lacks either viscous asymmetry or quadratic drag (")
+    assert sentences.headline(told).startswith("The model lacks either viscous asymmetry or quadratic drag (")
     assert "viscous_asymmetry or quadratic_drag: confidence 0.36" in told.text(verbose=True)
     assert "confidence that it is viscous_asymmetry: 36 %; both depend on velocity" in told.text(verbose=True)
-    assert explained_text(found.gap).endswith("of the gap")
+    assert sentences.explained_text(found.gap).endswith("of the gap")
 
 
 @pytest.mark.parametrize(
