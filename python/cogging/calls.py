@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import inspect
-import math
 import os
 import re
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -124,12 +123,17 @@ def check_constructor(kind: type[C]) -> type[C]:
 @functools.cache
 def signature(doc: str) -> tuple[str, dict[str, inspect.Parameter]]:
     """Return name and parameters of a function of the core from the first line of its docstring."""
-    line = doc.partition("\n")[0]
-    space: dict[str, Any] = {"inf": math.inf, "cogging": sys.modules["cogging"]}
-    exec(f"def {line}: ...", space)  # annotations stay texts, as all of this module
-    name = line.partition("(")[0]
-    found = inspect.signature(space[name]).parameters
-    return name, {word: one for word, one in found.items() if one.kind is not one.VAR_KEYWORD}
+    function: Any = ast.parse(f"def {doc.partition(chr(10))[0]}: ...").body[0]
+    given, empty, found = function.args, inspect.Parameter.empty, {}
+    positional = [*given.posonlyargs, *given.args]
+    defaults = [empty] * (len(positional) - len(given.defaults)) + given.defaults
+    defaults += [empty if default is None else default for default in given.kw_defaults]
+    for place, (one, default) in enumerate(zip([*positional, *given.kwonlyargs], defaults, strict=True)):
+        by_position = place < len(positional)
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if by_position else inspect.Parameter.KEYWORD_ONLY
+        annotation = ast.unparse(one.annotation) if one.annotation else ""
+        found[one.arg] = inspect.Parameter(one.arg, kind, default=default, annotation=annotation)
+    return function.name, found
 
 
 def _call(
