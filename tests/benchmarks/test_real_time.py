@@ -30,7 +30,7 @@ def rows(folder):
     return real_time.measure(real_time.build(folder, "-O1", *(["-Werror"] if reports_stack() else [])), CALLS)
 
 
-@pytest.mark.study  # the states at rest: tests/control/test_rest.py
+@pytest.mark.study  # the states at rest: tests/control/test_faulty_readings.py
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_a_step_in_closed_loop_neither_allocates_nor_meets_denormal_numbers(rows, kind):
     """Under way, in long rests, behind lost readings, with drawn gains; and its errors are those of the simulation."""

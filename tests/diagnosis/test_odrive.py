@@ -1,6 +1,6 @@
 """A motor that other people measured, whose model lacks nearly all of its current: the harmonics of its cogging.
 
-What must come out is what a plain least squares finds in the same rows (tests/datasets/test_odrive.py) and what the
+What must come out is what a plain least squares finds in the same rows (tests/datasets/test_source.py) and what the
 holding current at rest shows.
 """
 
