@@ -17,7 +17,7 @@ from .vocabulary import CHANGES, VOCABULARY
 LAMBDAS = (10.0, 30.0, 100.0, 300.0, 1000.0)
 TOLERANCE = 0.1  # of lambda
 ATTEMPTS = 25
-#: Of the machine, told in the key.
+#: Fields of the machine that the key holds.
 TRAITS = ("law", "colour", "stated_controller", "poor_motion", "jitter", "rate", "peak", "noise")
 SECTION = {"mass_change": "mass", "viscous_change": "viscous", "coulomb_change": "coulomb"}
 SMOOTH_LAWS = ("tanh", "algebraic", "arctangent", "mixture", "ramp")
@@ -140,7 +140,7 @@ def _try_case(rng: np.random.Generator, specification: Specification) -> Case:
 
             amplitude, value = scale(measure, effect, ratio)
         hidden.append((effect, amplitude))
-        truths.append(told(effect, amplitude, value))
+        truths.append(key_entry(effect, amplitude, value))
     if len(names) > 1:
         _require_separable(signal, base, hidden, truths, ratio)
     main = with_hidden(base, hidden)
@@ -190,8 +190,8 @@ def with_hidden(base: Plan, hidden: list[tuple[Hidden, float]]) -> Plan:
     return plan
 
 
-def told(effect: Hidden, amplitude: float, ratio: float, **more: float) -> dict[str, Any]:
-    """What the key says of an effect; a parameter's deviation is that of the Cramer-Rao bound, where it is simple."""
+def key_entry(effect: Hidden, amplitude: float, ratio: float, **more: float) -> dict[str, Any]:
+    """Return the key's entry of an effect; a parameter's deviation is the Cramer-Rao bound, where it is simple."""
     parameters = {
         name: {"value": float(true), "unit": unit}
         | {"deviation": None if share is None or not ratio else float(abs(true) * share / np.sqrt(ratio))}

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import truth
-from .cases import Case, Specification, Unreachable, told, with_hidden
+from .cases import Case, Specification, Unreachable, key_entry, with_hidden
 from .hidden import Hidden, add_map
 from .machines import Machine, draw_machine, log_uniform, rounded
 from .motions import Motion
@@ -255,7 +255,7 @@ def in_units(model: dict[str, Any], units: tuple[float, float, float], *, turns:
 
 
 def _truth(effect: Hidden, amplitude: float, size: float, units: tuple[float, float, float]) -> dict[str, Any]:
-    truth = told(effect, amplitude, 0.0, size=float(size * units[0]))
+    truth = key_entry(effect, amplitude, 0.0, size=float(size * units[0]))
     for parameter in truth["parameters"].values():
         parameter["value"] *= float(np.prod(np.power(units, OF_UNITS[parameter["unit"]])))
     return truth

@@ -157,11 +157,14 @@ def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(stren
         assert [at_end, found.decay_length] == pytest.approx([force, length], rel=0.06)  # seen: 5 %
 
 
-@pytest.mark.parametrize(("name", "fields"), [
-    ("command_dead_zone", {"width": 8.0}),
-    ("disturbance_tone", {"frequency": 3.0, "sine": 6.0}),
-    ("force_constant_drift", {"change": -0.8, "time_constant": 3.0}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("command_dead_zone", {"width": 8.0}),
+        ("disturbance_tone", {"frequency": 3.0, "sine": 6.0}),
+        ("force_constant_drift", {"change": -0.8, "time_constant": 3.0}),
+    ],
+)
 def test_rows_hold_no_negative_information_where_an_effect_makes_most_of_the_command(name, fields):
     """Few of them are independent, so the priors weigh much more than the rows."""
     stated = moving_axis.machine()

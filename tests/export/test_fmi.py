@@ -33,10 +33,11 @@ def draw_axis(first, seed):
     terms = {"harmonics": [1, 3, 8]} if rng.random() < 0.5 else {"periods": rng.uniform(0.01, 0.04, 3).tolist()}
     knots = {"order": order, "origin": rng.uniform(-0.02, 0.02), "control_points": int(rng.choice([1, order + 12]))}
     basis = cogging.SplineHarmonics(pitch=0.04, **knots, **terms)
-    axis = {"mass": rng.uniform(0.25, 0.35), "viscous": rng.uniform(0.0, 2.0), "coulomb": rng.uniform(0.0, 0.6)}
-    axis |= {"coulomb_width": rng.choice([0.0, 5e-3]), "travel": TRAVEL}
-    rate = {"sample_rate": rng.choice([1000.0, 2500.0, 5000.0, rng.uniform(1000.0, 8000.0)])}
-    model = cogging.Model.from_dict(LOOP | {"axis": axis, "controller": LOOP["controller"] | rate})
+    mass, w = 10.0 ** rng.uniform(-1.5, 0.5), 2.0 * np.pi * rng.uniform(10.0, 20.0)
+    axis = {"mass": mass, "viscous": rng.uniform(0.0, 0.5), "coulomb": rng.uniform(0.0, 0.2), "travel": TRAVEL}
+    axis["coulomb_width"], rates = rng.choice([0.0, rng.uniform(1e-3, 1e-2)]), [1000.0, 5000.0, rng.uniform(1e3, 8e3)]
+    pid = {"type": "pid", "kp": mass * w**2, "ki": 0.2 * mass * w**3, "kd": 1.4 * mass * w, "mass": mass}
+    model = cogging.Model.from_dict(LOOP | {"axis": axis, "controller": pid | {"sample_rate": rng.choice(rates)}})
     cog = cogging.CoggingModel(basis, *rng.uniform(-0.1, 0.1, (2, 3, knots["control_points"])))
     return model.replace(
         cogging=cog if rng.random() < 0.8 else None,
@@ -173,7 +174,7 @@ def test_instances_do_not_meet_and_states_come_back():
         for k, command in enumerate(log.command[:half]):  # in turn, the second under other commands and noise
             np.testing.assert_array_equal(first.getFloat64(OUTPUTS), expected[k])
             unit.run([command], first, begin=k)
-            unit.run([-command], second, begin=k)
+            unit.run([0.5 * command], second, begin=k)
         state = first.getFMUState()
         for _ in range(2):
             np.testing.assert_array_equal(unit.run(log.command[half:], begin=half), expected[half:])

@@ -22,13 +22,13 @@ struct RunRow {
   Scalar true_velocity;      // m/s
 };
 
-/// What is told of every row of a run.
+/// What receives every row of a run.
 template <class Scalar>
 class Recorder {
  public:
   virtual ~Recorder() = default;
-  /// Told once how many rows will come and at what rate; it may be called again, for a run anew. What the recorder
-  /// cannot use it refuses here.
+  /// Announces the number of rows and their rate; called again where a run starts anew. A recorder refuses here what it
+  /// cannot use.
   virtual void begin(std::size_t rows, double sample_rate, StopCheck& stop) = 0;
   virtual void row(const RunRow<Scalar>& row) = 0;
   /// Whether it also keeps what the controller believes at the start of each row.
