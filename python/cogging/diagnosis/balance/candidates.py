@@ -65,7 +65,8 @@ SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter than the pitch of any motor or scale
 ROWS_PER_WAVE = 2.2  # minimum rows in the shortest wave at the highest speed; fewer alias
 BAND_SHARE = 1e-3  # of the largest gain: waves with less power in the band are skipped
 TONE_SHARE = 0.38  # of the sample rate: highest frequency of a tone, below the stop band of the decimation
-WINDOW_SPACING = 48  # grid of start and stop of a step in the longest log, before refinement
+WINDOW_SPACING = 48  # grid of start and stop of a force, before refinement
+LEAST_WINDOW, LOCAL = 2e-3, 0.3  # of the range: shortest such force, longest local one
 FAST = 0.05  # of the top speed: slower motion is close to a reversal
 APART = 0.02  # s: minimum time between two jumps of the reading, and from slow motion
 MOST_JUMPS = 8  # jumps that are fitted together
@@ -434,9 +435,11 @@ def forces_of_place(s: Search) -> None:
         fields = {"center": center, "width": width}
         return s.law("local_force", fields, "force", small, round(length / width), vary="center")
 
-    _, place = max((bump(center, width), center) for width in widths for center in best_places(s, width))
+    _, best = max((bump(center, width), center) for width in widths for center in best_places(s, width))
     for width in widths:
-        bump(place, width)
+        bump(best, width)
+    place = pulse("position", *best_window(s, "position", low, high, LOCAL * length))
+    s.put("local_force", place, 300, family="local_force of other shape")
     if s.model.units.position == "rad":
         turn = along(lambda b: -np.vstack([np.sin(b.position), np.cos(b.position)]))
         moment = E["gravity"].replace
@@ -664,7 +667,7 @@ def product_with(weights: Sequence[FloatArray], columns: Sequence[FloatArray]) -
 
 def time(s: Search) -> None:
     """Try a force between two times, and tones."""
-    begin, end = best_window(s)
+    begin, end = best_window(s, "time", 0.0, s.duration, s.duration)
     step = Shape(
         f"{begin:.3g} to {end:.3g}",
         along(lambda b: ((b.time >= begin) & (b.time < end)).astype(float)),
@@ -672,11 +675,7 @@ def time(s: Search) -> None:
     )
     s.put("disturbance_step", step, 300)
 
-    def pulse(b: DifferencedBalance) -> FloatArray:
-        share = (b.time - begin) / max(end - begin, b.step)
-        return np.asarray(((share >= 0.0) & (share < 1.0)) * share ** np.arange(3)[:, None])
-
-    s.put("disturbance_step", Shape("other shape", along(pulse)), 300)
+    s.put("disturbance_step", pulse("time", begin, end), 300)
     tones, trials = best_tones(s)
     for q in tones:
         resolved = [1, *(k for k in (2, 3) if k * q < TONE_SHARE * s.balances[0].rate)]
@@ -692,23 +691,41 @@ def time(s: Search) -> None:
             s.put("disturbance_tone", shape, trials, family=f"disturbance_tone{family}")
 
 
-def best_window(s: Search) -> tuple[float, float]:
-    """Return start and stop (s) of the best force between two times, from all pairs of a grid that is refined."""
-    ctx, last = s.ctx, s.duration
-    spacing = last / WINDOW_SPACING
-    starts = stops = np.arange(0.0, last, spacing)
-    for _ in range(3):
-        times = np.concatenate([starts, stops])
-        c, _ = ctx.project([b.rows((b.time >= times[:, None]).astype(float)) for b in ctx.balances])
+def pulse(coordinate: str, begin: float, end: float) -> Shape:
+    """Return a force that is a parabola of a coordinate between two values and 0 elsewhere."""
+
+    def columns(b: DifferencedBalance) -> FloatArray:
+        share = (getattr(b, coordinate) - begin) / max(end - begin, 1e-300)
+        return np.asarray(((share >= 0.0) & (share < 1.0)) * share ** np.arange(3)[:, None])
+
+    return Shape("other shape", along(columns))
+
+
+def best_window(s: Search, coordinate: str, low: float, high: float, longest: float) -> tuple[float, float]:
+    """Return the two values of a coordinate between which a force acts best, from all pairs of a grid that is refined.
+
+    Args:
+        s: search.
+        coordinate: time or position.
+        low, high: its range.
+        longest: largest difference of the two.
+    """
+    ctx = s.ctx
+    spacing = (high - low) / WINDOW_SPACING
+    starts = stops = np.arange(low, high, spacing)
+    for _ in range(4):
+        edges, at = np.unique(np.concatenate([starts, stops]), return_inverse=True)
+        c, _ = ctx.project([b.rows((getattr(b, coordinate) >= edges[:, None]).astype(float)) for b in ctx.balances])
         products, gram = c @ ctx.basis[2], c @ c.T
-        i, j = np.arange(len(starts)), len(starts) + np.arange(len(stops))
+        i, j = at[: len(starts)], at[len(starts) :]
         size = np.diag(gram)[i][:, None] + np.diag(gram)[j] - 2.0 * gram[np.ix_(i, j)]
         T = (products[i][:, None] - products[j]) ** 2 / np.maximum(size, 1e-4 * np.max(np.diag(gram)))
-        T[starts[:, None] > stops - 0.02] = 0.0
-        at = np.unravel_index(np.argmax(T), T.shape)
-        begin, end = float(starts[at[0]]), float(stops[at[1]])
-        fine = np.linspace(-spacing, spacing, 17)
-        starts, stops, spacing = np.clip(begin + fine, 0.0, last), np.clip(end + fine, 0.0, last), spacing / 8
+        width = stops - starts[:, None]
+        T[(width < LEAST_WINDOW * (high - low)) | (width > longest)] = 0.0
+        first, last = np.unravel_index(np.argmax(T), T.shape)
+        begin, end = float(starts[first]), float(stops[last])
+        fine = np.linspace(-spacing, spacing, 9)
+        starts, stops, spacing = np.clip(begin + fine, low, high), np.clip(end + fine, low, high), spacing / 4
     return begin, end
 
 

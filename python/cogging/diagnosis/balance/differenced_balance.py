@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from cogging.log_check.encoder_readings import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.model import Model
 
+T = TypeVar("T")
+
 # Grid of the motion
 MIDDLE_RATE = 3000.0  # Hz: rate at which laws are evaluated, well above any corner
 UNEVEN = 0.3  # of the median step: larger deviations require resampling to a uniform grid
@@ -29,7 +31,7 @@ GAP_STEPS = 5.0  # median steps: a longer step is a gap, whose rows are invalid
 SKIP = 0.06  # s: invalid rows at both ends (filter transients, start of the loop)
 MOST_SUB_STEPS = 6  # in a row about a reversal of friction; more do not change its mean
 SLOPE_STEP = 5e-5  # of the range of the motion: step of the derivatives of a reading error, below its period
-NEAR = 10.0  # friction widths, or speed changes per row: at higher speeds a row needs no sub-steps
+NEAR = 10.0  # speed changes per row: at higher speeds a row needs no sub-steps
 # Speed and rest
 SPEED_NOISE = 0.2  # of `coulomb_width`: target noise of the smoothed speed
 WIDTH_SHARE = 0.05  # of the rms speed: friction width where the model has none
@@ -65,8 +67,8 @@ def decimated(rows: FloatArray, every: int) -> FloatArray:
     """Return every n-th column of rows (p, n) after a zero-phase low-pass filter."""
     if every == 1:
         return rows
-    half = 2 * every
-    taps = firwin(2 * half + 1, 0.8 / every)
+    half = 8 * every
+    taps = firwin(2 * half + 1, 0.8 / every, window=("kaiser", 9.0))
     padded = np.pad(rows, ((0, 0), (half, half)), mode="edge")
     first = 2 * half // every
     return np.asarray(upfirdn(taps, padded, 1, every, axis=1)[:, first : first + -(-rows.shape[1] // every)])
@@ -110,7 +112,7 @@ class DifferencedBalance:
     def __init__(self, log: Log, width: float = 1e-3, quantum: float = 0.0) -> None:
         quantum = quantum or encoder_quantum(log.position)
         self.log, self.width, self.corner = log, width, FIRST_CORNER
-        self.cache: dict[str, Any] = {}
+        self.cache: dict[Any, Any] = {}
         time, position, command, gap = _even(log)
         steps = np.diff(time)
         pair = steps[1:] + steps[:-1]
@@ -151,7 +153,7 @@ class DifferencedBalance:
     @property
     def every(self) -> int:
         """Rows of the motion in a decimated row."""
-        return max(1, int(1.0 / (self.step * ROWS_PER_CORNER * self.corner)))
+        return max(1, int(1.0 / (self.step * ROWS_PER_CORNER * self.corner) + 1e-3))  # beyond rounding
 
     @property
     def rate(self) -> float:
@@ -167,6 +169,13 @@ class DifferencedBalance:
     def counted(self) -> Mask:
         """Valid decimated rows behind a whitening filter."""
         return np.asarray(lfilter(np.ones(GAP), 1.0, (~self.mask).astype(float)) < 0.5)
+
+    def remembered(self, name: str, model: Model, make: Callable[[], T]) -> T:
+        """Return what `make` computed for the last model of this name, if it was this one; else compute it."""
+        known = self.cache.get(name)
+        if known is None or known[0] is not model:
+            self.cache[name] = known = model, make()
+        return known[1]
 
     def moved(self, distance: float) -> DifferencedBalance:
         """Return a copy with positions shifted by a distance (m): another zero of the encoder."""
@@ -252,7 +261,7 @@ class DifferencedBalance:
         if largely:
             level = ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
         loud = noise > level
-        self.corner = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS))
+        self.corner, self.cache = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS)), {}
 
     @cached_property
     def fine(self) -> FineMotion:
@@ -261,7 +270,7 @@ class DifferencedBalance:
         change = np.maximum(np.append(change, 0.0), np.append(0.0, change))
         n = int(np.clip(np.ceil(change.max() / max(self.width, 1e-9)), 1, MOST_SUB_STEPS))
         half, rows = max(1, round(n / self.thinning)), np.arange(len(self.time))
-        near: Mask = (np.abs(self.velocity) < NEAR * np.maximum(change, self.width)) & (half > 1)
+        near: Mask = (np.abs(self.velocity) < NEAR * change) & (change > self.width) & (half > 1)
         last = n * (len(rows) - 1)
         wanted = np.clip(n * rows[near][:, None] + np.arange(1 - half, half), 0, last)
         at = np.union1d(n * rows, wanted)
@@ -364,18 +373,22 @@ class DifferencedBalance:
         sliding = self.forces([quiet_plant(Model(axis=alone))])[0]
         return np.asarray(-axis.coulomb * dahl(x, length) - sliding)
 
-    def added(self, model: Model, effects: Sequence[Effect], command: FloatArray) -> FloatArray:
+    def added(self, model: Model, effects: Sequence[Effect], command: FloatArray | None = None) -> FloatArray:
         """Return the force that each effect adds to a moving axis, V, (effects, n), under a command (V, (n,)).
 
         The Coulomb level is set so high that no effect can lower it to zero.
         """
-        own = model.axis
-        axis = AxisParameters(mass=1.0, viscous=0.0, coulomb=1e6, coulomb_width=own.coulomb_width, travel=own.travel)
-        base = Model(axis=axis, cogging=model.cogging)
-        known = self.cache.get("base")
+        own, hooks = model.axis, {hook for e in effects for hook in e.HOOKS}
+        level = 1e6 if "friction_level" in hooks else 0.0
+        axis = AxisParameters(mass=1.0, viscous=0.0, coulomb=level, coulomb_width=own.coulomb_width, travel=own.travel)
+        plants = [quiet_plant(Model(axis=axis, effects=(e,))) for e in effects]
+        if hooks <= {"force"}:  # nothing else acts on this axis
+            return self.forces(plants)
+        known = self.cache.get(level)
         if known is None or known[0] is not model or known[1] is not command:
-            self.cache["base"] = known = model, command, self.forces([quiet_plant(base)], command)
-        return self.forces([quiet_plant(base.replace(effects=(e,))) for e in effects], command) - known[2]
+            base = self.forces([quiet_plant(Model(axis=axis))], command)
+            self.cache[level] = known = model, command, base
+        return self.forces(plants, command) - known[2]
 
 
 def gain_of_taps(taps: FloatArray, frequency: FloatArray) -> FloatArray:

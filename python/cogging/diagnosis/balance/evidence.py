@@ -43,6 +43,7 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
+CONVERGED = 0.5  # in 2 ln likelihood: a model whose parameters still allow less is re-tuned
 RIDGE = 1e-12  # information of a row on each scaled amplitude, for columns that are collinear
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
@@ -151,7 +152,13 @@ def student_cost(rest: FloatArray, variance: float) -> FloatArray:
 
 
 def likeliest(
-    x: FloatArray, r: FloatArray, sigma: FloatArray, target: FloatArray, rounds: int = 3, near: Maximum | None = None
+    x: FloatArray,
+    r: FloatArray,
+    sigma: FloatArray,
+    target: FloatArray,
+    rounds: int = 3,
+    near: Maximum | None = None,
+    alike: bool = False,
 ) -> Maximum:
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
@@ -170,7 +177,7 @@ def likeliest(
         along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
         w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
-        weight = (TAIL + 1.0) / (TAIL + rest**2 / variance)
+        weight = weight if alike else (TAIL + 1.0) / (TAIL + rest**2 / variance)
         variance = float(weight @ rest**2) / len(rest)
     cost = student_cost(rest, variance).sum() + float(np.sum(((w - target) / sigma) ** 2))
     return Maximum(cost, w, rest, variance, weight, gram)
@@ -235,7 +242,8 @@ class Evidence:
                 b.set_corner(r, self.model.axis.mass, self.largely)
         for _ in range(rounds):
             self.make()
-            before = self.decrement(self.model)
+            if (before := self.decrement(self.model)) < CONVERGED:
+                break
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
                 if self.decrement(model) <= before:
@@ -401,6 +409,7 @@ class Evidence:
         rounds: int = 3,
         base: Maximum | None = None,
         near: Maximum | None = None,
+        alike: bool = False,
     ) -> Maximum:
         """Fit the nuisance parameters and added columns (k, m) of each log behind whitening filters.
 
@@ -426,7 +435,7 @@ class Evidence:
         count = len(size) - len(self.prior_sigma)
         sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)]) * size / np.sqrt(self.alike)
         target = np.concatenate([self.prior_offset, np.zeros(count)]) * size
-        best = likeliest(x, r, sigma, target, rounds, near)
+        best = likeliest(x, r, sigma, target, rounds, near, alike)
         scale = [-2.0 * np.log(abs(h[0])) for h in taps]
         best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
         best.cost += best.unit.sum()
@@ -451,7 +460,8 @@ class Evidence:
         else:
             parts, rounds = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)], 1
             base = self.bases[int(np.argmin(self.costs_with(tables)))]
-            best = self.fitted(base.taps, tables, base=base, near=base)
+            # what a model largely lacks may be far from the fit without it: first with equal weights
+            best = self.fitted(base.taps, tables, base=base, near=None if self.largely else base)
             if tried is not None:
                 best = min(best, self.fitted(tried, tables, near=best), key=lambda fit: fit.cost)
         for _ in range(rounds):
@@ -752,7 +762,8 @@ class Evidence:
         """
         any_force = self.any_force()
         parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force, strict=True)]
-        return self.fitted(self.taps_of(self.fitted(self.plain, any_force, rounds=1).theta, parts))
+        taps = self.taps_of(self.fitted(self.plain, any_force, rounds=1).theta, parts)
+        return self.fitted(taps, alike=self.largely)
 
     @cached_property
     def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -21,7 +21,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
 
 TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
-WIDTHS = 32  # widths in the mixture of Coulomb friction laws: a factor of 1.3 apart over four decades
+RATIO = 1.25  # of two adjacent widths in the mixture of Coulomb friction laws
 WIDTH = "axis.coulomb_width"  # path of the width of the model's own law
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
 EXACT = 1e-4  # relative uncertainty of what is stated without any: a change beyond it is an effect
@@ -55,10 +55,22 @@ class Instruments(NamedTuple):
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
         """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
-        return b.residual(model) - b.loads(model, self.force)
+        return b.remembered("residual", model, lambda: b.residual(model)) - b.loads(model, self.force)
 
     def change(self, b: DifferencedBalance, old: Model, new: Model) -> FloatArray:
         """Return the residual of a balance under a new model less that under an old one, without noise, V, (n,)."""
+        own = [e for e in (*old.effects, *new.effects) if (e in old.effects) != (e in new.effects)]
+        hooks = {hook for e in own for hook in e.HOOKS}
+        if (old.axis, old.cogging) == (new.axis, new.cogging) and "reading" not in hooks:  # most forces cancel
+            rubs = bool(hooks & {"friction_level", "state"})
+            axis = old.axis if rubs else old.axis.replace(viscous=0.0, coulomb=0.0)
+            apart = [
+                e for e in old.effects if e.HOOKS == ("force",) or (hooks <= {"force"} and "reading" not in e.HOOKS)
+            ]
+            old, new = (
+                m.replace(axis=axis, cogging=None, effects=[e for e in m.effects if e in own or e not in apart])
+                for m in (old, new)
+            )
         # without a reference, the acceleration that is known without noise lacks the fast motion
         a = None if b.reference is None else self.acceleration
         loads = b.loads(new, self.force) - b.loads(old, self.force)
@@ -66,7 +78,12 @@ class Instruments(NamedTuple):
 
 
 def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
-    """Return the instruments of a log under a model."""
+    """Return the instruments of a log under a model, which are computed once."""
+    return b.remembered("instruments", model, lambda: new_instruments(b, model))
+
+
+def new_instruments(b: DifferencedBalance, model: Model) -> Instruments:
+    """Compute the instruments of a log under a model."""
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     if b.reference is None:
@@ -187,22 +204,26 @@ def friction_laws(
 
     First stand the model's own law and the same wider by SECANT, the others are ramps that saturate at the widths.
     """
-    width, widths = model.axis.coulomb_width, []
+    width, widths = model.axis.coulomb_width, list[float]()
     if given.uncertainty.get("coulomb_width") != 0.0:
         slowest = 2.0 * min(b.speed_noise for b in balances)
         fastest = max(np.abs(b.velocity).max() for b in balances)
         last = max(12.0 * width, 4.0 * slowest, KNEE * fastest)
-        widths = [0.1 * slowest, *(float(w) for w in np.geomspace(slowest, last, WIDTHS))]
+        # on one grid, so that a law is evaluated once for all logs and models
+        least, first, end = np.log([0.1 * slowest, slowest, last]) / np.log(RATIO)
+        widths = [float(RATIO**k) for k in (np.round(least), *np.arange(np.floor(first), np.ceil(end) + 1.0))]
     laws = []
     for b in balances:
-        known = b.cache.get("friction")  # threads re-tune models of other widths
-        if known is None or known[0] != (width, widths):
+        known = b.cache.setdefault("friction", {})  # of an arctangent by its width, of a ramp by its negative width
+        wanted = [width, (1.0 + SECANT) * width, *(-w for w in widths)]
+        if missing := [w for w in wanted if w not in known]:
             v = b.fine.velocity
-            both = (width, (1.0 + SECANT) * width)
-            table = [np.arctan(v / w) * 2 / np.pi if w > 0 else np.sign(v) for w in both]
-            table += [np.clip(v / w, -1.0, 1.0) for w in widths]
-            known = b.cache["friction"] = (width, widths), b.averaged(np.array(table))
-        laws.append(known[1])
+            table = [
+                np.arctan(v / w) * 2 / np.pi if w > 0.0 else np.clip(-v / w, -1.0, 1.0) if w else np.sign(v)
+                for w in missing
+            ]
+            known |= zip(missing, b.averaged(np.array(table)), strict=True)
+        laws.append(np.array([known[w] for w in wanted]))
     return laws, widths
 
 
