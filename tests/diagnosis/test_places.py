@@ -54,10 +54,10 @@ def test_the_gap_is_located_without_a_name():
 
 
 def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
-    """A magnetic strip under a part of the travel, say: a force that no law of the vocabulary has."""
+    """A magnetic strip under a part of the travel, say, which pulls where it begins and where it ends."""
     places = np.linspace(0.0, 0.51, 103)
-    bump = 0.08 * np.exp(-(((places - 0.26) / 0.06) ** 2))
-    hidden = effects.EmpiricalForce(position_nodes=list(places), position_forces=list(bump))
+    pull = 0.08 * (np.exp(-(((places - 0.17) / 0.03) ** 2)) - np.exp(-(((places - 0.31) / 0.03) ** 2)))
+    hidden = effects.EmpiricalForce(position_nodes=list(places), position_forces=list(pull))
     result = cogging.diagnose(run(hidden), MODEL, confirm=other(hidden), empirical=True)
     assert result.verdict == "unlisted"
     assert result.unlisted["coordinate"] == "position"
@@ -71,7 +71,7 @@ def test_what_no_effect_explains_is_added_where_it_is_asked_for(tmp_path):
     assert "empirical and names no cause" in result.html()
     within = np.linspace(0.1, 0.38, 57)
     found = sum(effect.force_at(position=within) for effect in result.model.effects if hasattr(effect, "force_at"))
-    assert np.corrcoef(found, np.interp(within, places, bump))[0, 1] > 0.95
+    assert np.corrcoef(found, np.interp(within, places, pull))[0, 1] > 0.95
     path = tmp_path / "patched.toml"
     result.model.write(path)
     again = cogging.Model.read(path)

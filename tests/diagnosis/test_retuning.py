@@ -129,6 +129,15 @@ def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
     assert first.amplitudes == pytest.approx([6.0], rel=0.02)
 
 
+@pytest.mark.parametrize(("size", "seed"), [(2.0, 2), (20.0, 2), (20.0, 3)])
+def test_a_snag_with_an_edge_is_a_local_force(size, seed):
+    """No bell is like it, and the rows in which it makes all of a large command are no outliers."""
+    places = np.linspace(-0.16, 0.16, 641)
+    force = np.where(places > 0.02, -size * np.exp((0.02 - places) / 0.01), 0.0)
+    hidden = cogging.effects.EmpiricalForce(position_nodes=list(places), position_forces=list(force))
+    assert searched(moving_axis.machine([hidden]), seed, STATED).accepted[0].found.name == "local_force"
+
+
 @pytest.mark.parametrize(("change", "seed"), [(-0.8, 0), (-0.8, 1), (1.5, 0), (1.5, 2)])
 def test_a_force_constant_that_changes_by_most_of_itself_is_a_drift(change, seed):
     """The command that the motion needs is then not linear in the change."""
