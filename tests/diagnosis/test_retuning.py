@@ -1,5 +1,7 @@
 """Candidates that are not linear at the model without them, and forces that re-tuning absorbs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from cogging.diagnosis.balance.candidates import search_once
 from cogging.diagnosis.balance.decision import contender, search
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.named_effects import named
+from cogging.diagnosis.patched_model import terms_of
 from tests.fixtures import moving_axis, pid_axis
 from tests.fixtures.pid_axis import FAST, other, run
 
@@ -127,6 +131,19 @@ def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
     first = outcome.accepted[0].found
     assert first.name == "constant_force"
     assert first.amplitudes == pytest.approx([6.0], rel=0.02)
+
+
+def test_four_names_where_a_model_lacks_most_are_less_certain_than_three():
+    """Of drawn logs, half of the names in such long lists are wrong: docs/evidence.md."""
+    outcome = searched(moving_axis.machine([cogging.EFFECTS["constant_force"](force=6.0)]), 1, STATED)
+    final, terms = terms_of(outcome, STATED)
+    assert outcome.nominal.largely
+    own = terms[0].accepted
+    others = [replace(terms[0], accepted=replace(own, found=replace(own.found, name=name))) for name in ("b", "c", "d")]
+    told = [named([terms[0], *others[:k]], final, outcome.evidence, [0.2] * (k + 1), {}) for k in (0, 2, 3)]
+    one, three, four = (effects[0].confidence for effects in told)
+    assert one == three == pytest.approx(0.92 * own.share * own.found.likeness)
+    assert four == pytest.approx(0.55 * own.share * own.found.likeness)
 
 
 @pytest.mark.parametrize(("size", "seed"), [(2.0, 2), (20.0, 2), (20.0, 3)])

@@ -23,6 +23,7 @@ from cogging.model.units import Units
 NOT_SURE = 0.89  # highest confidence of an effect beside a force without a name
 HELD_OUT = 0.5  # highest confidence of an effect that is not in the model
 RELIABLE = 0.92  # share of right names among those with a probability of at least 0.98, drawn logs: docs/evidence.md
+RELIABLE_OF_MANY = 0.55  # the same of four names or more where the given model lacks most of the command
 SEEN = 0.02  # of the remaining power: minimum share of a curve that is reported
 SYSTEMATIC = 0.1  # of the rms command: smaller predictable forces are negligible
 TAILS = (0.05, 0.95)  # quantiles of an effect's force that limit its range
@@ -44,6 +45,7 @@ def named(
         shares: share of the gap's power that each term explains.
         held_out: reason why a term is not in the model, by index.
     """
+    many = evidence.plainly and len({term.accepted.found.name for term in terms}) > 3
     unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
     effects: dict[str, NamedEffect] = {}
     by_size: dict[str, list[tuple[float, dict[str, Value]]]] = {}
@@ -57,7 +59,7 @@ def named(
         by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
         one = term.accepted
         others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
-        confidence = RELIABLE * one.share * one.found.likeness
+        confidence = (RELIABLE_OF_MANY if many else RELIABLE) * one.share * one.found.likeness
         other = term.effect is None and term.accepted.found.columns is not None
         entry = NamedEffect(
             name,

@@ -39,6 +39,7 @@ ROUNDS = 10  # maximum number of rounds, the last of which accepts nothing
 SURVIVORS = 24  # candidates of a round that are pre-selected for all logs
 CLOSE = 8  # of these, candidates that are fitted with whitening filters of their own
 FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum number of shapes of one name
+FAINT = 0.02  # of the largest T: smaller candidates are skipped
 RETUNED = 3  # maximum number of Gauss-Newton steps of a scale error
 SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
 LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
@@ -186,7 +187,7 @@ def search(
             break
 
         # compare the best candidates on all logs, each with its own whitening filter
-        compared = [f for f in found if f.T > 4.0][:SURVIVORS]
+        compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
         compared = closest(outcome.both, compared)
         contenders = contenders_of(outcome.both, compared, len(given))
         if others and not outcome.shift and model.cogging is None:

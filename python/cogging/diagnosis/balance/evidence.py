@@ -43,7 +43,6 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
-CONVERGED = 0.5  # in 2 ln likelihood: a model whose parameters still allow less is re-tuned
 RIDGE = 1e-12  # information of a row on each scaled amplitude, for columns that are collinear
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
@@ -242,8 +241,7 @@ class Evidence:
                 b.set_corner(r, self.model.axis.mass, self.largely)
         for _ in range(rounds):
             self.make()
-            if (before := self.decrement(self.model)) < CONVERGED:
-                break
+            before = self.decrement(self.model)
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(share)
                 if self.decrement(model) <= before:

@@ -21,7 +21,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
 
 TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
-RATIO = 1.25  # of two adjacent widths in the mixture of Coulomb friction laws
+RATIO = 1.2  # of two adjacent widths in the mixture of Coulomb friction laws
 WIDTH = "axis.coulomb_width"  # path of the width of the model's own law
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
 EXACT = 1e-4  # relative uncertainty of what is stated without any: a change beyond it is an effect
