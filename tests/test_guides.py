@@ -19,8 +19,7 @@ def code(guide, language):
 def test_controllers_in_python_and_compiled(tmp_path, capsys):
     (tmp_path / "lines.py").write_text("\n".join(code("controllers.md", "python")))
     runpy.run_path(str(tmp_path / "lines.py"))  # asserts that both give the same commands
-    printed = re.search(r"largest error ([\d.]+) um", capsys.readouterr().out)
-    assert 1.0 < float(printed[1]) < 100.0
+    assert 1.0 < float(re.search(r"largest error ([\d.]+) um", capsys.readouterr().out)[1]) < 100.0
 
 
 def test_a_controller_in_cpp_can_stand_in_the_list(tmp_path):
@@ -45,8 +44,7 @@ def test_the_guide_to_pictures(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (lines,) = code("plot.md", "python")
     (tmp_path / "lines.py").write_text(lines)
-    space = runpy.run_path(str(tmp_path / "lines.py"))
-    assert space["error"].get_ylabel() == "error (µm)"
+    assert runpy.run_path(str(tmp_path / "lines.py"))["error"].get_ylabel() == "error (µm)"
     assert (tmp_path / "log.png").read_bytes().startswith(b"\x89PNG")
     listed = set(re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "plot.md").read_text(), flags=re.MULTILINE))
     assert {name for names in listed for name in re.findall(r"`(\w+)`", names)} == set(cogging.plot.__all__)

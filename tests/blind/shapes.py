@@ -115,8 +115,7 @@ def any_spring(rng: np.random.Generator) -> Shape:
     """A force over the share of the travel that never falls, of slope about one: softer here, harder there."""
     steps = rng.uniform(0.15, 1.0, int(rng.integers(3, 6)))
     knots = np.linspace(0.0, 1.0, len(steps) + 1)
-    spline = PchipInterpolator(knots, np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum(), extrapolate=True)
-    return spline
+    return PchipInterpolator(knots, np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum(), extrapolate=True)
 
 
 def any_pulse(rng: np.random.Generator) -> Shape:

@@ -126,8 +126,7 @@ def test_what_is_next_after_each_verdict(verdict, options, model, expected, fold
 def test_a_log_that_diagnose_would_refuse_is_not_given_to_it(rows, following, folder, capsys):
     machine = command_files.model().replace(effects=[cogging.effects.CableSpring(stiffness=3.0, center=0.2)])
     command_files.table(folder / "short.csv", cogging.simulate(machine, command_files.REFERENCE, seed=1).columns())
-    call = ["identify", "short.csv", "--model", "model.toml", "--rows", rows]
-    assert run(call, capsys)[0] == following
+    assert run(["identify", "short.csv", "--model", "model.toml", "--rows", rows], capsys)[0] == following
 
 
 def test_one_of_several_logs_confirms(folder, capsys, diagnosed):

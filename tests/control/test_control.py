@@ -166,8 +166,7 @@ class LiteralAdaptiveRobust:
             inside = np.clip(x, knots[self.order - 1], knots[self.points])
             N = ScipySpline.design_matrix([inside], knots, self.order - 1).toarray()[0]
         angle = 2 * np.pi * np.array(self.harmonics) * x / P
-        shapes = np.stack([np.sin(angle), np.cos(angle)], axis=1).ravel()
-        return np.outer(N, shapes).ravel()
+        return np.outer(N, np.stack([np.sin(angle), np.cos(angle)], axis=1).ravel()).ravel()
 
     def regress(self, x_d, v_d, a_d, y):
         """Sets p (eq. 15) and phi (after eq. 16, or after eq. 28 at the desired trajectory)."""

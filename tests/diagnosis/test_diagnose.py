@@ -82,8 +82,7 @@ def test_at_rest_there_is_nothing_to_see():
     assert result.verdict == "insufficient_excitation"
     assert result.effects == ()
     assert "friction hides every force" in result.text()
-    page = result.html()
-    assert "too little of the motion" in page
+    assert "too little of the motion" in result.html()
     with pytest.raises(ValueError, match="plot: needs a gap that was measured, got the verdict insufficient"):
         result.plot()
 
@@ -189,8 +188,7 @@ def test_the_command_writes_result_report_and_model(folder, capsys):
     said = capsys.readouterr()
     assert "disturbance_tone" in said.out
     assert "out.json, out.html, patched.toml written" in said.out
-    told = json.loads((folder / "out.json").read_text())
-    assert told["effects"][0]["name"] == "disturbance_tone"
+    assert json.loads((folder / "out.json").read_text())["effects"][0]["name"] == "disturbance_tone"
     assert cogging.Model.read("patched.toml").effects[0].NAME == "disturbance_tone"
     page = (folder / "out.html").read_text()
     assert "disturbance tone" in page

@@ -45,8 +45,7 @@ def test_no_limit_is_below_commands_that_were_obeyed(seed):
     law = VOCABULARY["command_saturation"]
     assert obeyed_command([free]) > 0.5 * largest
     assert "limit is " in at_end(law.replace(limit=0.5 * largest), [free])
-    cut = record(seed, speed=20.0, limit=0.6 * largest)
-    assert ends([cut], law.ROLES["limit"])[0] < 0.6 * largest
+    assert ends([record(seed, speed=20.0, limit=0.6 * largest)], law.ROLES["limit"])[0] < 0.6 * largest
 
 
 def test_no_tone_and_no_resonance_is_slower_than_three_periods():

@@ -25,8 +25,7 @@ def test_ranges_in_words():
     assert ranges(ends, cogging.Units("A", "rad")) == "forward +0.3 A near 0 rad"
     two = shape("time", "s", [0.0, 1.0, 2.0, 3.0], [0.3, 0.2, 0.0, -0.5])
     assert ranges(two, UNITS) == "-0.5 V near 3 s, +0.3 V from 0 s to 1 s"
-    flat = shape("time", "s", [0.0, 1.0, 2.0], [0.0, 0.0, 0.0])
-    assert ranges(flat, UNITS) == "small over the whole range"
+    assert ranges(shape("time", "s", [0.0, 1.0, 2.0], [0.0, 0.0, 0.0]), UNITS) == "small over the whole range"
     assert [length_text(v, UNITS) for v in (20e-6, 2.5e-3, 0.3)] == ["20 um", "2.5 mm", "0.3 m"]
 
 

@@ -141,9 +141,8 @@ def test_four_names_where_a_model_lacks_most_are_less_certain_than_three():
     own = terms[0].accepted
     others = [replace(terms[0], accepted=replace(own, found=replace(own.found, name=name))) for name in ("b", "c", "d")]
     told = [named([terms[0], *others[:k]], final, outcome.evidence, [0.2] * (k + 1), {}) for k in (0, 2, 3)]
-    one, three, four = (effects[0].confidence for effects in told)
-    assert one == three == pytest.approx(0.92 * own.share * own.found.likeness)
-    assert four == pytest.approx(0.55 * own.share * own.found.likeness)
+    sure = own.share * own.found.likeness
+    assert [effects[0].confidence for effects in told] == pytest.approx([0.92 * sure, 0.92 * sure, 0.55 * sure])
 
 
 @pytest.mark.parametrize(("size", "seed"), [(2.0, 2), (20.0, 2), (20.0, 3)])
@@ -151,8 +150,8 @@ def test_a_snag_with_an_edge_is_a_local_force(size, seed):
     """No bell is like it, and the rows in which it makes all of a large command are no outliers."""
     places = np.linspace(-0.16, 0.16, 641)
     force = np.where(places > 0.02, -size * np.exp((0.02 - places) / 0.01), 0.0)
-    hidden = cogging.effects.EmpiricalForce(position_nodes=list(places), position_forces=list(force))
-    assert searched(moving_axis.machine([hidden]), seed, STATED).accepted[0].found.name == "local_force"
+    true = moving_axis.machine([cogging.effects.EmpiricalForce(position_nodes=places, position_forces=force)])
+    assert searched(true, seed, STATED).accepted[0].found.name == "local_force"
 
 
 @pytest.mark.parametrize(("change", "seed"), [(-0.8, 0), (-0.8, 1), (1.5, 0), (1.5, 2)])

@@ -11,8 +11,7 @@ ROWS, BLOCKS = 600, 30
 
 
 def whitened(columns, residual):
-    block = np.repeat(np.arange(BLOCKS), ROWS // BLOCKS)
-    return Whitened(residual, columns, block, np.zeros(1), 1.0)
+    return Whitened(residual, columns, np.repeat(np.arange(BLOCKS), ROWS // BLOCKS), np.zeros(1), 1.0)
 
 
 @pytest.fixture

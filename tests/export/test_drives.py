@@ -26,8 +26,7 @@ class Drive:
         share = share - np.floor(share)
         if not self.linear:
             return self.values[np.minimum((share * n).astype(int), n - 1)]
-        closed = np.append(self.values, self.values[0])
-        return np.interp(share * n, np.arange(n + 1), closed)
+        return np.interp(share * n, np.arange(n + 1), np.append(self.values, self.values[0]))
 
 
 class Waves:

@@ -107,10 +107,7 @@ def lacking(missing, random, force, length, top, viscous):
             effects.PositionDependentFriction(nodes=nodes, levels=levels),
             effects.CoulombAsymmetry(difference=0.5 * force),
         ],
-        "drag": [
-            effects.QuadraticDrag(coefficient=6.0 * force / top**2),
-            effects.ViscousAsymmetry(difference=viscous),
-        ],
+        "drag": [effects.QuadraticDrag(coefficient=6.0 * force / top**2), effects.ViscousAsymmetry(difference=viscous)],
         "resonance": [
             effects.FlexibleMode(frequency=draw(3, 60), damping_ratio=draw(5e-3, 0.1), mass_ratio=draw(0.3, 0.7))
         ],

@@ -80,9 +80,7 @@ MDF = {
     "millimetres": (lambda folder: mdf_bytes(folder, unit="mm"), "unit 'mm'; give --scale position=0.001"),
     "two time bases": (lambda folder: mdf_bytes(folder, groups=3), "must stand in one channel group"),
 }
-PARQUET = {
-    "text": (with_command(parquet_bytes, ["a"] * 200), "command: must be real numbers, got string"),
-}
+PARQUET = {"text": (with_command(parquet_bytes, ["a"] * 200), "command: must be real numbers, got string")}
 MODEL = """
 [axis]
 mass = 0.12

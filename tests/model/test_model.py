@@ -122,8 +122,7 @@ def test_references(write, tmp_path):
     rows = "\n".join(f"{a!r},{a * a!r}" for a in t.tolist())
     (tmp_path / "motion.csv").write_text(f"time,reference\n{rows}\n")
     motion, _ = cogging.read_reference(write('type = "sampled"\nfile = "motion.csv"\n', "d.toml"))
-    found = np.ravel(motion.sample(np.array([0.505])))
-    assert found == pytest.approx([0.505**2, 1.01, 2.0], abs=1e-9)
+    assert np.ravel(motion.sample(np.array([0.505]))) == pytest.approx([0.505**2, 1.01, 2.0], abs=1e-9)
 
 
 BAD_REFERENCES = {

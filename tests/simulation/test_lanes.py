@@ -119,10 +119,8 @@ def test_runs_of_one_course_share_packs_and_others_do_not(monkeypatch):
     controllers[10] = warm
     plants = [cogging.Plant(one) for one in axes]
     batch = cogging.closed_loop_batch(plants, controllers, MOVE, duration=0.02, threads=1, logs=True)
-    lanes = _core.instruction_sets()[_core.instruction_set()]
-    assert 9 % lanes == 1  # the ninth is left over
-    expected = [i < 8 for i in range(12)]
-    assert list(batch.in_lanes) == expected
+    assert 9 % _core.instruction_sets()[_core.instruction_set()] == 1  # the ninth is left over
+    assert list(batch.in_lanes) == [i < 8 for i in range(12)]
     assert_same(
         batch, [cogging.closed_loop(p, c, MOVE, duration=0.02) for p, c in zip(plants, controllers, strict=True)]
     )

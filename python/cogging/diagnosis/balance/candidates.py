@@ -284,10 +284,7 @@ def added(effects: Sequence[Effect], size: float) -> Columns:
 def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
     """Return the weight of each row of the motion in the score of a column, (n,) of each log.
 
-    Args:
-        ctx: evidence.
-        root: square root of the weight of each whitened row.
-        e: residual of these rows, which pseudo-observations of the priors may follow.
+    `root` is the square root of the weight of each whitened row, e their residual; pseudo-observations may follow it.
     """
     out, at = [], 0
     weighed = root * e[: len(root)]
@@ -635,7 +632,8 @@ def motor_and_load(s: Search) -> None:
         tables = [rows_of(ctx, shape(f).columns) for f in coarse]
         size = np.linalg.norm(ctx.project([np.vstack(rows) for rows in zip(*tables, strict=True)])[0], axis=1)
         fine = np.geomspace(lowest, highest, int(np.log(highest / lowest) / max(damping, 0.02)))
-        met = np.array([product_with(s.weights, shape(f).columns(ctx)) for f in fine])
+        products = [sum(w @ x[0] for w, x in zip(s.weights, shape(f).columns(ctx), strict=True)) for f in fine]
+        met = np.array(products, dtype=float)
         worth = np.where(met > 0, met, 0.0) / np.exp(np.interp(np.log(fine), np.log(coarse), np.log(size + 1e-300)))
         for f in fine[np.argsort(-worth)[:2]]:
             s.varied("flexible_mode", f, shape, 3 * len(fine), lambda a: bool(a[0] > 0.0))
@@ -658,11 +656,6 @@ def loaded(effect: Effect, size: float) -> Columns:
         return [b.loads(model, one.force)[None] / size for b, one in zip(c.balances, c.instruments, strict=True)]
 
     return columns
-
-
-def product_with(weights: Sequence[FloatArray], columns: Sequence[FloatArray]) -> float:
-    """Return the score of one column over all logs, not normalised."""
-    return float(sum(w @ x[0] for w, x in zip(weights, columns, strict=True)))
 
 
 def time(s: Search) -> None:
@@ -702,16 +695,11 @@ def pulse(coordinate: str, begin: float, end: float) -> Shape:
 
 
 def best_window(s: Search, coordinate: str, low: float, high: float, longest: float) -> tuple[float, float]:
-    """Return the two values of a coordinate between which a force acts best, from all pairs of a grid that is refined.
+    """Return the two values of a coordinate, at most `longest` apart, between which a constant force acts best.
 
-    Args:
-        s: search.
-        coordinate: time or position.
-        low, high: its range.
-        longest: largest difference of the two.
+    All pairs of a grid over the range from low to high are tried; the grid is then refined.
     """
-    ctx = s.ctx
-    spacing = (high - low) / WINDOW_SPACING
+    ctx, spacing = s.ctx, (high - low) / WINDOW_SPACING
     starts = stops = np.arange(low, high, spacing)
     for _ in range(4):
         edges, at = np.unique(np.concatenate([starts, stops]), return_inverse=True)

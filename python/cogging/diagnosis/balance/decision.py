@@ -26,7 +26,7 @@ from cogging.model.model import Model
 from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
-PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
+PREFERRED = 0.5  # of the gain of a force without a law: a law that explains more is accepted, the rest may follow
 MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
 NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
 LEAST_FORCE = 0.03  # of the largest force: an effect of less force than that is an error of a law, too
@@ -443,12 +443,8 @@ def retune(evidence: Evidence, c: Contender) -> None:
 def retuned(evidence: Evidence, model: Model, fit: Maximum) -> Evidence:
     """Return the evidence of a model after Gauss-Newton steps from a linear fit; `evidence` itself if none is better.
 
-    All have the noise of `evidence`, since a smaller mass would have less.
-
-    Args:
-        evidence: evidence that was fitted.
-        model: its model, possibly with a further law.
-        fit: linear fit.
+    The model is that of `evidence`, possibly with a further law. All have the noise of `evidence`, since a smaller mass
+    would have less.
     """
     at = evidence
     for _ in range(RETUNED):
@@ -472,7 +468,8 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
         if f.columns is None or f.name == JUMPS:  # a jump is in one log only
             return f.score
         own, rows = f.rows(evidence)
-        return score_of(own.quick_ratio(rows), max(f.k, 1), f.N, blocks)
+        ratio = min(base.cost for base in own.bases) - min(own.costs_with(rows))
+        return score_of(ratio, max(f.k, 1), f.N, blocks)
 
     # compute the cached fits before threads share them
     assert evidence.bases
@@ -488,11 +485,7 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
 def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> float:
     """Return the offset (m) of the zero of the confirm logs, from the phase of a wave; 0 if it is not significant.
 
-    Args:
-        evidence: evidence of all logs.
-        f: wave of the given logs.
-        given: number of given logs.
-        joint: gain in 2 ln likelihood of the wave with a common zero.
+    `given` is the number of given logs, which have the wave; `joint` its gain in 2 ln likelihood with a common zero.
     """
     tables = f.rows(evidence)[1]
     none = [np.zeros_like(t) for t in tables]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,6 @@ from cogging.estimation.residuals import quiet_plant
 from cogging.log_check.encoder_readings import encoder_quantum
 from cogging.logs.log import Log
 from cogging.model.model import Model
-
-T = TypeVar("T")
 
 # Grid of the motion
 MIDDLE_RATE = 3000.0  # Hz: rate at which laws are evaluated, well above any corner
@@ -170,11 +168,11 @@ class DifferencedBalance:
         """Valid decimated rows behind a whitening filter."""
         return np.asarray(lfilter(np.ones(GAP), 1.0, (~self.mask).astype(float)) < 0.5)
 
-    def remembered(self, name: str, model: Model, make: Callable[[], T]) -> T:
+    def remembered(self, name: str, model: Model, make: Callable[[DifferencedBalance, Model], Any]) -> Any:
         """Return what `make` computed for the last model of this name, if it was this one; else compute it."""
         known = self.cache.get(name)
         if known is None or known[0] is not model:
-            self.cache[name] = known = model, make()
+            self.cache[name] = known = model, make(self, model)
         return known[1]
 
     def moved(self, distance: float) -> DifferencedBalance:
@@ -296,12 +294,9 @@ class DifferencedBalance:
     def forces(
         self, plants: Sequence[Plant], command: FloatArray | None = None, error: FloatArray | None = None
     ) -> FloatArray:
-        """Return the net force of plants along the motion, V, (plants, n).
+        """Return the net force of plants along the motion, V, (plants, n), without a command at 0 V.
 
-        Args:
-            plants: plants to evaluate.
-            command: V, (n,); None for zero.
-            error: encoder error along the fine motion, m, (m,).
+        The encoder error is that along the fine motion, m, (m,).
         """
         t, start, x, v = self.fine[:4]
         u = np.zeros(len(t)) if command is None else np.interp(t, self.time, command)
@@ -314,11 +309,8 @@ class DifferencedBalance:
     ) -> FloatArray:
         """Return the unexplained force (V, (n,)): M a less the force of the model.
 
-        Args:
-            model: model.
-            command: V, (n,); default: the logged command.
-            acceleration: m/s^2, (n,); default: the measured one. It has the noise of the residual, which the change of
-                the residual with a parameter must not have.
+        Command (V) and acceleration (m/s^2, (n,)) are the logged ones by default. The measured acceleration has the
+        noise of the residual, which the change of the residual with a parameter must not have.
         """
         command = self.command if command is None else command
         a, error = self.acceleration if acceleration is None else acceleration, None
@@ -343,13 +335,9 @@ class DifferencedBalance:
         return np.asarray(model.axis.mass * a - force - command)
 
     def loads(self, model: Model, force: FloatArray) -> FloatArray:
-        """Return what loads behind a spring or a gap add to the residual of a rigid axis, V, (n,).
+        """Return what loads of a model behind a spring or a gap add to the residual of a rigid axis, V, (n,).
 
-        A net force drives r / (1 - r) of the response of a load of share r at the free-free frequency.
-
-        Args:
-            model: model, whose effects may have loads.
-            force: net force on the axis, V, (n,).
+        The net force (V, (n,)) drives r / (1 - r) of the response of a load of share r at the free-free frequency.
         """
         out = np.zeros(len(self.time))
         for name, fields in ((e.NAME, e.to_dict()) for e in model.effects):

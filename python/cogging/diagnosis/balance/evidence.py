@@ -162,7 +162,7 @@ def likeliest(
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
     Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,). A fit of
-    other columns, or behind other filters, provides the first weights, which saves a round.
+    other columns, or behind other filters, provides the first weights, which saves a round; or all weights stay alike.
     """
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
@@ -312,7 +312,7 @@ class Evidence:
 
     def make_columns(self) -> tuple[FloatArray, bool]:
         """Make residuals and columns; return amplitudes without a filter, and whether the noise levels are unknown."""
-        self.instruments = [instruments_of(b, self.model) for b in self.balances]
+        self.instruments = [b.remembered("instruments", self.model, instruments_of) for b in self.balances]
         free = (*self.free, WIDTH) if self.with_width else self.free
         known = nuisances_of(self.model, self.given, self.balances, self.instruments, free)
         self.paths, self.limits = known.paths, known.limits
@@ -417,6 +417,7 @@ class Evidence:
             rounds: of re-weighting.
             base: fit without the added columns behind the same filters, whose rows are reused.
             near: fit that provides the first weights of the rows.
+            alike: whether all rows keep equal weights.
         """
         if base is None:
             base_rows = zip(self.residuals, self.nuisances, strict=True)
@@ -702,10 +703,6 @@ class Evidence:
             along = vector[:, good].T @ (weighted @ base.rest) / np.sqrt(value[good])
             costs.append(base.cost - float(along @ along) / base.variance)
         return costs
-
-    def quick_ratio(self, tables: Sequence[FloatArray]) -> float:
-        """Return 2 ln of the likelihood ratio of added columns to none, from `costs_with`."""
-        return min(base.cost for base in self.bases) - min(self.costs_with(tables))
 
     @cached_property
     def null(self) -> Maximum:

@@ -21,7 +21,7 @@ from cogging.model.model import Model
 from cogging.model.parameters import Parameter, effect_paths, parameters_of, with_values
 
 TIMING = 0.25  # rows of a log: standard deviation of the timing error of friction
-RATIO = 1.2  # of two adjacent widths in the mixture of Coulomb friction laws
+RATIO = 1.25  # of two adjacent widths in the mixture of Coulomb friction laws
 WIDTH = "axis.coulomb_width"  # path of the width of the model's own law
 KNEE = 0.6  # of the highest speed: largest width; a wider law is indistinguishable from viscous friction
 EXACT = 1e-4  # relative uncertainty of what is stated without any: a change beyond it is an effect
@@ -55,7 +55,8 @@ class Instruments(NamedTuple):
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
         """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
-        return b.remembered("residual", model, lambda: b.residual(model)) - b.loads(model, self.force)
+        rigid: FloatArray = b.remembered("residual", model, DifferencedBalance.residual)
+        return rigid - b.loads(model, self.force)
 
     def change(self, b: DifferencedBalance, old: Model, new: Model) -> FloatArray:
         """Return the residual of a balance under a new model less that under an old one, without noise, V, (n,)."""
@@ -78,12 +79,7 @@ class Instruments(NamedTuple):
 
 
 def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
-    """Return the instruments of a log under a model, which are computed once."""
-    return b.remembered("instruments", model, lambda: new_instruments(b, model))
-
-
-def new_instruments(b: DifferencedBalance, model: Model) -> Instruments:
-    """Compute the instruments of a log under a model."""
+    """Return the instruments of a log under a model."""
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     if b.reference is None:
@@ -124,15 +120,10 @@ def nuisances_of(
     instruments: Sequence[Instruments],
     free: Sequence[str],
 ) -> Nuisances:
-    """Return columns and priors of the nuisance parameters of a model.
+    """Return columns and priors of the nuisance parameters of a model that is re-tuned; `given` sets the priors.
 
     The friction law is a positive mixture of ramps that saturate at one speed each, which spans every concave law.
-
-    Args:
-        model: model to re-tune.
-        given: stated model, which sets the priors.
-        balances, instruments: of each log.
-        free: paths of the axis without a prior, and that of the width of its friction law where it is fitted.
+    `free` are the paths of the axis without a prior, and that of the width of its friction law where it is fitted.
     """
     known = parameters_of(model, together=True)
     columns = Nuisances(balances)
