@@ -133,16 +133,16 @@ def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
     assert first.amplitudes == pytest.approx([6.0], rel=0.02)
 
 
-def test_four_names_where_a_model_lacks_most_are_less_certain_than_three():
+def test_three_likely_names_where_a_model_lacks_most_are_less_certain_than_two():
     """Of drawn logs, half of the names in such long lists are wrong: docs/evidence.md."""
     outcome = searched(moving_axis.machine([cogging.EFFECTS["constant_force"](force=6.0)]), 1, STATED)
     final, terms = terms_of(outcome, STATED)
     assert outcome.nominal.largely
-    own = terms[0].accepted
-    others = [replace(terms[0], accepted=replace(own, found=replace(own.found, name=name))) for name in ("b", "c", "d")]
-    told = [named([terms[0], *others[:k]], final, outcome.evidence, [0.2] * (k + 1), {}) for k in (0, 2, 3)]
-    sure = own.share * own.found.likeness
-    assert [effects[0].confidence for effects in told] == pytest.approx([0.92 * sure, 0.92 * sure, 0.55 * sure])
+    own = replace(terms[0].accepted, share=1.0)
+    each = [replace(terms[0], accepted=replace(own, found=replace(own.found, name=name))) for name in "abc"]
+    told = [named(each[:k], final, outcome.evidence, [0.2] * k, out) for k, out in ((2, {}), (3, {}), (3, {2: "why"}))]
+    sure = own.found.likeness
+    assert [effects[0].confidence for effects in told] == pytest.approx([0.92 * sure, 0.55 * sure, 0.92 * sure])
 
 
 @pytest.mark.parametrize(("size", "seed"), [(2.0, 2), (20.0, 2), (20.0, 3)])

@@ -11,7 +11,7 @@ import numpy as np
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.decision import NAMELESS
 from cogging.diagnosis.balance.evidence import LARGELY, Evidence
-from cogging.diagnosis.entries import Gap, NamedEffect, Value
+from cogging.diagnosis.entries import SURE, Gap, NamedEffect, Value
 from cogging.diagnosis.generic_force import Predicted
 from cogging.diagnosis.patched_model import Term
 from cogging.diagnosis.places import COORDINATE_UNITS, Shape, ranges, shape_text
@@ -23,7 +23,7 @@ from cogging.model.units import Units
 NOT_SURE = 0.89  # highest confidence of an effect beside a force without a name
 HELD_OUT = 0.5  # highest confidence of an effect that is not in the model
 RELIABLE = 0.92  # share of right names among those with a probability of at least 0.98, drawn logs: docs/evidence.md
-RELIABLE_OF_MANY = 0.55  # the same of four names or more where the given model lacks most of the command
+RELIABLE_OF_MANY = 0.55  # the same where a model lacks most of the command and three names or more are likely
 SEEN = 0.02  # of the remaining power: minimum share of a curve that is reported
 SYSTEMATIC = 0.1  # of the rms command: smaller predictable forces are negligible
 TAILS = (0.05, 0.95)  # quantiles of an effect's force that limit its range
@@ -45,7 +45,8 @@ def named(
         shares: share of the gap's power that each term explains.
         held_out: reason why a term is not in the model, by index.
     """
-    many = evidence.plainly and len({term.accepted.found.name for term in terms}) > 3
+    kept = [term.accepted for place, term in enumerate(terms) if place not in held_out]
+    many = evidence.plainly and len({one.found.name for one in kept if one.share >= SURE}) > 2
     unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
     effects: dict[str, NamedEffect] = {}
     by_size: dict[str, list[tuple[float, dict[str, Value]]]] = {}
