@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.ndimage import minimum_filter1d
+from scipy.ndimage import median_filter, minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
 
 from cogging.arrays import FloatArray, Mask
@@ -39,6 +39,7 @@ OCTAVES = 14  # of the speed, below the highest, in each of which the noise has 
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
+AMONG = 0.06  # s: rows of a large residual are outliers among those about them
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
@@ -157,12 +158,13 @@ def likeliest(
     target: FloatArray,
     rounds: int = 3,
     near: Maximum | None = None,
-    alike: bool = False,
+    window: int = 0,
 ) -> Maximum:
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
     Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,). A fit of
-    other columns, or behind other filters, provides the first weights, which saves a round; or all weights stay alike.
+    other columns, or behind other filters, provides the first weights, which saves a round. With a
+    window, a row is an outlier among so many rows about it only.
     """
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
@@ -176,7 +178,8 @@ def likeliest(
         along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
         w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
-        weight = weight if alike else (TAIL + 1.0) / (TAIL + rest**2 / variance)
+        level = np.maximum(variance, (1.4826 * median_filter(np.abs(rest), window)) ** 2) if window else variance
+        weight = (TAIL + 1.0) / (TAIL + rest**2 / level)
         variance = float(weight @ rest**2) / len(rest)
     cost = student_cost(rest, variance).sum() + float(np.sum(((w - target) / sigma) ** 2))
     return Maximum(cost, w, rest, variance, weight, gram)
@@ -407,7 +410,7 @@ class Evidence:
         rounds: int = 3,
         base: Maximum | None = None,
         near: Maximum | None = None,
-        alike: bool = False,
+        window: int = 0,
     ) -> Maximum:
         """Fit the nuisance parameters and added columns (k, m) of each log behind whitening filters.
 
@@ -417,7 +420,7 @@ class Evidence:
             rounds: of re-weighting.
             base: fit without the added columns behind the same filters, whose rows are reused.
             near: fit that provides the first weights of the rows.
-            alike: whether all rows keep equal weights.
+            window: rows about each among which it may be an outlier; 0: all.
         """
         if base is None:
             base_rows = zip(self.residuals, self.nuisances, strict=True)
@@ -434,7 +437,7 @@ class Evidence:
         count = len(size) - len(self.prior_sigma)
         sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)]) * size / np.sqrt(self.alike)
         target = np.concatenate([self.prior_offset, np.zeros(count)]) * size
-        best = likeliest(x, r, sigma, target, rounds, near, alike)
+        best = likeliest(x, r, sigma, target, rounds, near, window)
         scale = [-2.0 * np.log(abs(h[0])) for h in taps]
         best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
         best.cost += best.unit.sum()
@@ -758,7 +761,7 @@ class Evidence:
         any_force = self.any_force()
         parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force, strict=True)]
         taps = self.taps_of(self.fitted(self.plain, any_force, rounds=1).theta, parts)
-        return self.fitted(taps, alike=self.largely)
+        return self.fitted(taps, window=self.largely * max(9, round(AMONG * self.rate)))
 
     @cached_property
     def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:
