@@ -73,7 +73,8 @@ def megabytes_of(what, size, logs):
     cogging.closed_loop_batch(*warm, **options)
     arguments, options = case(what, size)
     before = child.peak_megabytes()
-    assert not cogging.closed_loop_batch(*arguments, **options, logs=logs).failures
+    kept = cogging.closed_loop_batch(*arguments, **options, logs=logs)
+    assert not kept.failures
     return child.peak_megabytes() - before
 
 

@@ -27,8 +27,7 @@ def test_a_force_of_any_shape_is_predicted_and_noise_is_not(coordinate):
     logs = run(duration=10.0), run(velocity=0.1, duration=10.0, seed=5)
 
     def force(rows):
-        value = rows[coordinate] / np.max(np.abs(rows[coordinate]))
-        return np.abs(value - 0.3)
+        return np.abs(rows[coordinate] / np.max(np.abs(rows[coordinate])) - 0.3)
 
     given, confirm = (gap_of(log, force, number, 0.3) for number, log in enumerate(logs))
     told = predicted(given, confirm)

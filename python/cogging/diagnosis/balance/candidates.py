@@ -688,8 +688,9 @@ def pulse(coordinate: str, begin: float, end: float) -> Shape:
     """Return a force that is a parabola of a coordinate between two values and 0 elsewhere."""
 
     def columns(b: DifferencedBalance) -> FloatArray:
-        share = (getattr(b, coordinate) - begin) / max(end - begin, 1e-300)
-        return np.asarray(((share >= 0.0) & (share < 1.0)) * share ** np.arange(3)[:, None])
+        at = getattr(b, coordinate)
+        share = np.clip((at - begin) / max(end - begin, 1e-300), 0.0, 1.0)
+        return np.asarray(((at >= begin) & (at < end)) * share ** np.arange(3)[:, None])
 
     return Shape("other shape", along(columns))
 

@@ -26,7 +26,7 @@ from cogging.model.model import Model
 from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
-PREFERRED = 0.5  # of the gain of a force without a law: a law that explains more is accepted, the rest may follow
+PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
 MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
 NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
 LEAST_FORCE = 0.03  # of the largest force: an effect of less force than that is an error of a law, too

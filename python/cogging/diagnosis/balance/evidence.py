@@ -39,7 +39,7 @@ OCTAVES = 14  # of the speed, below the highest, in each of which the noise has 
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
-AMONG = 0.06  # s: rows of a large residual are outliers among those about them
+AMONG = (0.06, 9)  # s, minimum number of rows: window about a row of a large residual in which it may be an outlier
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
@@ -163,8 +163,8 @@ def likeliest(
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
     Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,). A fit of
-    other columns, or behind other filters, provides the first weights, which saves a round. With a
-    window, a row is an outlier among so many rows about it only.
+    other columns, or behind other filters, provides the first weights, which saves a round. With a window, a row is an
+    outlier only among so many rows about it.
     """
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
@@ -761,7 +761,7 @@ class Evidence:
         any_force = self.any_force()
         parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force, strict=True)]
         taps = self.taps_of(self.fitted(self.plain, any_force, rounds=1).theta, parts)
-        return self.fitted(taps, window=self.largely * max(9, round(AMONG * self.rate)))
+        return self.fitted(taps, window=self.largely * max(round(AMONG[0] * self.rate), AMONG[1]))
 
     @cached_property
     def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:

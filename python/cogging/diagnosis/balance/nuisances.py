@@ -205,8 +205,8 @@ def friction_laws(
         widths = [float(RATIO**k) for k in (np.round(least), *np.arange(np.floor(first), np.ceil(end) + 1.0))]
     laws = []
     for b in balances:
-        known = b.cache.setdefault("friction", {})  # of an arctangent by its width, of a ramp by its negative width
-        wanted = [width, (1.0 + SECANT) * width, *(-w for w in widths)]
+        wanted = [width, (1.0 + SECANT) * width, *(-w for w in widths)]  # arctangents by width, ramps by minus width
+        known = {w: law for w, law in b.cache.get("friction", {}).items() if w < 0.0 or w in wanted}
         if missing := [w for w in wanted if w not in known]:
             v = b.fine.velocity
             table = [
@@ -214,6 +214,7 @@ def friction_laws(
                 for w in missing
             ]
             known |= zip(missing, b.averaged(np.array(table)), strict=True)
+            b.cache["friction"] = known
         laws.append(np.array([known[w] for w in wanted]))
     return laws, widths
 
