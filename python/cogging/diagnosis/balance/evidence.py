@@ -44,7 +44,7 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
-RIDGE = 1e-12  # information of a row on each scaled amplitude, for columns that are collinear
+RIDGE = 1e-12  # relative information that is added on each scaled amplitude, for columns that are collinear
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
 
@@ -170,7 +170,8 @@ def likeliest(
     for _ in range(rounds if near is None else rounds - 1):
         prior = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
         scaled = x * np.sqrt(weight)
-        gram = scaled @ scaled.T + np.diag(prior + RIDGE * len(r))
+        gram = scaled @ scaled.T
+        gram += np.diag(prior + RIDGE * (len(r) + np.diag(gram)))
         # drop directions of nearly collinear columns: their amplitudes would be huge and cancel
         unit = np.sqrt(np.diag(gram))
         value, vector = np.linalg.eigh(gram / np.outer(unit, unit))
@@ -716,7 +717,8 @@ class Evidence:
     def information_of_rows(self) -> FloatArray:
         """Fisher information of the rows on the scaled amplitudes of `null`, without their priors, (q, q)."""
         null = self.null
-        rows = (null.x * null.weight) @ null.x.T + RIDGE * len(null.r) * np.eye(len(null.x))
+        rows = (null.x * null.weight) @ null.x.T
+        rows += RIDGE * np.diag(len(null.r) + np.diag(rows))
         return np.asarray(rows / (null.spread * self.alike))
 
     @cached_property
