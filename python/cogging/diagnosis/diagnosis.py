@@ -219,7 +219,11 @@ def _result(
         after.rms / rms if rms > 0.0 else None,
         rest.elsewhere,
     )
-    shares: list[float | None] = [None] * len(terms)
+    # what stands beside the model, as a curve, takes about the power of its force
+    shares = [
+        None if term.path or k in out or not before.rms else min((term.accepted.force / before.rms) ** 2, 1.0)
+        for k, term in enumerate(terms)
+    ]
     for family, one in zip(families, given[2:], strict=True):
         for k in set(family) - set(out):
             shares[k] = max(one.rms**2 - given[1].rms ** 2, 0.0) / given[0].rms ** 2 / len(family)

@@ -765,7 +765,7 @@ def jumps(s: Search) -> None:
             peaks.append((float(left[at]), b.log, at, f"{b.log.time[0] + b.time[at]:.4g} s"))
             left[max(0, at - apart) : at + apart] = 0.0
     peaks.sort(key=lambda peak: -peak[0])
-    cost = np.sum(student_cost(ctx.screen.rest, ctx.screen.variance))
+    cost = np.sum(student_cost(ctx.screen.rest, ctx.screen.variance, ctx.tail))
     # the largest difference of two readings by their noise; that of a quantised reading is correlated with the motion
     least = 2.0 * np.sqrt(np.log(rows)) * max(b.encoder_noise for b in s.balances)
     for count in range(1, min(len(peaks), MOST_JUMPS) + 1):
@@ -775,7 +775,7 @@ def jumps(s: Search) -> None:
         amplitudes = np.linalg.lstsq(c.T, ctx.screen.rest)[0]
         if UNIT * np.min(np.abs(amplitudes)) < least:
             break
-        T = float(cost - np.sum(student_cost(ctx.screen.rest - amplitudes @ c, ctx.screen.variance)))
+        T = float(cost - np.sum(student_cost(ctx.screen.rest - amplitudes @ c, ctx.screen.variance, ctx.tail)))
         label = ", ".join(said for *_, said in peaks[:count])
         one = Found(JUMPS, label, T, count, float(rows) ** count, amplitudes, columns)
         if JUMPS not in s.found or one.score > s.found[JUMPS].score:

@@ -51,31 +51,18 @@ COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has at m
 
 @dataclass
 class Contender:
-    """A candidate fitted to all logs.
-
-    Attributes:
-        found: candidate.
-        fit: of the candidate and, as `none`, without it.
-        inflation: variance inflation of its score, by which the gain is divided.
-        force: root mean square of its force, V.
-        ratio: gain in 2 ln likelihood over the model without it.
-        score: `ratio` less the expected gain of its amplitudes and trials under the null hypothesis.
-        alone: score in the noise that the candidate itself leaves.
-        blocks: gain of each block of motion.
-        gains: gain of the given and of the confirm logs.
-        expected: expected gains if the candidate is true.
-    """
+    """A candidate fitted to all logs."""
 
     found: Found
-    fit: Maximum = field(repr=False)
-    inflation: float
-    force: float
-    ratio: float = 0.0
-    score: float = 0.0
-    alone: float = 0.0
-    blocks: FloatArray = field(default_factory=lambda: np.zeros(0), repr=False)
-    gains: tuple[float, float] = (0.0, 0.0)
-    expected: tuple[float, float] = (0.0, 0.0)
+    fit: Maximum = field(repr=False)  # of the candidate and, as `none`, without it
+    inflation: float  # of the variance of its score, by which the gain is divided
+    force: float  # root mean square of its force, V
+    ratio: float = 0.0  # gain in 2 ln likelihood over the model without it
+    score: float = 0.0  # `ratio` less the expected gain of its amplitudes and trials under the null hypothesis
+    alone: float = 0.0  # score in the noise that the candidate itself leaves
+    blocks: FloatArray = field(default_factory=lambda: np.zeros(0), repr=False)  # gain of each block of motion
+    gains: tuple[float, float] = (0.0, 0.0)  # of the given and of the confirm logs
+    expected: tuple[float, float] = (0.0, 0.0)  # the same if the candidate is true
 
     @property
     def is_lawful(self) -> bool:
@@ -95,47 +82,28 @@ class Contender:
 
 @dataclass
 class Accepted:
-    """An accepted candidate.
+    """An accepted candidate."""
 
-    Attributes:
-        found: candidate; `effect(amplitudes)` is its law, None without one.
-        score: gain in 2 ln likelihood less the expected gain under the null hypothesis.
-        force: root mean square of its force, V.
-        share: probability of the candidate over resampled motion.
-        alternatives: names and probabilities of the alternatives.
-    """
-
-    found: Found
-    score: float
-    force: float
-    share: float
-    alternatives: list[tuple[str, float]]
+    found: Found  # `effect(amplitudes)` is its law, None without one
+    score: float  # gain in 2 ln likelihood less the expected gain under the null hypothesis
+    force: float  # root mean square of its force, V
+    share: float  # probability of the candidate over resampled motion
+    alternatives: list[tuple[str, float]]  # their names and probabilities
 
 
 @dataclass
 class Outcome:
-    """Result of the search.
+    """Result of the search."""
 
-    Attributes:
-        nominal: evidence of the given logs under the re-tuned model without any candidate.
-        evidence: evidence of the given logs with the accepted candidates: `model` has those with a law, `extra` the
-            others.
-        both: evidence of given and confirm logs with the accepted candidates; `evidence` without confirm logs.
-        accepted: accepted candidates in order.
-        refused: contradicted candidates: name, gains of given and confirm logs, expected gains.
-        found: candidates of the last round, the highest score first.
-        shift: offset of the zero of the confirm logs, m.
-        late: delay between the action of a command and its time stamp, s.
-    """
-
-    nominal: Evidence
-    evidence: Evidence
-    both: Evidence
-    accepted: list[Accepted]
+    nominal: Evidence  # of the given logs under the re-tuned model without any candidate
+    evidence: Evidence  # of the given logs with the accepted candidates: those with a law in `model`, others in `extra`
+    both: Evidence  # the same of given and confirm logs; `evidence` without confirm logs
+    accepted: list[Accepted]  # in order
+    #: Contradicted candidates: name, gains of given and confirm logs, expected gains.
     refused: list[tuple[str, tuple[float, float], tuple[float, float]]]
-    found: list[Found]
-    shift: float = 0.0
-    late: float = 0.0
+    found: list[Found]  # candidates of the last round, the highest score first
+    shift: float = 0.0  # of the zero of the confirm logs, m
+    late: float = 0.0  # delay between the action of a command and its time stamp, s
 
 
 def search(
@@ -162,6 +130,7 @@ def search(
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
     extra: list[Found] = []
     free: list[str] = []
+    sought_again: list[str] = []
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
@@ -207,13 +176,18 @@ def search(
             contenders = [c for c in contenders if not c.is_contradicted]
         contenders = simplest_first(outcome.both, in_one_noise(outcome.both, one_of_each_name(contenders)))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
-        if not contenders:
-            break
-        minor = MINOR if contenders[0].is_lawful else NAMELESS
-        least = max([THRESHOLD, *(minor * one.score for one in outcome.accepted)])
-        weak = any(contenders[0].force < LEAST_FORCE * one.force for one in outcome.accepted)
-        if contenders[0].alone < least or weak:
-            break
+        if not contenders or is_weak(contenders[0], outcome.accepted, sought_again):
+            # what was found without a law may have stood in for several effects: seek it once more beside the others
+            columns = [one for one in outcome.accepted if is_column(one.found)]
+            again = next((one for one in columns if one.found.name not in (*sought_again, "presliding_friction")), None)
+            if again is None or again is outcome.accepted[-1] or step > ROUNDS - 3:
+                break
+            del extra[columns.index(again)]
+            outcome.accepted.remove(again)
+            excluded.discard(again.found.name)
+            sought_again.append(again.found.name)
+            progress(f"  again: {again.found.name} {again.found.label}")
+            continue
 
         if contenders[0].found.name == LATE:
             seconds = likeliest_lateness(outcome.both, -float(contenders[0].found.amplitudes[0]))
@@ -320,11 +294,22 @@ def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Mod
     if f.columns is None:
         free.append(f.effect)
         return model
-    laws = f.laws(f.amplitudes)
-    if not laws or f.name == "presliding_friction":
+    if is_column(f):
         extra.append(f)
         return model
-    return model.replace(effects=(*model.effects, *laws))
+    return model.replace(effects=(*model.effects, *f.laws(f.amplitudes)))
+
+
+def is_column(f: Found) -> bool:
+    """Return whether an accepted candidate is a column beside the model, which has no law of it."""
+    return f.columns is not None and (not f.laws(f.amplitudes) or f.name == "presliding_friction")
+
+
+def is_weak(c: Contender, accepted: Sequence[Accepted], again: Sequence[str]) -> bool:
+    """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
+    minor, known = MINOR if c.is_lawful else NAMELESS, [] if c.found.name in again else accepted
+    least = max([THRESHOLD, *(minor * one.score for one in known)])
+    return c.alone < least or any(c.force < LEAST_FORCE * one.force for one in known)
 
 
 def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:

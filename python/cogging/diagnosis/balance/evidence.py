@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.ndimage import median_filter, minimum_filter1d
+from scipy.ndimage import minimum_filter1d
 from scipy.optimize import brentq, minimize_scalar, nnls
 
 from cogging.arrays import FloatArray, Mask
@@ -33,13 +33,13 @@ BAND = 1.3  # ratio of the band edges to the centre frequency of the median powe
 LINES = 24  # minimum number of spectral lines in that band
 CENTRES = 96  # frequencies at which the median is taken, several in each band
 TAIL = 5.0  # degrees of freedom of the Student-t noise: tails of measured residuals
+SYSTEMATIC_TAIL = 50.0  # the same where the residual is systematic: nearly normal, but for outliers that stand far out
 OUTLIER = 5.0  # standard deviations at which rows are clipped before the whitening filter is estimated
 WINDOW = 0.3  # s: of the local noise level
 OCTAVES = 14  # of the speed, below the highest, in each of which the noise has a level
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
-AMONG = (0.06, 9)  # s, minimum number of rows: window about a row of a large residual in which it may be an outlier
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
@@ -96,6 +96,7 @@ class Maximum:
     variance: float  # of the residual
     weight: FloatArray  # of each row, less than 1 for outliers, (n,)
     gram: FloatArray  # weighted Gram matrix of the scaled columns, priors included, (p, p)
+    tail: float = TAIL  # degrees of freedom of the noise
     unit: FloatArray = field(default_factory=lambda: np.zeros(1))  # 2 ln of the noise scale before the filter, (n,)
     theta: FloatArray = field(init=False)  # amplitudes in their own units, w / size, (p,)
     taps: list[FloatArray] = field(init=False)  # whitening filter of each log
@@ -121,7 +122,7 @@ class Maximum:
 
     def by_row(self) -> FloatArray:
         """Return -2 ln of the density of each row, (n,)."""
-        return student_cost(self.rest, self.variance) + self.unit
+        return student_cost(self.rest, self.variance, self.tail) + self.unit
 
     @property
     def spread(self) -> float:
@@ -129,7 +130,7 @@ class Maximum:
 
         It is the asymptotic variance of an M-estimator (Huber 1964), which needs no normal distribution.
         """
-        far = self.rest**2 / (TAIL * self.variance)
+        far = self.rest**2 / (self.tail * self.variance)
         score, slope = self.rest / (1.0 + far), (1.0 - far) / (1.0 + far) ** 2
         return float(np.mean(self.weight) * np.mean(score**2) / np.mean(slope) ** 2)
 
@@ -146,9 +147,9 @@ def deviation(x: FloatArray) -> float:
     return max(1.4826 * float(np.median(np.abs(x))), 1e-300) if len(x) else 1.0
 
 
-def student_cost(rest: FloatArray, variance: float) -> FloatArray:
+def student_cost(rest: FloatArray, variance: float, tail: float = TAIL) -> FloatArray:
     """Return -2 ln of the Student-t density of each row, up to a constant."""
-    return np.asarray((TAIL + 1.0) * np.log1p(rest**2 / (TAIL * variance)) + np.log(variance))
+    return np.asarray((tail + 1.0) * np.log1p(rest**2 / (tail * variance)) + np.log(variance))
 
 
 def likeliest(
@@ -158,13 +159,12 @@ def likeliest(
     target: FloatArray,
     rounds: int = 3,
     near: Maximum | None = None,
-    window: int = 0,
+    tail: float = TAIL,
 ) -> Maximum:
     """Fit columns x (p, n) to rows r (n,) with Student-t noise, by iteratively re-weighted least squares.
 
     Amplitudes have normal priors of mean `target` and standard deviation `sigma` (infinite: no prior), (p,). A fit of
-    other columns, or behind other filters, provides the first weights, which saves a round. With a window, a row is an
-    outlier only among so many rows about it.
+    other columns, or behind other filters, provides the first weights, which saves a round.
     """
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
@@ -179,11 +179,10 @@ def likeliest(
         along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
         w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
-        level = np.maximum(variance, (1.4826 * median_filter(np.abs(rest), window)) ** 2) if window else variance
-        weight = (TAIL + 1.0) / (TAIL + rest**2 / level)
+        weight = (tail + 1.0) / (tail + rest**2 / variance)
         variance = float(weight @ rest**2) / len(rest)
-    cost = student_cost(rest, variance).sum() + float(np.sum(((w - target) / sigma) ** 2))
-    return Maximum(cost, w, rest, variance, weight, gram)
+    cost = student_cost(rest, variance, tail).sum() + float(np.sum(((w - target) / sigma) ** 2))
+    return Maximum(cost, w, rest, variance, weight, gram, tail)
 
 
 class Sticking:
@@ -382,6 +381,11 @@ class Evidence:
         return np.split(level, ends)
 
     @property
+    def tail(self) -> float:
+        """Degrees of freedom of the noise: rows of a systematic residual are no outliers, unless they stand far out."""
+        return SYSTEMATIC_TAIL if self.largely else TAIL
+
+    @property
     def rate(self) -> float:
         """Sample rate of the rows, Hz."""
         return self.balances[0].rate
@@ -411,7 +415,6 @@ class Evidence:
         rounds: int = 3,
         base: Maximum | None = None,
         near: Maximum | None = None,
-        window: int = 0,
     ) -> Maximum:
         """Fit the nuisance parameters and added columns (k, m) of each log behind whitening filters.
 
@@ -421,7 +424,6 @@ class Evidence:
             rounds: of re-weighting.
             base: fit without the added columns behind the same filters, whose rows are reused.
             near: fit that provides the first weights of the rows.
-            window: rows about each among which it may be an outlier; 0: all.
         """
         if base is None:
             base_rows = zip(self.residuals, self.nuisances, strict=True)
@@ -438,7 +440,7 @@ class Evidence:
         count = len(size) - len(self.prior_sigma)
         sigma = np.concatenate([self.prior_sigma, np.full(count, np.inf)]) * size / np.sqrt(self.alike)
         target = np.concatenate([self.prior_offset, np.zeros(count)]) * size
-        best = likeliest(x, r, sigma, target, rounds, near, window)
+        best = likeliest(x, r, sigma, target, rounds, near, self.tail)
         scale = [-2.0 * np.log(abs(h[0])) for h in taps]
         best.unit = np.repeat(scale, [int(m.sum()) for m in self.counted])
         best.cost += best.unit.sum()
@@ -480,7 +482,7 @@ class Evidence:
         """Compare a fit with its first n columns alone, and free its rows to save memory."""
         x, (sigma, target) = best.x, best.prior
         # the null hypothesis may be likelier behind the candidate's filter than behind its own
-        none = likeliest(x[:n], best.r, sigma[:n], target[:n], near=best)
+        none = likeliest(x[:n], best.r, sigma[:n], target[:n], near=best, tail=self.tail)
         none.unit = best.unit
         none.cost += best.unit.sum()
         best.same, best.none = none, none if none.cost < self.null.cost else self.null
@@ -763,7 +765,7 @@ class Evidence:
         any_force = self.any_force()
         parts = [np.vstack([n, t]) for n, t in zip(self.nuisances, any_force, strict=True)]
         taps = self.taps_of(self.fitted(self.plain, any_force, rounds=1).theta, parts)
-        return self.fitted(taps, window=self.largely * max(round(AMONG[0] * self.rate), AMONG[1]))
+        return self.fitted(taps)
 
     @cached_property
     def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:
