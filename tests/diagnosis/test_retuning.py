@@ -154,7 +154,7 @@ def test_a_snag_with_an_edge_is_a_local_force(size, seed):
     assert searched(true, seed, STATED).accepted[0].found.name == "local_force"
 
 
-@pytest.mark.parametrize("seed", (2, 3))
+@pytest.mark.parametrize("seed", [2, 3])
 def test_a_force_of_any_shape_makes_way_for_the_effects_that_it_stood_in_for(seed):
     """At first it explains more than either of two large effects; the build before kept it beside them."""
     laws = {
