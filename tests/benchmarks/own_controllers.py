@@ -77,5 +77,4 @@ def measure(repeats):
         runs["compiled"] = lambda: run(fast)
     for name in ("Python", "compiled"):
         assert name not in runs or np.array_equal(runs[name]().command, log.command), name
-    seconds = child.measure(runs, repeats, time.thread_time)
-    return {name: 1e9 * value / len(log) for name, value in seconds.items()}
+    return {name: 1e9 * value / len(log) for name, value in child.measure(runs, repeats, time.thread_time).items()}

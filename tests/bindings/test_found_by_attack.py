@@ -139,11 +139,9 @@ def test_a_delay_as_long_as_the_run_is_refused(where, in_lanes):
 
 def test_a_time_below_zero_counts_from_its_first_row():
     model = command_files.model()
-    made = cogging.simulate(model, command_files.REFERENCE, seed=1)
-    log = cogging.Log.of(made.columns())
+    log = cogging.Log.of(cogging.simulate(model, command_files.REFERENCE, seed=1).columns())
     later = cogging.Log.of({**log.columns(), "time": log.time - 5.0})
-    hint = "time begins at -5 s: times of effects count from the first row"
-    assert hint in cogging.audit(later).text()
+    assert "time begins at -5 s: times of effects count from the first row" in cogging.audit(later).text()
     assert "time begins" not in cogging.audit(log).text()
     pushed = model.replace(effects=[cogging.effects.DisturbanceStep(force=0.2, start=0.1, stop=0.2)])
     for residual in (

@@ -63,8 +63,7 @@ def test_a_result_as_json_alone_on_standard_output(command, folder, monkeypatch,
     assert command != "reproduce" or document[0]["tables"][0]["rows"][0]["simulated"] is None, "no NaN in JSON"
     if command in PYTHON:
         result = json.loads(to_json(PYTHON[command]().to_dict()))
-        given = document[0] if command == "audit" else document
-        assert {key: given[key] for key in result} == result
+        assert {key: (document[0] if command == "audit" else document)[key] for key in result} == result
 
 
 def test_an_error_is_printed_also_when_quiet(tmp_path, monkeypatch, capsys):

@@ -36,8 +36,7 @@ def test_missing_limits_are_drafted(folder, capsys):
     call = [*CALL[:5], "--seed", "3", *CALL[5:], "--json", "plan.json"]
     assert main(call) == 0
     assert capsys.readouterr().out.endswith(f"limits.toml written\nnext: cogging {' '.join(call)}\n")
-    limits = cogging.MotionLimits.read("limits.toml")
-    assert limits == cogging.MotionLimits(0.255, 1.27, 20.0, travel=(0.0, 0.51))
+    assert cogging.MotionLimits.read("limits.toml") == cogging.MotionLimits(0.255, 1.27, 20.0, travel=(0.0, 0.51))
     log = cogging.read_log("log.csv")
     assert main([*CALL[:4], "seen.toml", *CALL[5:], "--logs", "log.csv"]) == 0
     seen = cogging.MotionLimits.read("seen.toml")

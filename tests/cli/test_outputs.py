@@ -141,8 +141,7 @@ def test_a_file_keeps_its_mode_and_a_new_one_gets_that_of_the_mask(mode, tmp_pat
 
     for _ in range(3):
         outputs.write_files({str(path): pieces()})
-    kept = path.stat()
-    assert (stat.S_IMODE(kept.st_mode), len(parts)) == (mode, 3)
+    assert (stat.S_IMODE(path.stat().st_mode), len(parts)) == (mode, 3)
 
 
 def huge(path):

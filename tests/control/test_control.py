@@ -161,8 +161,7 @@ class LiteralAdaptiveRobust:
         if self.points == 1:
             N = np.ones(1)
         else:
-            origin = self.q["cogging_origin"]
-            knots = origin + P * np.arange(1 - self.order, self.points + 1)
+            knots = self.q["cogging_origin"] + P * np.arange(1 - self.order, self.points + 1)
             inside = np.clip(x, knots[self.order - 1], knots[self.points])
             N = ScipySpline.design_matrix([inside], knots, self.order - 1).toarray()[0]
         angle = 2 * np.pi * np.array(self.harmonics) * x / P

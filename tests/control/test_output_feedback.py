@@ -73,8 +73,7 @@ class Literal:
             u -= p.robust_factor * self.range2 * np.sum(phi_2**2) / (4 * p.epsilon_21) * z_2
         if p.use_u_s3:
             u -= p.robust_factor * d[0] ** 2 / (4 * p.epsilon_22) * z_2
-        tau = p.weight_1 * phi_1 * z_1 + p.weight_2 * phi_2 * z_2
-        return u, tau, z_1, z_2
+        return u, p.weight_1 * phi_1 * z_1 + p.weight_2 * phi_2 * z_2, z_1, z_2
 
 
 @pytest.mark.parametrize("switches", SWITCHES, ids=lambda s: "+".join(s) or "none")
@@ -103,14 +102,12 @@ def test_command_and_adaptation_against_the_printed_law(switches):
         gradient = literal.gradient(y, eta, psi[1], *moved[:2], theta)
         partial = [virtual[name] for name in (*at, "theta_1", "theta_2", "theta_3")]
         np.testing.assert_allclose(partial, gradient, rtol=1e-9, atol=1e-9 * np.abs(gradient).max())
-        scale = max(1.0, abs(found))
-        assert found == pytest.approx(u_star + friction, abs=1e-8 * scale)
+        assert found == pytest.approx(u_star + friction, abs=1e-8 * max(1.0, abs(found)))
         assert controller.z_1 == pytest.approx(z_1, abs=1e-12)
         assert controller.z_2 == pytest.approx(z_2, rel=1e-8, abs=1e-12)
         applied = np.clip(found, -1.0, 1.0)
         controller.update(applied)
-        rate = np.array(p.adaptation) * tau
-        theta = np.clip(theta + rate / p.sample_rate, p.theta_min, p.theta_max)
+        theta = np.clip(theta + np.array(p.adaptation) * tau / p.sample_rate, p.theta_min, p.theta_max)
         eta = step[:2, :2] @ eta + step[:2, 2] * y
         lam = step[:2, :2] @ lam + step[:2, 2] * (applied - friction)
         psi = step[:2, :2] @ psi + step[:2, 2]

@@ -59,14 +59,12 @@ def cmake(compiler, tmp_path_factory):
 @pytest.fixture(scope="session")
 def programs(cmake):
     """The folder of the built programs."""
-    built = cmake.build(ROOT, "tests", "-DCOGGING_TESTS=ON", "-DCOGGING_WARNINGS_AS_ERRORS=ON")
-    return built / "tests" / "cpp"
+    return cmake.build(ROOT, "tests", "-DCOGGING_TESTS=ON", "-DCOGGING_WARNINGS_AS_ERRORS=ON") / "tests" / "cpp"
 
 
 @pytest.fixture(scope="session")
 def prefix(cmake):
     """A folder in which the library is installed, as `cmake --install` does."""
     folder = cmake.folder / "prefix"
-    built = cmake.build(ROOT, "library")
-    cmake.run(cmake.cmake, "--install", built, "--prefix", folder)
+    cmake.run(cmake.cmake, "--install", cmake.build(ROOT, "library"), "--prefix", folder)
     return folder

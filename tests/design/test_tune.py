@@ -165,8 +165,7 @@ def test_every_controller_is_tuned_by_its_usual_gains(kind):
 
 def reached(model):
     """Indexes and margins of a model's own gains."""
-    found = cogging.tune(model, SINE, vary={}, trials=1, machines=1, held_out=1, duration=1.0)
-    return found.present.drawn
+    return cogging.tune(model, SINE, vary={}, trials=1, machines=1, held_out=1, duration=1.0).present.drawn
 
 
 @pytest.mark.parametrize("kind", ["pid", "cascade"])

@@ -136,8 +136,7 @@ def test_intervals_stay_with_their_effects_where_one_between_them_is_left_out():
     sizes = {0.05: 0.02, 0.031: 0.03, 0.019: 0.04}  # V by period (m)
     waves = [effects.CoggingHarmonic(period=p, sine=s, cosine=0.0) for p, s in sizes.items()]
     spring = effects.CableSpring(stiffness=0.5, center=0.1)
-    log = run(*waves, spring, seed=4)
-    balance = DifferencedBalance(log, quantum=MODEL.encoder.resolution)
+    balance = DifferencedBalance(run(*waves, spring, seed=4), quantum=MODEL.encoder.resolution)
     evidence = Evidence([balance], MODEL, MODEL.replace(effects=(*waves, spring))).prepare(2, listen=True)
     whole = evidence.model
     first, gone, last = (f"effects.cogging_harmonic[{place}]" for place in range(3))
