@@ -161,11 +161,11 @@ def test_a_force_of_any_shape_makes_way_for_the_effects_that_it_stood_in_for(see
         "cable_spring": {"stiffness": 40.0, "center": 0.05},
         "disturbance_step": {"force": 6.0, "start": 2.0, "stop": 5.0},
     }
-    hidden = [cogging.EFFECTS[name](**fields) for name, fields in laws.items()]
-    outcome = searched(moving_axis.machine(hidden), seed, STATED)
-    assert sorted(one.found.name for one in outcome.accepted) == sorted(laws)
-    for effect in outcome.evidence.model.effects:
-        assert effect.to_dict() | laws[effect.NAME] == pytest.approx(effect.to_dict(), rel=0.02)
+    found = searched(moving_axis.machine([cogging.EFFECTS[one](**of) for one, of in laws.items()]), seed, STATED)
+    own = found.evidence.model.effects
+    assert sorted(e.NAME for e in own) == sorted(one.found.name for one in found.accepted) == sorted(laws)
+    for effect in own:
+        assert effect.to_dict() | laws[effect.NAME] == pytest.approx(effect.to_dict(), rel=2e-3)  # seen: 1.1e-3
 
 
 @pytest.mark.parametrize(("change", "seed"), [(-0.8, 0), (-0.8, 1), (1.5, 0), (1.5, 2)])

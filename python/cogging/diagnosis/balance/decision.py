@@ -307,7 +307,8 @@ def is_column(f: Found) -> bool:
 
 def is_weak(c: Contender, accepted: Sequence[Accepted], again: Sequence[str]) -> bool:
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
-    minor, known = MINOR if c.is_lawful else NAMELESS, [] if c.found.name in again else accepted
+    missing = set(again) - {one.found.name for one in accepted}
+    minor, known = MINOR if c.is_lawful else NAMELESS, [] if c.found.name in missing else accepted
     least = max([THRESHOLD, *(minor * one.score for one in known)])
     return c.alone < least or any(c.force < LEAST_FORCE * one.force for one in known)
 
