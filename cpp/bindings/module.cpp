@@ -38,6 +38,7 @@ bool may_hold_no_number(const py::handle& value, int depth = 4) {
   if (py::isinstance<py::array>(value))
     return std::string_view("fiuc").find(py::reinterpret_borrow<py::array>(value).dtype().kind()) ==
            std::string_view::npos;
+  if (py::detail::get_type_info(Py_TYPE(object))) return false;  // of the core
   return std::string_view(Py_TYPE(object)->tp_name).starts_with("numpy.bool") || py::hasattr(value, "__array__");
 }
 

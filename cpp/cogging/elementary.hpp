@@ -35,20 +35,16 @@ template <class Number>
 COGGING_INLINE void quarter_sin_cos(const Number& angle, const Number& turns, Number& sine, Number& cosine) {
   const Number r = ((angle - turns * half_pi[0]) - turns * half_pi[1]) - turns * half_pi[2];
   const Number z = r * r;
+  const Number w = z * z;
   sine = r + r * z *
-                 (-1.66666666666666324348e-01 +
-                  z * (8.33333333332248946124e-03 +
-                       z * (-1.98412698298579493134e-04 +
-                            z * (2.75573137070700676789e-06 +
-                                 z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))));
+                 ((-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03) +
+                  w * ((-1.98412698298579493134e-04 + z * 2.75573137070700676789e-06) +
+                       w * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)));
   const Number half = 0.5 * z, rest = 1.0 - half;
-  cosine = rest + (((1.0 - rest) - half) +
-                   z * z *
-                       (4.16666666666666019037e-02 +
-                        z * (-1.38888888888741095749e-03 +
-                             z * (2.48015872894767294178e-05 +
-                                  z * (-2.75573143513906633035e-07 +
-                                       z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
+  cosine =
+      rest + (((1.0 - rest) - half) + w * ((4.16666666666666019037e-02 + z * -1.38888888888741095749e-03) +
+                                           w * ((2.48015872894767294178e-05 + z * -2.75573143513906633035e-07) +
+                                                w * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))));
 }
 
 /// atan(x) = high + low + atan(t): high and low of the intervals from 7/16, 11/16, 19/16 and 39/16 on.
@@ -60,18 +56,35 @@ inline constexpr double atan_low[] = {2.26987774529616870924e-17, 3.061616997868
 /// 1 - atan(t) / t for |t| < 7/16.
 template <class Number>
 COGGING_INLINE Number atan_series(const Number& t) {
-  const Number z = t * t, w = z * z;
-  const Number odd = z * (3.33333333333329318027e-01 +
-                          w * (1.42857142725034663711e-01 +
-                               w * (9.09088713343650656196e-02 +
-                                    w * (6.66107313738753120669e-02 +
-                                         w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
+  const Number z = t * t, w = z * z, w2 = w * w;
+  const Number odd = z * ((3.33333333333329318027e-01 + w * 1.42857142725034663711e-01) +
+                          w2 * ((9.09088713343650656196e-02 + w * 6.66107313738753120669e-02) +
+                                w2 * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)));
   const Number even =
-      w *
-      (-1.99999999998764832476e-01 +
-       w * (-1.11111104054623557880e-01 +
-            w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
+      w * ((-1.99999999998764832476e-01 + w * -1.11111104054623557880e-01) +
+           w2 * ((-7.69187620504482999495e-02 + w * -5.83357013379057348645e-02) + w2 * -3.65315727442169155270e-02));
   return odd + even;
+}
+
+inline constexpr double small_turn = 1.0 / 16.0, small_tangent = 1.0 / 64.0;
+
+/// Sine and cosine of an angle that differs by at most small_turn from that of the given ones.
+template <class Number>
+COGGING_INLINE void turn_a_little(const Number& change, Number& sine, Number& cosine) {
+  const Number z = change * change;
+  const Number w = z * z;
+  const Number rises = change - change * z * ((1.0 / 6.0 - z * (1.0 / 120.0)) + w * (1.0 / 5040.0));
+  const Number falls = z * ((0.5 - z * (1.0 / 24.0)) + w * (1.0 / 720.0 - z * (1.0 / 40320.0)));
+  const Number s = sine;
+  sine = s + (cosine * rises - s * falls);
+  cosine = cosine - (s * rises + cosine * falls);
+}
+
+/// Arctangent of at most small_tangent, to the last place of 1.
+template <class Number>
+COGGING_INLINE Number atan_of_small(const Number& t) {
+  const Number z = t * t;
+  return t - t * z * ((1.0 / 3.0 - z * (1.0 / 5.0)) + (z * z) * (1.0 / 7.0));
 }
 
 /// Sine and cosine behind a number of quarter turns.

@@ -135,6 +135,23 @@ class SmoothSign {
       return select(width_ > 0.0, two_over_pi * atan(velocity * inverse_), sign(velocity));
   }
 
+  /// A velocity, in widths, and its sign.
+  struct Known {
+    Scalar ratio, sign;
+  };
+  COGGING_INLINE Known known(const Scalar& velocity) const { return {velocity * inverse_, (*this)(velocity)}; }
+
+  /// Of a velocity near one whose sign is known, in half of the time: atan(a) - atan(b) = atan((a - b) / (1 + a b)).
+  COGGING_INLINE Scalar operator()(const Scalar& velocity, const Known& other) const {
+    using elementary::small_tangent, elementary::two_over_pi;
+    if (!smooth_) [[unlikely]]
+      return (*this)(velocity);
+    const Scalar ratio = velocity * inverse_, change = ratio - other.ratio, below = 1.0 + ratio * other.ratio;
+    const auto near = abs(change) <= small_tangent * below;
+    const Scalar sign = other.sign + two_over_pi * elementary::atan_of_small(change / below);
+    return all(near) ? sign : select(near, sign, (*this)(velocity));
+  }
+
  private:
   Scalar width_ = 0.0, inverse_ = 0.0;
   bool smooth_ = false;

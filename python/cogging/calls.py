@@ -173,8 +173,7 @@ def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any])
     name, parameters, _, _, arguments = _call(doc, given, named)
     for word, value in arguments.items():
         annotation = parameters[word].annotation if word in parameters else ""
-        of_numbers = _is_array(annotation) or (NUMBER.search(annotation) and "str" not in annotation)
-        if not of_numbers or type(value) in (float, int):
+        if type(value) in (float, int) or not _takes_numbers(annotation):
             continue
         alone = not (_is_array(annotation) or "Sequence[" in annotation or isinstance(value, np.ndarray))
         wrong = [value] * isinstance(value, bool | np.bool_) if alone else no_number_in(value)
@@ -182,6 +181,11 @@ def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any])
             among = "" if wrong[0] is value or getattr(value, "ndim", 1) == 0 else " among them"
             return f"{name}: {word}: must be {_rule_of(annotation)}, got {described(wrong[0])}{among}"
     return None
+
+
+@functools.cache
+def _takes_numbers(annotation: str) -> bool:
+    return _is_array(annotation) or bool(NUMBER.search(annotation) and "str" not in annotation)
 
 
 def broken_rule(annotation: str, value: Any) -> str:

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "check.hpp"
-#include "cogging/basis/b_spline.hpp"
+#include "cogging/basis/spline_harmonics.hpp"
 #include "cogging/lanes.hpp"
 #include "cogging/scalar.hpp"
 
@@ -121,6 +121,37 @@ void elementary_functions() {
   check::holds(std::isnan(s) && std::isnan(c) && std::isnan(cogging::atan(none)), "sine of no number");
 }
 
+// Sine, cosine and smooth sign by those of a place nearby: as exact as alone, wherever that lies, and in each lane the
+// bits of its number.
+void functions_nearby() {
+  using Four = Lanes<4>;
+  std::mt19937_64 engine(3);
+  const auto uniform = [&] { return 2.0 * static_cast<double>(engine() >> 11) * 0x1.0p-53 - 1.0; };
+  const auto basis = SplineHarmonics::of_harmonics(2.0 * std::numbers::pi, {1}, BSpline());
+  double worst = 0.0;
+  bool same = true;
+  for (const double step : {0.0, 1e-9, 1e-4, 1e-3, 1e-2, 1.0})
+    for (int i = 0; i < 20000; ++i) {
+      const double from = uniform(), width = std::exp(5.0 * uniform() - 5.0);
+      const auto to = Four::map([&](std::size_t lane) { return from + (lane < 2 ? step : 1e-3) * uniform(); });
+      const SmoothSign<Four> signs{Four(width)};
+      const auto four = signs(to, signs.known(Four(from)));
+      const auto waves = basis.wave_at(to, basis.wave_at(Four(from)));
+      for (std::size_t lane = 0; lane < 4; ++lane) {
+        const SmoothSign<double> sign(width);
+        const double x = to[lane], one = sign(x, sign.known(from));
+        const auto wave = basis.wave_at(x, basis.wave_at(from));
+        same = same && four[lane] == one && waves.sine[lane] == wave.sine && waves.cosine[lane] == wave.cosine;
+        const long double angle = x, exact = std::atan(angle / width) * 2.0L / std::numbers::pi_v<long double>;
+        for (const long double off : {one - exact, wave.sine - std::sin(angle), wave.cosine - std::cos(angle)})
+          worst = std::max(worst, static_cast<double>(std::abs(off)));
+      }
+    }
+  check::holds(worst < 4.0 * 0x1.0p-53, "a function nearby errs by " + std::to_string(worst * 0x1.0p53) + " of 2^-53");
+  check::holds(same, "a function nearby has the bits of its number in a lane");
+  check::holds(std::isnan(SmoothSign<double>(1e-3)(none, {100.0, 0.99})), "a sign of no number");
+}
+
 }  // namespace
 
 int main() {
@@ -130,5 +161,6 @@ int main() {
   whole_parts<std::size_t>("size_t");
   places_in_a_spline();
   elementary_functions();
+  functions_nearby();
   return check::status();
 }

@@ -32,6 +32,12 @@ class SplineHarmonics {
     std::array<Scalar, 2 * powers_max> harmonic;
   };
 
+  /// A position and the sine and cosine of 2 pi x / pitch there, of which all harmonics are made.
+  template <class Scalar>
+  struct Wave {
+    Scalar position = 0.0, sine = 0.0, cosine = 0.0;
+  };
+
   SplineHarmonics() = default;
 
   static SplineHarmonics of_harmonics(double pitch, std::vector<int> harmonics, BSpline spline) {
@@ -79,7 +85,27 @@ class SplineHarmonics {
   template <class Scalar>
   COGGING_INLINE void evaluate(const Scalar& position, Active<Scalar>& active) const {
     spline_.evaluate(position, active.spline);
-    evaluate_harmonics(position, active.harmonic);
+    evaluate_harmonics(wave_at(position), active.harmonic);
+  }
+
+  template <class Scalar>
+  COGGING_INLINE Wave<Scalar> wave_at(const Scalar& position) const {
+    Wave<Scalar> wave{position};
+    if (!harmonics_.empty()) sin_cos(position * wavenumber_, wave.sine, wave.cosine);
+    return wave;
+  }
+
+  /// The same of a position near another, in half of the time.
+  template <class Scalar>
+  COGGING_INLINE Wave<Scalar> wave_at(const Scalar& position, const Wave<Scalar>& other) const {
+    Wave<Scalar> wave{position, other.sine, other.cosine};
+    const Scalar turn = (position - other.position) * wavenumber_;
+    const auto near = abs(turn) <= elementary::small_turn;
+    elementary::turn_a_little(turn, wave.sine, wave.cosine);
+    if (all(near)) [[likely]]
+      return wave;
+    const Wave<Scalar> own = wave_at(position);
+    return {position, select(near, wave.sine, own.sine), select(near, wave.cosine, own.cosine)};
   }
 
   /// A_r^T S_r(x), in the unit of the coefficients.
@@ -90,11 +116,11 @@ class SplineHarmonics {
 
   /// In one go, the harmonics first: the weights of the control points then stay in registers.
   template <class Scalar>
-  COGGING_INLINE Scalar value(const Scalar& position, const Scalar* coefficients) const {
+  COGGING_INLINE Scalar value(const Wave<Scalar>& wave, const Scalar* coefficients) const {
     return spline_.with_order([&](auto order) COGGING_INLINE_LAMBDA {
       Active<Scalar> active;
-      evaluate_harmonics(position, active.harmonic);
-      spline_.evaluate(order, position, active.spline);
+      evaluate_harmonics(wave, active.harmonic);
+      spline_.evaluate(order, wave.position, active.spline);
       return value(order, active, coefficients);
     });
   }
@@ -140,7 +166,7 @@ class SplineHarmonics {
     Active<Scalar> active;
     std::array<Scalar, BSpline::order_max> weight_slope;
     spline_.evaluate(position, active.spline, weight_slope);
-    evaluate_harmonics(position, active.harmonic);
+    evaluate_harmonics(wave_at(position), active.harmonic);
     std::array<Scalar, 2 * terms_max> harmonic_slope;
     for (int i = 0; i < terms(); ++i) {
       harmonic_slope[2 * i] = active.harmonic[2 * i + 1] * wavenumbers_[i];
@@ -224,15 +250,14 @@ class SplineHarmonics {
   }
 
   template <class Scalar>
-  COGGING_INLINE void evaluate_harmonics(const Scalar& position, std::array<Scalar, 2 * powers_max>& harmonic) const {
+  COGGING_INLINE void evaluate_harmonics(const Wave<Scalar>& wave, std::array<Scalar, 2 * powers_max>& harmonic) const {
     if (harmonics_.empty()) {
-      for (int i = 0; i < terms(); ++i) sin_cos(position * wavenumbers_[i], harmonic[2 * i], harmonic[2 * i + 1]);
+      for (int i = 0; i < terms(); ++i) sin_cos(wave.position * wavenumbers_[i], harmonic[2 * i], harmonic[2 * i + 1]);
       return;
     }
     // One sine and cosine; the other harmonics are products of lower powers of exp(i angle). The last power
     // stays at hand: through memory it would come back too late for the next.
-    Scalar sine, cosine;
-    sin_cos(position * wavenumber_, sine, cosine);
+    Scalar sine = wave.sine, cosine = wave.cosine;
     std::ptrdiff_t last = first_power_;
     put(harmonic.data() + last, sine, cosine);
     for (const auto& [factor, place] : products_) {
@@ -311,9 +336,11 @@ class CoggingModel {
   const SplineHarmonics& basis() const { return basis_; }
   const std::vector<Scalar>& coefficients() const { return coefficients_; }
 
-  COGGING_INLINE Scalar force(const Scalar& position) const {
-    return basis_.empty() ? Scalar(0.0) : basis_.value(position, coefficients_.data());
+  /// At a wave of its basis.
+  COGGING_INLINE Scalar force(const SplineHarmonics::Wave<Scalar>& wave) const {
+    return basis_.empty() ? Scalar(0.0) : basis_.value(wave, coefficients_.data());
   }
+  COGGING_INLINE Scalar force(const Scalar& position) const { return force(basis_.wave_at(position)); }
   Scalar slope(const Scalar& position) const {
     return basis_.empty() ? Scalar(0.0) : basis_.slope(position, coefficients_.data());
   }

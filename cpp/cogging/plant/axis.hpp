@@ -201,10 +201,11 @@ class Axis {
   COGGING_NOINLINE Scalar move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset,
                                double h) const;
 
-  // One step with f(cogging, position, velocity, command, time); by how much it errs more than it may.
-  template <class Acceleration>
+  // One step of an axis that slides in direction_at(velocity), at first in `direction`; by how much it errs more than
+  // it may.
+  template <class DirectionAt>
   COGGING_INLINE Scalar step(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset, double h,
-                             const Acceleration& f) const {
+                             const Scalar& direction, const DirectionAt& direction_at) const {
     struct Slope {
       Scalar velocity, acceleration;
     };
@@ -220,17 +221,19 @@ class Axis {
     const Scalar u_middle = drive.lagging ? drive.at(offset + half) + drive.force : u_start;
     const Scalar u_end = drive.lagging ? drive.at(offset + h) + drive.force : u_start;
     const Scalar x = state.position, v1 = state.velocity;
+    const SplineHarmonics::Wave<Scalar> wave = cogging_.basis().wave_at(x);
     // A law that jumps at the end of the step must not be felt in it: look just before.
     const double just_before = events_.empty() ? start + h : start + h * (1.0 - 1e-9);
     const auto [k1, k2, k3, k4] = runge_kutta(
-        Slope{v1, f(cogging_.force(x), x, v1, u_start, start)}, h, Input{u_middle, start + half},
-        Input{u_end, just_before},
+        Slope{v1, sliding(cogging_.force(wave), x, v1, direction, u_start, drive.force, start)}, h,
+        Input{u_middle, start + half}, Input{u_end, just_before},
         [&](const Slope& slope, double length) COGGING_INLINE_LAMBDA {
           const Scalar position = x + length * slope.velocity, velocity = v1 + length * slope.acceleration;
-          return Point{cogging_.force(position), position, velocity};
+          return Point{cogging_.force(cogging_.basis().wave_at(position, wave)), position, velocity};
         },
         [&](const Point& at, const Input& input) COGGING_INLINE_LAMBDA {
-          return Slope{at.velocity, f(at.cogging, at.position, at.velocity, input.command, input.time)};
+          return Slope{at.velocity, sliding(at.cogging, at.position, at.velocity, direction_at(at.velocity),
+                                            input.command, drive.force, input.time)};
         },
         [&](const Slope& first, const Slope& second, const Slope& third, const Point& last) COGGING_INLINE_LAMBDA {
           // Stored now, so that the next reading need not wait for the last slope.
@@ -261,9 +264,7 @@ class Axis {
   // What advance_sticking asks of a body.
   bool slide(AxisState<double>& state, const Drive<double>& drive, double time, double offset, double length,
              double direction) const {
-    return step(state, drive, time, offset, length, [&](double cogging, double x, double v, double u, double t) {
-             return sliding(cogging, x, v, direction, u, drive.force, t);
-           }) <= 0.0;
+    return step(state, drive, time, offset, length, direction, [&](double) { return direction; }) <= 0.0;
   }
 
   bool rest(AxisState<double>&, const Drive<double>&, double, double, double) const { return true; }
@@ -343,9 +344,9 @@ void Axis<Scalar>::advance_other(AxisState<double>& state, const Drive<double>& 
 template <class Scalar>
 Scalar Axis<Scalar>::move(AxisState<Scalar>& state, const Drive<Scalar>& drive, double time, double offset,
                           double h) const {
-  return step(state, drive, time, offset, h,
-              [&](const Scalar& cogging, const Scalar& x, const Scalar& v, const Scalar& u, double t)
-                  COGGING_INLINE_LAMBDA { return sliding(cogging, x, v, direction_of_(v), u, drive.force, t); });
+  const auto known = direction_of_.known(state.velocity);
+  return step(state, drive, time, offset, h, known.sign,
+              [&](const Scalar& velocity) COGGING_INLINE_LAMBDA { return direction_of_(velocity, known); });
 }
 
 }  // namespace cogging
