@@ -6,8 +6,10 @@ square of the size. The limit is the size at which the search accepts the effect
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -69,56 +71,63 @@ def unmeasured(vocabulary: Mapping[str, Effect], why: str = "nothing was measure
 def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]:
     """Return the detection limit of each effect that the search tries, and of mass, viscous and Coulomb friction."""
     evidence = found.both
-    result = unmeasured(vocabulary, UNSEEN)
+    result, blocks = unmeasured(vocabulary, UNSEEN), len(block_edges(evidence))
     sought = [name for name in result if name in vocabulary]
-
-    def of_name(name: str) -> Evidence:
-        return evidence.near_rest if name in NEAR_REST else evidence
+    accepted = {one.found.name for one in found.accepted}  # each of which is seen beside the others
+    whole = visibility(evidence)
+    own = {
+        name: visibility(evidence.near_rest if name in NEAR_REST else evidence, name)
+        for name in sought
+        if name in accepted or name in NEAR_REST
+    }
 
     @np.errstate(all="ignore")
-    def evaluated(name: str) -> tuple[list[Any], str]:
-        out: list[Any] = []
-        try:
-            for amount, shape, rows in _evaluations(evidence, vocabulary[name], result[name]):
-                filtered = [b.rows(row)[0] for b, row in zip(of_name(name).balances, rows, strict=True)]
-                out.append((filtered, (name, amount, shape)))
-        except ValueError:
-            return out, "it cannot be evaluated along these logs"
-        return out, ""
-
-    done = on_threads(evaluated, sought)
-    result |= {name: replace(result[name], why=why) for name, (_, why) in zip(sought, done, strict=True) if why}
-    columns, of = zip(*(one for out, _ in done for one in out), strict=True)
-    tables = [np.array(rows) for rows in zip(*columns, strict=True)]
-    names = [name for name, _, _ in of]
-    lambdas = noncentralities(evidence, tables)
-    accepted = {one.found.name for one in found.accepted}  # each of which is seen beside the others
-    for name in {*accepted, *NEAR_REST} & set(names):
-        mine = [i for i, one in enumerate(names) if one == name]
-        lambdas[mine] = noncentralities(of_name(name), [table[mine] for table in tables], name)
-    blocks = len(block_edges(evidence))
-    for name in sought:
-        law = vocabulary[name]
-        seen = [(amount, shape, float(lambdas[i])) for i, (one, amount, shape) in enumerate(of) if one == name]
+    def limit_of(name: str) -> Limit:
+        law, size, visible = vocabulary[name], result[name], own.get(name, whole)
         kind = "wave" if kind_of(law, Wave) else "shape" if fields_with_role(law, "shape") else ""
         freedom = 2 if kind == "wave" else 1
         least = accepted_ratio(freedom, TRIALS[kind], blocks)
         # noncentrality at which the effect is accepted with a probability of CHANCE
-        needed = float(brentq(lambda c, t=least, k=freedom: ncx2.sf(t, k, c) - CHANCE, 1e-6, 10.0 * least + 100.0))
-        result[name] = _solve(result[name], law, seen, needed)
-    return result | _change_limits(evidence, blocks)
+        needed = float(brentq(lambda c: ncx2.sf(least, freedom, c) - CHANCE, 1e-6, 10.0 * least + 100.0))
+        seen: list[tuple[float, dict[str, Any], float]] = []
+
+        def shows(trial: tuple[float, dict[str, Any]]) -> bool:
+            amount, shape = trial
+            seen.append((amount, shape, visible(_rows(evidence, law, shape, size))))
+            return seen[-1][2] >= needed
+
+        try:
+            trials = _trials(evidence, law, size)
+            if is_shape(law, size):  # every size beyond the first that shows does too
+                bisect_left(sorted(trials, key=itemgetter(0), reverse=size.smaller_shows), True, key=shows)
+            else:
+                list(map(shows, trials))
+        except ValueError:
+            return replace(size, why="it cannot be evaluated along these logs")
+        return _solve(size, law, seen, needed)
+
+    done = on_threads(limit_of, sought)
+    return result | dict(zip(sought, done, strict=True)) | _change_limits(evidence, blocks)
 
 
-def noncentralities(evidence: Evidence, tables: Sequence[FloatArray], name: str = "") -> FloatArray:
-    """Return lambda of each column orthogonal to the nuisance parameters, except those of the effect `name`."""
+def visibility(evidence: Evidence, name: str = "") -> Callable[[Sequence[FloatArray]], float]:
+    """Return a function of the force along each log (V) of an effect that returns its noncentrality lambda.
+
+    It is orthogonal to the nuisance parameters, except those of the effect `name`.
+    """
     null = evidence.screen
     own = (f"effects.{name}.", f"effects.{name}[")
     kept = [k for k in range(len(null.x)) if not (k < len(evidence.paths) and evidence.paths[k].startswith(own))]
     root = np.sqrt(null.weight / null.spread)
     q = nuisance_basis(null.x[kept] * root, null.prior[0][kept])
-    columns = evidence.filtered(tables, null.taps) * root
-    before, after = (np.linalg.norm(rows, axis=1) for rows in (columns, beside(columns, q)))
-    return np.asarray(np.where(after > LEFT * before, after**2, 0.0))
+
+    def visible(forces: Sequence[FloatArray]) -> float:
+        rows = [b.rows(force) for b, force in zip(evidence.balances, forces, strict=True)]
+        column = evidence.filtered(rows, null.taps) * root
+        after = float(np.linalg.norm(beside(column, q)))
+        return after**2 if after > LEFT * np.linalg.norm(column) else 0.0
+
+    return visible
 
 
 def accepted_ratio(freedom: int, trials: int, blocks: int) -> float:
@@ -145,10 +154,8 @@ def _solve(none: Limit, law: Effect, seen: list[tuple[float, dict[str, Any], flo
     return replace(none, value=float(max(enough) if none.smaller_shows else min(enough)), why="", shape=shape)
 
 
-def _evaluations(
-    evidence: Evidence, law: Effect, size: Limit
-) -> Iterator[tuple[float, dict[str, Any], list[FloatArray]]]:
-    """Yield size, shape and force along each log (V) of an effect at several shapes."""
+def _trials(evidence: Evidence, law: Effect, size: Limit) -> list[tuple[float, dict[str, Any]]]:
+    """Return sizes and shapes at which an effect is evaluated."""
     balances, model = evidence.balances, evidence.model
     low = min(float(b.position.min()) for b in balances)
     length = max(float(b.position.max()) for b in balances) - low
@@ -182,15 +189,14 @@ def _evaluations(
             noise = min(b.encoder_noise for b in balances)
             amounts = model.axis.coulomb / np.geomspace(SHORTEST * noise, 0.03 * length, SIZES) / length
             scales["stiffness"] = length
-        for amount in amounts * scales.get(role["quantity"], 1.0):
-            yield float(amount), dict(shape), _rows(evidence, law, {**shape, size.parameter: float(amount)}, size)
-        return
+        amounts = amounts * scales.get(role["quantity"], 1.0)
+        return [(float(amount), {**shape, size.parameter: float(amount)}) for amount in amounts]
     window = [field for field in fields if law.ROLES[field]["quantity"] == "time" and len(fields) == 2]
-    for part in PARTS:
-        shape = {field: between(field, part) for field in scalars}
-        if len(window) == 2:
-            shape = {window[0]: 0.4 * scales["time"], window[1]: (0.4 + 0.4 * part) * scales["time"]}
-        yield 1.0, shape, _rows(evidence, law, shape, size)
+    shapes = [{field: between(field, part) for field in scalars} for part in PARTS]
+    if len(window) == 2:
+        ends = [(0.4 + 0.4 * part) * scales["time"] for part in PARTS]
+        shapes = [{window[0]: 0.4 * scales["time"], window[1]: end} for end in ends]
+    return [(1.0, shape) for shape in shapes]
 
 
 def _rows(evidence: Evidence, law: Effect, shape: dict[str, Any], size: Limit) -> list[FloatArray]:
