@@ -82,8 +82,7 @@ RESULTS = {
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_a_result_is_in_the_units_of_its_model(name, log):
-    result = RESULTS[name](log)
-    said = list(said_of(result))
+    said = list(said_of(RESULTS[name](log)))
     assert sum(len(text) for text in said) > 30
     assert [left for text in said for left in left_in(text)] == []
     if name != "diagnose a sign":

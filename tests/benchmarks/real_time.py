@@ -202,8 +202,7 @@ def processor():
 def rows(calls):
     with tempfile.TemporaryDirectory() as folder:
         found = measure(build(Path(folder)), calls)
-        made = compile_unit(Path(folder))
-        stacks = stack_of_each(made) if reports_stack() else {}
+        stacks = stack_of_each(compile_unit(Path(folder))) if reports_stack() else {}
         for number, stack in stacks.items():
             found[list(CONTROLLERS)[number]]["stack"] = stack()[0]
     return found

@@ -21,8 +21,7 @@ SKIP = 0.06  # s at the start that do not count
 def whitening_filter(noise: np.ndarray) -> tuple[np.ndarray, float]:
     """Autoregressive filter of a record (Yule and Walker) and the variance of its output."""
     noise = noise - noise.mean()
-    spectrum = np.fft.rfft(noise, 2 * len(noise))
-    covariance = np.fft.irfft(np.abs(spectrum) ** 2)[: ORDER + 1] / len(noise)
+    covariance = np.fft.irfft(np.abs(np.fft.rfft(noise, 2 * len(noise))) ** 2)[: ORDER + 1] / len(noise)
     covariance[0] *= 1 + 1e-9
     taps = np.concatenate([[1.0], -solve_toeplitz(covariance[:-1], covariance[1:])])
     return taps, float(np.var(lfilter(taps, 1.0, noise)[ORDER:]))

@@ -41,8 +41,7 @@ def held_packets(rng: np.random.Generator, machine: Machine, motion: Motion) -> 
     seed = int(rng.integers(2**31))
 
     def apply(plan: Plan, amplitude: float) -> None:
-        draws = np.random.default_rng(seed).random(len(plan.instants))
-        plan.rows[:, truth.R_HELD] = draws < amplitude
+        plan.rows[:, truth.R_HELD] = np.random.default_rng(seed).random(len(plan.instants)) < amplitude
 
     return Hidden(0.05, 5e-4, 0.7, apply)
 

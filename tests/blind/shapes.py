@@ -16,8 +16,7 @@ def any_wave(rng: np.random.Generator) -> Shape:
     """A periodic function of an angle (rad) whose strongest line is its first: harmonics, flats, pulses, splines."""
     while True:
         wave = _wave(rng)
-        angle = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
-        values = wave(angle)
+        values = wave(np.linspace(0.0, 2 * np.pi, 720, endpoint=False))
         lines = np.abs(np.fft.rfft(values - values.mean()))
         if lines[1] > 1.3 * lines[2:].max():
             middle, size = float(values.mean()), float(np.abs(values - values.mean()).max())

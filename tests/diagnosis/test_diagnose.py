@@ -153,8 +153,7 @@ def test_intervals_stay_with_their_effects_where_one_between_them_is_left_out():
 
 def test_a_wrong_controller_is_told(tmp_path):
     log = run(duration=3.0)
-    wrong = MODEL.replace(controller=PID.replace(mass=0.0, viscous=0.0))
-    result = cogging.diagnose(log, wrong)
+    result = cogging.diagnose(log, MODEL.replace(controller=PID.replace(mass=0.0, viscous=0.0)))
     assert result.verdict == "controller_mismatch"
     assert any("stated controller misses the logged command" in note for note in result.notes)
     result.report(tmp_path / "page.html")

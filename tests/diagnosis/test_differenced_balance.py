@@ -190,8 +190,7 @@ def test_rows_within_a_noisy_second_have_its_level(factor):
 @pytest.mark.parametrize(("pole", "zero"), [(0.9, 0.0), (0.0, 0.6), (0.95, -0.5)])
 def test_the_noise_filter_whitens(pole, zero):
     """Rows (1 + zero q) / (1 - pole q) of white noise: the filter is close to the inverse, whose first tap is 1."""
-    white = np.random.default_rng(2).standard_normal(60_000)
-    rows = lfilter([1.0, zero], [1.0, -pole], white)
+    rows = lfilter([1.0, zero], [1.0, -pole], np.random.default_rng(2).standard_normal(60_000))
     taps = noise_filter(rows, np.ones(len(rows), bool), 500.0)
     left = lfilter(taps, 1.0, rows)[1000:]
     assert taps[0] == 1.0

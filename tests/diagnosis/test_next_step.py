@@ -70,14 +70,12 @@ def test_what_was_just_followed_is_not_next(verdict):
 
 def test_the_report_of_the_command_says_what_the_screen_says(tmp_path, capsys):
     """The command in it names the files and how they were read."""
-    log = run(duration=0.6)
-    log.write(tmp_path / "a b.csv")
+    run(duration=0.6).write(tmp_path / "a b.csv")
     MODEL.write(tmp_path / "m.toml")
     call = ["diagnose", str(tmp_path / "a b.csv"), "--model", str(tmp_path / "m.toml"), "--rows", "a b.csv:0:590"]
     call += ["--scale", "command=1,position=1.0", "--zero", "position=-0.001", "--report", str(tmp_path / "r.html")]
     assert main(call) == 0
-    page = html.unescape((tmp_path / "r.html").read_text())
-    told = page.partition("<pre>")[2].partition("</pre>")[0]
+    told = html.unescape((tmp_path / "r.html").read_text()).partition("<pre>")[2].partition("</pre>")[0]
     assert capsys.readouterr().out.rstrip().endswith(f"next: {told}")
     words = shlex.split(told)
     assert words[:2] == ["cogging", "audit"]  # moved by its zero, the log is not what the controller made

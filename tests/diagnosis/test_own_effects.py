@@ -89,8 +89,7 @@ def test_a_law_that_fails_while_it_is_tried_comes_out():
     def law(velocity, slope, corner):
         return -slope * velocity * (1.0 if corner > 0.1 else [][0])
 
-    own = own_eddy()
-    broken = Custom("broken", force=law, parameters=own._definition.parameters)
+    broken = Custom("broken", force=law, parameters=own_eddy()._definition.parameters)
     with pytest.raises((RuntimeError, ValueError), match=r"broken\.force: raised IndexError"):
         cogging.diagnose(record(machine(), 3), machine(), also=[broken])
 

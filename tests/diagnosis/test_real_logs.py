@@ -37,8 +37,7 @@ def test_the_friction_of_the_screw_differs_with_direction(axis):
 
 
 def test_the_old_offset_was_hiding_it(axis):
-    force = next(e for e in axis.model.effects if e.NAME == "constant_force").force
-    assert abs(force) < 0.25 * 3.16
+    assert abs(next(e for e in axis.model.effects if e.NAME == "constant_force").force) < 0.25 * 3.16
     assert any("constant_force of the stated model is corrected" in note for note in axis.notes)
 
 

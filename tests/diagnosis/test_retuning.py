@@ -107,8 +107,7 @@ def test_a_mode_is_fitted_with_intervals_that_hold_it(seed):
 def test_presliding_is_seen_in_the_rows_near_rest(length):
     """Most of its motion is slower than the noise of the speed; the readings show it, the speed does not."""
     presliding = cogging.effects.PreslidingFriction(stiffness=pid_axis.MODEL.axis.coulomb / length)
-    outcome = search([run(presliding, duration=8.0)], [other(presliding)], pid_axis.MODEL)
-    [one] = outcome.accepted
+    [one] = search([run(presliding, duration=8.0)], [other(presliding)], pid_axis.MODEL).accepted
     assert one.found.name == "presliding_friction"
     assert one.share > 0.9
     [law] = one.found.laws(one.found.amplitudes)
@@ -125,8 +124,7 @@ def test_friction_that_sticks_is_no_presliding(width):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_constant_force_that_makes_most_of_the_command_is_one(seed):
     """Each candidate has residual forces of its own, which must not decide between one and two parameters."""
-    true = moving_axis.machine([cogging.EFFECTS["constant_force"](force=6.0)])
-    outcome = searched(true, seed, STATED)
+    outcome = searched(moving_axis.machine([cogging.EFFECTS["constant_force"](force=6.0)]), seed, STATED)
     assert outcome.nominal.largely
     first = outcome.accepted[0].found
     assert first.name == "constant_force"
@@ -191,8 +189,7 @@ def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(stren
     for found, end, force, length in zip(
         outcome.evidence.model.effects, (-0.15, 0.15), (4.0 * strength, 9.0 * strength), (0.03, 0.05), strict=True
     ):
-        distance = min(abs(end - one) for one in found.travel)
-        at_end = found.force * np.exp(distance / found.decay_length)
+        at_end = found.force * np.exp(min(abs(end - one) for one in found.travel) / found.decay_length)
         assert [at_end, found.decay_length] == pytest.approx([force, length], rel=0.06)  # seen: 5 %
 
 

@@ -76,8 +76,7 @@ def test_linear_plant_against_its_exact_solution(columns):
 
 def test_a_constant_force_shows_alike_in_rows_that_jitter():
     """Otherwise slow forces would show at high frequencies, where encoders are quiet."""
-    random = np.random.default_rng(4)
-    time = np.cumsum(1e-3 * (1.0 + 0.3 * random.uniform(-1.0, 1.0, 3000)))
+    time = np.cumsum(1e-3 * (1.0 + 0.3 * np.random.default_rng(4).uniform(-1.0, 1.0, 3000)))
     force, mass = 0.2, 0.7
     position = 0.5 * force / mass * (time - time[0]) ** 2
     found = innovations_of((time, position, np.zeros(3000)), Model(axis=MASS_ALONE))[500:]

@@ -105,8 +105,7 @@ def test_friction_is_linearised_at_the_speed():
 
 
 def test_cogging_is_a_spring_at_the_place():
-    rng = np.random.default_rng(4)
-    model, _ = stable(rng, "pid", rigid=True)
+    model, _ = stable(np.random.default_rng(4), "pid", rigid=True)
     basis = cogging.SplineHarmonics(pitch=0.04, harmonics=[1, 3])
     size = 0.3 * model.axis.mass
     cog = cogging.CoggingModel(basis, [[size], [0.2 * size]], [[0.0], [0.0]])
@@ -114,8 +113,7 @@ def test_cogging_is_a_spring_at_the_place():
     ripple = effects.ForceConstantRipple(period=0.03, cosine=0.1)
     wrong = effects.EncoderPeriodicError(period=0.02, sine=2e-4)
     model = model.replace(effects=[*model.effects, ripple, wrong])
-    loop = model.to_control(position=0.0)
-    measured, linear = response_at(model, 4), linear_at(loop, 4)
+    measured, linear = response_at(model, 4), linear_at(model.to_control(position=0.0), 4)
     assert abs(measured[0] / linear[0] - 1) < 2e-4
     without = model.to_control()
     assert without.left_out == ("cogging (no position given)", "force_constant_ripple", "encoder_periodic_error")
@@ -156,8 +154,7 @@ def test_in_continuous_time_the_delay_is_approximated():
 
 
 def test_a_model_without_a_controller_is_a_plant_alone():
-    model = cogging.Model(cogging.AxisParameters(mass=0.5, viscous=0.1))
-    loop = model.to_control(sample_rate=1000.0)
+    loop = cogging.Model(cogging.AxisParameters(mass=0.5, viscous=0.1)).to_control(sample_rate=1000.0)
     assert loop.controller is loop.loop is loop.sensitivity is loop.complementary is None
     np.testing.assert_allclose(sorted(np.abs(loop.plant.poles())), [np.exp(-0.2e-3), 1.0], rtol=1e-12)
     with pytest.raises(ValueError, match="controller: must be given for margins"):

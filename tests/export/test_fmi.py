@@ -162,8 +162,7 @@ def test_neither_the_steps_of_the_importer_nor_the_start_of_its_time_change_a_re
             for begin, length in zip(cuts, np.diff(cuts), strict=False):
                 third.doStep(12.5 + begin, length)
     # The integrator's own error, 1e-6 of the motion, is all that differs; a reading may fall on the next count.
-    motion = np.ptp(long, axis=0)
-    assert (abs(np.array(rows) - long)[:, 1:] <= 1e-5 * motion[1:]).all()
+    assert (abs(np.array(rows) - long)[:, 1:] <= 1e-5 * np.ptp(long, axis=0)[1:]).all()
 
 
 def test_instances_do_not_meet_and_states_come_back():

@@ -48,8 +48,7 @@ def drawn(seed, missing, motion, *, with_reference=None):
     """A machine, its log and a model that knows mass and friction within a factor of three, and nothing else."""
     random = np.random.default_rng([17, seed])
     rate = float(np.round(10.0 ** random.uniform(2.0, 4.0)))
-    seconds = min(random.uniform(8.0, 20.0), 40_000 / rate)
-    time = np.arange(int(seconds * rate)) / rate
+    time = np.arange(int(min(random.uniform(8.0, 20.0), 40_000 / rate) * rate)) / rate
     length, mass = 10.0 ** random.uniform(-2.0, 1.5), 10.0 ** random.uniform(-4.0, 2.5)
     position = moved(motion, random, time, length)
     speed, acceleration = np.gradient(position, time), np.gradient(np.gradient(position, time), time)

@@ -93,8 +93,7 @@ def wrong_ones(model, log, random):
             factor = 1.015 if field == "sample_rate" else float(random.choice([0.4, 0.7, 1.5, 2.5]))
             with contextlib.suppress(ValueError):  # beyond the bounds of its estimate
                 yield field, model.replace(controller=own.replace(**{field: factor * value})), log
-    late = replace(log, command=np.roll(log.command, 1))[1:]
-    yield "late", model, late
+    yield "late", model, replace(log, command=np.roll(log.command, 1))[1:]
 
 
 @pytest.mark.parametrize(("kind", "fault"), covering(KINDS, FAULTS))

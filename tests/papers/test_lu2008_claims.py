@@ -229,8 +229,7 @@ def test_v_of_dcarc_falls_as_the_docstring_derives():
     expected = -quadratic + p * (u_s2 - np.sum(phi * (log.estimates - trial.theta), axis=1) + d)
     for row in range(0, len(e), 97):
         at = {"position": log.true_position[row], "velocity": log.true_velocity[row], "command": log.command[row]}
-        acceleration = trial.plant.acceleration(**at, time=log.time[row])
-        p_dot = acceleration - a[row] + k * e_dot[row]
+        p_dot = trial.plant.acceleration(**at, time=log.time[row]) - a[row] + k * e_dot[row]
         v_dot = mass * p[row] * p_dot + mass * k**2 * e[row] * e_dot[row]
         assert v_dot == pytest.approx(expected[row], rel=1e-7, abs=1e-9), row
     assert np.abs(expected).max() > 1e-3

@@ -41,8 +41,7 @@ def check(seeds, fastest):
             assert text.startswith(("axis: must change slowly enough", "stiffness, frequency: must need at most")), text
             assert driven.stiffness > STIFFEST, (seed, text)
     assert unsolved <= len(seeds) // 100
-    wrong = {seed: error for seed, error in errors.items() if not error <= SHARE}
-    return errors, refused, wrong
+    return errors, refused, {seed: error for seed, error in errors.items() if not error <= SHARE}
 
 
 #: Machines among which every effect that acts on the motion is in two at least.

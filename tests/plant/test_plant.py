@@ -29,8 +29,7 @@ def test_acceleration_is_eq_10():
         model = cogging.CoggingModel(basis, *rng.normal(size=(2, 3, 13)))
         x, v, u = rng.uniform(0, 0.5), rng.normal(), rng.normal()
         friction = axis.viscous * v + axis.coulomb * atan_sign(v, axis.coulomb_width)
-        shapes = basis.regressor(np.array([x]))[0]
-        expected = (u - friction - shapes @ model.coefficients) / axis.mass
+        expected = (u - friction - basis.regressor(np.array([x]))[0] @ model.coefficients) / axis.mass
         got = cogging.Plant(axis, cogging=model).acceleration(position=x, velocity=v, command=u)
         assert got == pytest.approx(expected, rel=1e-12, abs=1e-12)
         bare = cogging.Plant(axis).acceleration(position=x, velocity=v, command=u)

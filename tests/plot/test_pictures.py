@@ -81,8 +81,7 @@ def test_columns_of_a_table_and_units_of_the_model():
 
 
 def test_errors_of_several_logs():
-    logs = {"first": LOG, "$bad{": cogging.repeat(LOG), "_third": LOG}
-    ax = cogging.plot.error(logs)
+    ax = cogging.plot.error({"first": LOG, "$bad{": cogging.repeat(LOG), "_third": LOG})
     assert [line.get_label() for line in ax.lines] == ["first", r"\$bad{", " _third"]
     assert len(ax.get_legend().get_texts()) == 3
     for line in ax.lines:

@@ -269,8 +269,7 @@ def test_other_members_that_fail(controller, error, message):
 
 @pytest.mark.parametrize(("error", "threads"), [(KeyboardInterrupt, 1), (SystemExit, 3)])
 def test_what_is_no_exception_ends_the_run_and_the_batch(error, threads):
-    slow = cogging.Pid(cogging.PidParameters(kp=9600.0))
-    controllers = [Failing(100, error())] + [slow] * 8
+    controllers = [Failing(100, error())] + [cogging.Pid(cogging.PidParameters(kp=9600.0))] * 8
     with pytest.raises(error):
         loop(controllers[0])
     with pytest.raises(error):

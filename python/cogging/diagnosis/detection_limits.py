@@ -73,13 +73,10 @@ def limits(found: Outcome, vocabulary: Mapping[str, Effect]) -> dict[str, Limit]
     evidence = found.both
     result, blocks = unmeasured(vocabulary, UNSEEN), len(block_edges(evidence))
     sought = [name for name in result if name in vocabulary]
-    accepted = {one.found.name for one in found.accepted}  # each of which is seen beside the others
+    # what was accepted is seen beside the other effects
+    apart = {*NEAR_REST, *(one.found.name for one in found.accepted)} & set(sought)
+    own = {name: visibility(evidence.near_rest if name in NEAR_REST else evidence, name) for name in apart}
     whole = visibility(evidence)
-    own = {
-        name: visibility(evidence.near_rest if name in NEAR_REST else evidence, name)
-        for name in sought
-        if name in accepted or name in NEAR_REST
-    }
 
     @np.errstate(all="ignore")
     def limit_of(name: str) -> Limit:
