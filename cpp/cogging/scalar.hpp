@@ -141,7 +141,7 @@ class SmoothSign {
   };
   COGGING_INLINE Known known(const Scalar& velocity) const { return {velocity * inverse_, (*this)(velocity)}; }
 
-  /// Of a velocity near one whose sign is known, in half of the time: atan(a) - atan(b) = atan((a - b) / (1 + a b)).
+  /// The same from another velocity, cheaper where they are near: atan(a) - atan(b) = atan((a - b) / (1 + a b)).
   COGGING_INLINE Scalar operator()(const Scalar& velocity, const Known& other) const {
     using elementary::small_tangent, elementary::two_over_pi;
     if (!smooth_) [[unlikely]]

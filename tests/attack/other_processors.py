@@ -1,8 +1,7 @@
 """`python -m tests.attack.other_processors`: the core on other processors, emulated; status 1 where bits differ.
 
-tests/cpp/bits.cpp runs every controller, effect and motion, and predictions along what they logged. It is built for
-this machine and for 64-bit ARM, and run here, and by qemu on ARM and on older x86-64 processors (Debian:
-g++-aarch64-linux-gnu, qemu-user). A run whose tools are missing is reported and left out.
+tests/cpp/bits.cpp runs every controller, effect and motion, and predictions along their logs. It is built for x86-64 and
+64-bit ARM, and runs here and by qemu (Debian: g++-aarch64-linux-gnu, qemu-user); without its tools a run is left out.
 """
 
 import re
@@ -14,6 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 FLAGS = ["-static", "-O3", "-std=c++20", "-ffp-contract=off", "-fno-tree-slp-vectorize", f"-I{ROOT / 'cpp'}"]
+FLAGS += ["-Wall", "-Wextra", "-Werror"]
 #: Runs: the processor, the compiler and its flags, a feature that this machine must have, and the emulator.
 RUNS = [
     ("this machine", ["g++"], "", []),

@@ -95,7 +95,7 @@ class SplineHarmonics {
     return wave;
   }
 
-  /// The same of a position near another, in half of the time.
+  /// The same from the wave of another position, which costs less where they are near.
   template <class Scalar>
   COGGING_INLINE Wave<Scalar> wave_at(const Scalar& position, const Wave<Scalar>& other) const {
     Wave<Scalar> wave{position, other.sine, other.cosine};

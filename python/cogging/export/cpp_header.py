@@ -49,7 +49,7 @@ COMMAND_AHEAD = """\
 TEXT = """\
 {type} at {rate:g} Hz as {name}::Controller, {lines} lines.
 takes:  all gains and limits, to the bit; commands are those of the library where the compiler joins no a * b + c
-        (GCC and Clang: -ffp-contract=off).
+        (GCC and Clang: -ffp-contract=off; GCC also: -fno-tree-slp-vectorize).
 leaves: axis, cogging and effects, which are the machine's; what was learned in a run: it begins as the model says.
 To use: #include it, then {name}::Controller controller; its comment shows the two calls of a sample."""
 
