@@ -1,6 +1,6 @@
 """`python -m tests.attack.other_processors`: the core on other processors, emulated; status 1 where bits differ.
 
-tests/cpp/bits.cpp runs every controller, effect and motion, and predictions along their logs. It is built for x86-64 and
+tests/cpp/bits.cpp runs every controller, effect and motion, and predictions along logs. It is built for x86-64 and
 64-bit ARM, and runs here and by qemu (Debian: g++-aarch64-linux-gnu, qemu-user); without its tools a run is left out.
 """
 
