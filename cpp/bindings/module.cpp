@@ -68,11 +68,19 @@ void name_plain_types(const py::module_& module) {
 // cogging.calls, which reads the signature; every other error passes as it is.
 template <class... Self>
 py::cpp_function explained_in_one_line(const py::object& bound, const std::string& name, const Self&... self) {
-  const std::string doc = bound.attr("__doc__").cast<std::string>();
+  const py::str doc = bound.attr("__doc__");
   const std::string untaken = bound.attr("__name__").cast<std::string>() + "(): incompatible ";  // pybind11's words
   const auto call = [bound, doc, untaken](const py::args& given, const py::kwargs& named) -> py::object {
-    if (std::any_of(given.begin(), given.end(), [](const auto& one) { return may_hold_no_number(one); }) ||
-        std::any_of(named.begin(), named.end(), [](const auto& one) { return may_hold_no_number(one.second); })) {
+    py::object numbers;
+    const auto no_number = [&](const py::object& word, const py::handle& value) {
+      if (!may_hold_no_number(value)) return false;
+      if (!numbers) numbers = called(py::module_::import("cogging.calls").attr("number_places"), py::make_tuple(doc));
+      return numbers.contains(word);
+    };
+    bool any = false;
+    for (std::size_t place = 0; place < given.size(); ++place) any = any || no_number(py::int_(place), given[place]);
+    for (const auto& [word, value] : named) any = any || no_number(py::reinterpret_borrow<py::object>(word), value);
+    if (any) {
       const py::object line =
           called(py::module_::import("cogging.calls").attr("explain_non_number"), py::make_tuple(doc, given, named));
       if (!line.is_none()) throw py::type_error(line.cast<std::string>());
@@ -91,7 +99,7 @@ py::cpp_function explained_in_one_line(const py::object& bound, const std::strin
   };
   py::options options;
   options.disable_function_signatures();  // the text begins with that of the function behind
-  return py::cpp_function(call, py::name(name.c_str()), doc.c_str(), self...);
+  return py::cpp_function(call, py::name(name.c_str()), doc.cast<std::string>().c_str(), self...);
 }
 
 // Makes a module's functions, and its classes and their methods, refuse in one line what they cannot use.

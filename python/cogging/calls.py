@@ -184,6 +184,14 @@ def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any])
 
 
 @functools.cache
+def number_places(doc: str) -> frozenset[int | str]:
+    """Return places and words of the arguments that are numbers or arrays of them."""
+    _, parameters = signature(doc)
+    words = [(place, word) for place, word in enumerate(parameters) if _takes_numbers(parameters[word].annotation)]
+    return frozenset(key for pair in words for key in pair)
+
+
+@functools.cache
 def _takes_numbers(annotation: str) -> bool:
     return _is_array(annotation) or bool(NUMBER.search(annotation) and "str" not in annotation)
 

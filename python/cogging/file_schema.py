@@ -50,7 +50,7 @@ def schema() -> dict[str, Any]:
     effects = [_tagged("name", name, kind.LAW, _fields(kind)) for name, kind in _core.EFFECTS.items()]
     keys["simulation"]["steps_per_sample"]["maximum"] = STEPS_MAX
     for label in keys["units"].values():
-        label["pattern"] = f"^({LABEL})$"
+        label["pattern"] = f"^({LABEL.pattern})$"
     bound = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
     model = _section(
         "an axis: model file",

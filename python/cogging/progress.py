@@ -23,8 +23,8 @@ def steps(progress: Progress, name: str, total: int | None = None) -> Iterator[C
         return
     if not isinstance(progress, bool):
         raise TypeError(f"progress: must be True, False or a function of a text, got {progress!r}")
-    notebook = type(sys.stderr).__module__.startswith("ipykernel")
-    if not progress or not (notebook or getattr(sys.stderr, "isatty", bool)()):
+    shown = progress and (type(sys.stderr).__module__.startswith("ipykernel") or getattr(sys.stderr, "isatty", bool)())
+    if not shown:
         yield lambda step: None
         return
     said, done, begun = list[str](), threading.Event(), time.time()

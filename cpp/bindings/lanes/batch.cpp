@@ -79,8 +79,10 @@ struct RecordedBatch {
     const auto kept = static_cast<double>(request.columns.size());
     double in_all = 0.0;  // rows
     for (std::size_t i = 0; kept > 0.0 && i < plants.size(); ++i) in_all += rows_kept(i);
+    const double bytes = 8.0 * all / runs * (in_all * kept + runs * static_cast<double>(width()));
+    if (bytes <= memory_unasked) return;
     require_memory(
-        "duration", 8.0 * all / runs * (in_all * kept + runs * static_cast<double>(width())),
+        "duration", bytes,
         format(all) + " runs of " + format(std::floor(in_all / runs)) + " rows of " + format(kept) + " columns",
         format(ReferenceRows::length(*references[0], options[0].duration)));
   }
@@ -174,7 +176,8 @@ struct RecordedBatch {
   }
 
   void run(unsigned threads, StopRequest* stop) {
-    const std::optional<InstructionSet> set = instruction_set();
+    std::optional<InstructionSet> set = instruction_set();
+    if (plants.size() < fewest_in_pack) set.reset();
     const Jobs jobs = jobs_of(plants.size(), set, threads_of(threads), [&](std::size_t i) { return course_of(i); });
     run_batch(jobs.size(), threads, stop, [&](std::size_t number) {
       const std::vector<std::size_t>& job = jobs[number];

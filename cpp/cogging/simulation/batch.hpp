@@ -15,7 +15,7 @@ inline constexpr unsigned threads_max = 1024;
 
 /// How many threads are used where `threads` are asked for (0 = as many as the machine has, 1024 at most).
 inline unsigned threads_of(unsigned threads) {
-  require(threads <= threads_max, "threads", "must be from 0 to " + format(threads_max), threads);
+  if (threads > threads_max) refuse("threads", "must be from 0 to " + format(threads_max), format(threads));
   return threads > 0 ? threads : std::max(1u, std::min(threads_max, std::thread::hardware_concurrency()));
 }
 
@@ -57,8 +57,9 @@ inline void run_batch(std::size_t count, unsigned threads, StopRequest* stop,
   for (const std::future<void>& other : others)
     while (other.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
       if (stop != nullptr && stop->requested_now()) interrupted = true;
-  require(started, "threads", "must be no more than the system can start, which ended at " + format(others.size() + 1),
-          threads);
+  if (!started)
+    refuse("threads", "must be no more than the system can start, which ended at " + format(others.size() + 1),
+           format(threads));
   if (interrupted) throw Interrupted();
   for (const std::exception_ptr& failure : failures)
     if (failure) std::rethrow_exception(failure);

@@ -9,6 +9,7 @@
 #include "cogging/interruption.hpp"
 #include "cogging/plant/axis.hpp"
 #include "cogging/reference/reference.hpp"
+#include "cogging/reference/sampled.hpp"
 #include "cogging/require.hpp"
 #include "cogging/scalar.hpp"
 
@@ -32,9 +33,11 @@ class ReferenceRows {
       stop.ask();  // a column of a long run takes long to clear
       column->resize(kept_);
     }
+    const auto* samples = dynamic_cast<const Sampled*>(&reference);
     for (std::size_t k = 0; k < count_; ++k) {
       stop.row();
-      const ReferencePoint point = reference.at(time(k));
+      const bool a_sample = samples && k < samples->times().size() && samples->times()[k] == time(k);
+      const ReferencePoint point = a_sample ? samples->sample(k) : reference.at(time(k));
       if (k < kept_) {
         position_[k] = point.position;
         velocity_[k] = point.velocity;

@@ -14,7 +14,7 @@ from cogging.values import ByValue
 
 UNIT_KEYS = ("command", "position")
 #: A label: a letter, then letters, digits and operators of units; or per cent.
-LABEL = r"[^\W\d_][\w^*/.()%-]{0,11}|%"
+LABEL = re.compile(r"[^\W\d_][\w^*/.()%-]{0,11}|%")
 #: V or m in a unit, alone or with a prefix.
 WORD = re.compile(r"(?<![A-Za-z*·])([kmunµ]?)([Vm])(?![A-Za-z])")
 
@@ -43,7 +43,7 @@ class Units(ByValue):
     def __post_init__(self) -> None:
         for key in UNIT_KEYS:
             value = getattr(self, key)
-            if not isinstance(value, str) or not re.fullmatch(LABEL, value):
+            if not isinstance(value, str) or not LABEL.fullmatch(value):
                 rule = 'must be the label of a unit of at most 12 characters, as "A" or "Nm"'
                 raise ValueError(f"{key}: {rule}, got {quoted(value)}")
 

@@ -77,9 +77,9 @@ def unit_of(name: str) -> str:
 def names_of(reductions: Iterable[str]) -> tuple[str, ...]:
     """Return the names of all values of a run: the indexes, then the further reductions, each once."""
     names = (*INDEXES, *(name for name in reductions if name not in INDEXES))
-    for name in names:
-        if names.count(name) > 1:
-            raise FieldError("", "reductions", f"must be listed once each, got {name} twice")
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise FieldError("", "reductions", f"must be listed once each, got {twice} twice")
     return names
 
 
