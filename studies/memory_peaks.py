@@ -44,7 +44,7 @@ def call_of(task: str, rows: int) -> Callable[[], object]:
             "controller": {"type": "pid", "sample_rate": RATE, "kp": 9600.0, "ki": 1e5, "kd": 48.0, **axis},
         }
     )
-    true = model.replace(effects=[cogging.effects.CableSpring(stiffness=0.4)])
+    true = model.replace(effects=[cogging.effects.CableSpring(stiffness=40.0)])
     motion = {"start": 0.05, "distance": 0.4, "velocity": 0.5, "acceleration": 8.0, "jerk": 400.0, "repeats": 10**6}
     move = cogging.PointToPoint(cogging.PointToPointParameters(**motion, dwell=0.1))
     log = cogging.Log.of(cogging.simulate(true, move, duration=rows / RATE, seed=1).columns())

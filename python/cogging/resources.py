@@ -28,7 +28,7 @@ POINT = 36.0  # bytes for each point of a scan and line of its spectrum, two com
 ROW = {
     "audit": (500.0, 0.0),  # 441 measured
     "identify": (1300.0, 70.0),  # 1840 with 10 parameters, 6500 with 82
-    "diagnose": (8500.0, 0.0),  # 8010 and fewer
+    "diagnose": (9000.0, 0.0),  # 8960 and fewer, of a model that lacks most of the command
 }
 
 
