@@ -172,9 +172,9 @@ def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any])
     """Return in one line which argument has a truth value or a text where a number belongs; None if none has."""
     name, parameters, _, _, arguments = _call(doc, given, named)
     for word, value in arguments.items():
-        annotation = parameters[word].annotation if word in parameters else ""
-        if type(value) in (float, int) or not _takes_numbers(annotation):
+        if type(value) in (float, int) or word not in number_places(doc):
             continue
+        annotation = parameters[word].annotation
         alone = not (_is_array(annotation) or "Sequence[" in annotation or isinstance(value, np.ndarray))
         wrong = [value] * isinstance(value, bool | np.bool_) if alone else no_number_in(value)
         if wrong:
@@ -186,14 +186,11 @@ def explain_non_number(doc: str, given: Sequence[Any], named: Mapping[str, Any])
 @functools.cache
 def number_places(doc: str) -> frozenset[int | str]:
     """Return places and words of the arguments that are numbers or arrays of them."""
-    _, parameters = signature(doc)
-    words = [(place, word) for place, word in enumerate(parameters) if _takes_numbers(parameters[word].annotation)]
-    return frozenset(key for pair in words for key in pair)
-
-
-@functools.cache
-def _takes_numbers(annotation: str) -> bool:
-    return _is_array(annotation) or bool(NUMBER.search(annotation) and "str" not in annotation)
+    places = set[int | str]()
+    for place, (word, one) in enumerate(signature(doc)[1].items()):
+        if _is_array(one.annotation) or (NUMBER.search(one.annotation) and "str" not in one.annotation):
+            places |= {place, word}
+    return frozenset(places)
 
 
 def broken_rule(annotation: str, value: Any) -> str:

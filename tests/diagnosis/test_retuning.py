@@ -141,7 +141,9 @@ def test_names_are_less_certain_the_more_there_are_where_a_model_lacks_most():
     lists = ((1, {}), (2, {}), (3, {}), (3, {2: "why"}))
     told = [named(each[:k], final, outcome.evidence, [0.2] * k, out) for k, out in lists]
     sure = own.found.likeness
-    assert [effects[0].confidence for effects in told] == pytest.approx([0.92 * sure, 0.8 * sure, 0.5 * sure, 0.8 * sure])
+    assert [effects[0].confidence for effects in told] == pytest.approx(
+        [0.92 * sure, 0.8 * sure, 0.5 * sure, 0.8 * sure]
+    )
 
 
 @pytest.mark.parametrize(("size", "seed"), [(2.0, 2), (20.0, 3), (20.0, 4)])
@@ -151,6 +153,19 @@ def test_a_snag_with_an_edge_is_a_local_force(size, seed):
     force = np.where(places > 0.02, -size * np.exp((0.02 - places) / 0.01), 0.0)
     true = moving_axis.machine([cogging.effects.EmpiricalForce(position_nodes=places, position_forces=force)])
     assert searched(true, seed, STATED).accepted[0].found.name == "local_force"
+
+
+@pytest.mark.parametrize(("way", "said"), [(1, "forwards"), (-1, "backwards")])
+def test_counts_lost_at_one_place_are_found_there(way, said):
+    """Three quantisation steps at each passage in one direction are too few to be found one by one."""
+
+    def lossy(log):
+        beyond = way * (log.true_position - 0.2) > 0.0
+        lost = 1.5e-6 * np.cumsum(np.diff(beyond.astype(int), prepend=int(beyond[0])) > 0)
+        return cogging.Log(log.time, log.position - way * lost, log.command, log.reference)
+
+    [one] = search([lossy(run(duration=8.0))], [lossy(other())], pid_axis.MODEL).accepted
+    assert (one.found.name, one.found.label) == ("~jump of the reading along travel", f"0.2 m {said}")
 
 
 @pytest.mark.parametrize("seed", [2, 3])

@@ -147,13 +147,7 @@ def _labelled(known: Mapping[str, Limit], units: Units) -> dict[str, Limit]:
 
 
 def _result(
-    found: Outcome,
-    logs: Prepared,
-    stated: Model,
-    vocabulary: Mapping[str, Effect],
-    *,
-    replay: bool,
-    wanted: bool,
+    found: Outcome, logs: Prepared, stated: Model, vocabulary: Mapping[str, Effect], *, replay: bool, wanted: bool
 ) -> Diagnosis:
     """Decide which effects enter the model, measure the gaps, and assemble the result of a search."""
     units, notes = stated.units, list(logs.notes)
@@ -345,11 +339,7 @@ def _refused_entry(term: Term, why: str) -> dict[str, Any]:
 
 
 def _with_empirical(
-    final: Model,
-    entry: Mapping[str, Any],
-    yardstick: Yardstick,
-    after: Discrepancy,
-    there: Discrepancy | None,
+    final: Model, entry: Mapping[str, Any], yardstick: Yardstick, after: Discrepancy, there: Discrepancy | None
 ) -> tuple[Model, dict[str, Any]]:
     """Return the model with an empirical force if that makes the gap smaller, and the entry with its gaps."""
     term = empirical_term(entry)

@@ -205,9 +205,10 @@ def unlisted(
         if cell.name.startswith("~"):
             words = cell.name[1:]
             coordinate = next((along for word, along in ALONG.items() if word in words), "position")
+            where = cell.label if cell.period is None else f"period {cell.period:.4g} {units.of('m')}"
             entry: dict[str, Any] = {
                 "coordinate": coordinate,
-                "shape": f"{words}, which no known effect describes",
+                "shape": f"{words}{f' ({where})' if where else ''}, which no known effect describes",
                 "share": None,
             }
             if term.curve is not None:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import lfilter
 
-from cogging.arrays import FloatArray
+from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
@@ -70,6 +70,7 @@ LEAST_WINDOW, LOCAL = 2e-3, 0.3  # of the range: shortest such force, longest lo
 FAST = 0.05  # of the top speed: slower motion is close to a reversal
 APART = 0.02  # s: minimum time between two jumps of the reading, and from slow motion
 MOST_JUMPS = 8  # jumps that are fitted together
+PLACES_A_ROW = 4  # at the top speed: grid of a place at which the reading jumps
 STEP = 0.2  # first step of the refinement, in the logarithm of the shape
 REFINED = 40.0  # difference from the best score up to which shapes are refined
 CERTAIN_ZERO = 5.0  # minimum score of a shape that is refined
@@ -503,9 +504,7 @@ def friction(s: Search) -> None:
     def presliding(length: float) -> Shape:
         law = E["presliding_friction"].replace(stiffness=max(float(s.model.axis.coulomb), 1e-12) / length)
         return Shape(
-            f"{length:.4g}",
-            lambda c: [b.bristle(c.model.axis, length)[None] for b in c.balances],
-            lambda a: law,
+            f"{length:.4g}", lambda c: [b.bristle(c.model.axis, length)[None] for b in c.balances], lambda a: law
         )
 
     if any(f.name == "presliding_friction" for f in s.ctx.extra):
@@ -755,6 +754,7 @@ def jumps(s: Search) -> None:
     if not rows:
         return
     noise = deviation(np.concatenate([z[ok] for z, ok in zip(scores, fast, strict=True)]))
+    jumps_at_a_place(s, scores, noise)
     peaks: list[tuple[float, Log, int, str]] = []
     for b, z, ok in zip(s.balances, scores, fast, strict=True):
         left, apart = np.where(ok, (z / noise) ** 2, 0.0), round(APART / b.step)
@@ -770,7 +770,7 @@ def jumps(s: Search) -> None:
     least = 2.0 * np.sqrt(np.log(rows)) * max(b.encoder_noise for b in s.balances)
     for count in range(1, min(len(peaks), MOST_JUMPS) + 1):
         instants = [(log, at) for _, log, at, _ in peaks[:count]]
-        columns = partial(jumped, instants)
+        columns = jumped(partial(lambda instants, b: [[at] if b.log is log else [] for log, at in instants], instants))
         c = ctx.filtered(rows_of(ctx, columns), ctx.screen.taps)
         amplitudes = np.linalg.lstsq(c.T, ctx.screen.rest)[0]
         if UNIT * np.min(np.abs(amplitudes)) < least:
@@ -782,14 +782,44 @@ def jumps(s: Search) -> None:
             s.found[JUMPS] = one
 
 
-def jumped(instants: Sequence[tuple[Log, int]], c: Evidence) -> list[FloatArray]:
-    """Return the apparent force of a jump of the reading at each instant, a log and a row of its motion."""
-    tables = [np.zeros((len(instants), len(b.time))) for b in c.balances]
-    for table, b in zip(tables, c.balances, strict=True):
-        for row, (log, at) in zip(table, instants, strict=True):
-            if b.log is log:
-                row[at - 1 : at + 1] = np.array([1.0, -1.0]) * c.model.axis.mass * UNIT / b.step**2
-    return tables
+def jumps_at_a_place(s: Search, scores: Sequence[FloatArray], noise: float) -> None:
+    """Try equal jumps of the reading each time the axis passes one place in one direction, as of lost counts.
+
+    `scores` are those of a jump in each row, of each log, with their standard deviation `noise`.
+    """
+    count = max(1, int(PLACES_A_ROW * s.length / (s.top * s.balances[0].step)))
+
+    def passed(b: DifferencedBalance, way: int, places: FloatArray) -> tuple[IntArray, IntArray]:
+        """Return rows in which the axis, in fast motion, has just passed places, which rise with `way`, and which."""
+        at = np.searchsorted(places, way * b.position)
+        new = np.where((way * b.velocity > FAST * s.top) & (b.keep > 0), np.diff(at, prepend=at[0]), 0).clip(0)
+        rows = np.repeat(np.arange(len(at)), new)
+        return rows, at[rows] - 1 - (np.cumsum(new)[rows] - 1 - np.arange(len(rows)))
+
+    for way, said in ((1, "forwards"), (-1, "backwards")):
+        places = way * np.linspace(s.low, s.high, count + 2)[1:-1][::way]
+        total, passes = np.zeros(count), np.zeros(count)
+        for b, z in zip(s.balances, scores, strict=True):
+            rows, index = passed(b, way, places)
+            np.add.at(total, index, z[rows] / noise)
+            np.add.at(passes, index, 1.0)
+        best = int(np.argmax(np.where(passes > 1, total**2 / np.maximum(passes, 1.0), 0.0)))
+        place = partial(passed, way=way, places=places[best : best + 1])
+        columns = jumped(partial(lambda place, b: [place(b)[0]], place))
+        s.put(LOST, Shape(f"{way * places[best]:.4g} {s.model.units.of('m')} {said}", columns), 2 * count)
+
+
+def jumped(rows_of_jumps: Callable[[DifferencedBalance], list[Any]]) -> Columns:
+    """Return the apparent force of jumps of the reading in rows of a motion, a list of rows for each column."""
+
+    def columns(b: DifferencedBalance, mass: float) -> FloatArray:
+        jumps = [np.asarray(at, dtype=int) for at in rows_of_jumps(b)]
+        table = np.zeros((len(jumps), len(b.time)))
+        for row, at in zip(table, jumps, strict=True):
+            np.add.at(row, [at - 1, at], mass * UNIT / b.step**2 * np.array([[1.0], [-1.0]]))
+        return table
+
+    return lambda c: [columns(b, c.model.axis.mass) for b in c.balances]
 
 
 #: Kinds of waves along the travel, with the factor of the wave: a function of balance, drive and largest command.
@@ -1053,7 +1083,7 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
     return Shape(label, columns, law)
 
 
-JUMPS = "~jump of the reading in time"
+JUMPS, LOST = "~jump of the reading in time", "~jump of the reading along travel"
 LATE = "~command logged late"  # a fault of the log: its amplitude is the negative time shift, s
 #: Generic forces along a coordinate, and the effects whose law may have such a shape.
 CELLS = {
