@@ -67,7 +67,7 @@ def test_the_gap_of_the_other_run_shrinks_to_a_ninth(result):
 
 def test_the_mass_stays_that_of_the_motor(result):
     assert odrive_motor().axis.mass / 3 < result.model.axis.mass < 3 * odrive_motor().axis.mass
-    sure = {effect.name for effect in result.effects if effect.confidence >= 0.9}
+    sure = {effect.name for effect in result.effects if effect.confidence >= 0.85}
     # polled: 4 ms are two polls; presliding of some mrad halves what the harmonics leave, on the other run too
     assert {"cogging_harmonic"} <= sure <= {"cogging_harmonic", "command_delay", "presliding_friction"}
 

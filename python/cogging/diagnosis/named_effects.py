@@ -23,7 +23,8 @@ from cogging.model.units import Units
 NOT_SURE = 0.89  # highest confidence of an effect beside a force without a name
 HELD_OUT = 0.5  # highest confidence of an effect that is not in the model
 RELIABLE = 0.92  # share of right names among those with a probability of at least 0.98, drawn logs: docs/evidence.md
-RELIABLE_BESIDE = (0.8, 0.5)  # the same where a model lacks most of the command, beside one other likely name, and more
+RELIABLE_BESIDE = 0.89  # the same where a model lacks most of the command, beside other likely names
+RELIABLE_MINOR, MINOR_SHARE = 0.5, 0.1  # the same of those that take less than this share of the gap
 SEEN = 0.02  # of the remaining power: minimum share of a curve that is reported
 SYSTEMATIC = 0.1  # of the rms command: smaller predictable forces are negligible
 TAILS = (0.05, 0.95)  # quantiles of an effect's force that limit its range
@@ -46,8 +47,10 @@ def named(
         held_out: reason why a term is not in the model, by index.
     """
     kept = [term.accepted for place, term in enumerate(terms) if place not in held_out]
-    beside = len({one.found.name for one in kept if one.share >= SURE}) - 1
-    reliable = RELIABLE_BESIDE[min(beside, 2) - 1] if evidence.plainly and beside > 0 else RELIABLE
+    several = evidence.plainly and len({one.found.name for one in kept if one.share >= SURE}) > 1
+    taken: dict[str, float] = {}
+    for term, share in zip(terms, shares, strict=True):
+        taken[term.accepted.found.name] = taken.get(term.accepted.found.name, 0.0) + (share or 0.0)
     unnamed = any(term.accepted.found.name.startswith("~") for term in weighty(terms))
     effects: dict[str, NamedEffect] = {}
     by_size: dict[str, list[tuple[float, dict[str, Value]]]] = {}
@@ -61,7 +64,8 @@ def named(
         by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
         one = term.accepted
         others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
-        confidence = reliable * one.share * one.found.likeness
+        beside = RELIABLE_BESIDE if taken[name] > MINOR_SHARE else RELIABLE_MINOR
+        confidence = (beside if several else RELIABLE) * one.share * one.found.likeness
         other = term.effect is None and term.accepted.found.columns is not None
         entry = NamedEffect(
             name,
