@@ -15,12 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter, sosfiltfilt
 
 from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
+from cogging.diagnosis.balance.nuisances import MOST_BAND, SLOW
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.logs.log import Log
 from cogging.resources import on_threads
@@ -532,13 +533,25 @@ def command(s: Search) -> None:
         shape = Shape(label, columns, lambda a: E[name].replace(**{field: float(size * a[0])}))
         return s.put(name, shape, trials, lambda a: bool(a[0] * size > least))
 
-    slope = driven(lambda b, d: -np.diff(d, prepend=d[0]) / b.step)
-    s.put(LATE, Shape("", slope), accept=lambda a: bool(a[0] < -least))
+    def falling(b: DifferencedBalance, d: FloatArray) -> FloatArray:
+        return np.asarray(-np.diff(d, prepend=d[0]) / b.step)
+
+    def heard(b: DifferencedBalance, d: FloatArray) -> FloatArray:
+        """Return the drive whose delay is sought: without a reference it holds noise of the readings, which is fast."""
+        if s.has_reference or s.ctx.largely or s.ctx.uniform:
+            return d
+        return np.asarray(sosfiltfilt(butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos"), d))
+
+    def at_time(change: Any, t: float, b: DifferencedBalance, d: FloatArray) -> Any:
+        return change(t, b, heard(b, d))
+
+    s.put(LATE, Shape("", driven(falling)), accept=lambda a: bool(a[0] < -least))
+    slope = driven(lambda b, d: falling(b, heard(b, d)))
     if proportional("command_delay", "delay", 1.0, "slope", slope, 1):
         first = float(s.found["command_delay"].amplitudes[0])
         for t in (0.7 * first, 1.0 * first, 1.4 * first):
-            proportional("command_delay", "delay", t, f"{t:.3g}", delayed(t), 3)
-            proportional("actuator_lag", "time_constant", t, f"{t:.3g}", lagged(t), 3)
+            proportional("command_delay", "delay", t, f"{t:.3g}", driven(partial(at_time, delayed, t)), 3)
+            proportional("actuator_lag", "time_constant", t, f"{t:.3g}", driven(partial(at_time, lagged, t)), 3)
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
@@ -569,20 +582,16 @@ def exact(b: DifferencedBalance, d: FloatArray) -> FloatArray:
     return d if b.reference is None else b.command
 
 
-def delayed(time: float) -> Columns:
+def delayed(time: float, b: DifferencedBalance, d: FloatArray) -> FloatArray:
     """Return the change of the command by a delay (s)."""
-    return driven(lambda b, d: np.interp(b.time - time, b.time, d) - d)
+    return np.asarray(np.interp(b.time - time, b.time, d) - d)
 
 
-def lagged(tau: float) -> Columns:
+def lagged(tau: float, b: DifferencedBalance, d: FloatArray) -> FloatArray:
     """Return the mean change of the held command by a first-order lag (s) over each step; it is causal."""
-
-    def change(b: DifferencedBalance, d: FloatArray) -> FloatArray:
-        p = np.exp(-b.step / tau)
-        before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
-        return np.asarray((before - d) * (1 - p) * tau / b.step)
-
-    return driven(change)
+    p = np.exp(-b.step / tau)
+    before = lfilter([0.0, 1 - p], [1, -p], d - d[0]) + d[0]
+    return np.asarray((before - d) * (1 - p) * tau / b.step)
 
 
 def misread(effects: Sequence[Effect], size: float) -> Columns:
