@@ -168,7 +168,7 @@ def test_counts_lost_at_one_place_are_found_there(way, said):
 
 @pytest.mark.parametrize("effects", [(), (cogging.EFFECTS["command_delay"](delay=1e-3),)])
 def test_without_a_reference_noise_of_the_readings_in_the_command_is_no_delay(effects):
-    """The quantiser's steps return in the command, in the same row: columns of the command were correlated with them."""
+    """The quantiser's steps return in the command, in the same row: columns of the command correlated with them."""
     model = pid_axis.MODEL.replace(controller=None, controller_type=None)
     logs = [cogging.Log(log.time, log.position, log.command) for log in (run(*effects, duration=8.0), other(*effects))]
     found = search(logs[:1], logs[1:], model).accepted
