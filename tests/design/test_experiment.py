@@ -137,7 +137,7 @@ def plan():
 def evidence_of(log):
     """The evidence that `diagnose` has of one log."""
     balance = DifferencedBalance(log, SMALL.axis.coulomb_width, SMALL.encoder.resolution)
-    balance.set_corner(balance.residual(SMALL), SMALL.axis.mass)
+    balance.listen(balance.residual(SMALL), SMALL.axis)
     return Evidence([balance], SMALL, SMALL).prepare(2)
 
 

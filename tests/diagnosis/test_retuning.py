@@ -27,6 +27,11 @@ def balance(*effects, model=MODEL):
     return DifferencedBalance(run(*effects, model=model), model.axis.coulomb_width, model.encoder.resolution)
 
 
+def unguided(log):
+    """The log without its reference."""
+    return cogging.Log(log.time, log.position, log.command)
+
+
 def searched(true, seed, stated):
     """What two logs of a machine show, whose motions and noise belong to a seed."""
     return search(*([moving_axis.record(true, 10 * seed + k)] for k in (1, 2)), stated)
@@ -170,9 +175,54 @@ def test_counts_lost_at_one_place_are_found_there(way, said):
 def test_without_a_reference_noise_of_the_readings_in_the_command_is_no_delay(effects):
     """The quantiser's steps return in the command, in the same row: columns of the command correlated with them."""
     model = pid_axis.MODEL.replace(controller=None, controller_type=None)
-    logs = [cogging.Log(log.time, log.position, log.command) for log in (run(*effects, duration=8.0), other(*effects))]
+    logs = [unguided(log) for log in (run(*effects, duration=8.0), other(*effects))]
     found = search(logs[:1], logs[1:], model).accepted
     assert [one.found.name for one in found] == [e.NAME for e in effects]
+
+
+@pytest.mark.parametrize(
+    ("model", "changed", "kd", "seed"),
+    [
+        (pid_axis.MODEL, {"force": 0.06, "resolution": 5e-9, "coulomb": 0.15}, 48.0, 1),  # was a delay
+        (FAST, {"force": 0.03, "resolution": 5e-9, "coulomb": 0.05}, 48.0, 1),  # was an unlisted force of the command
+        (FAST, {"force": 0.03, "resolution": 5e-9, "coulomb": 0.05, "bandwidth": 100.0}, 30.0, 3),  # was Stribeck
+    ],
+)
+def test_without_a_reference_noise_that_moves_the_axis_is_no_effect(model, changed, kd, seed):
+    """It pushes an axis at rest, and the loop answers it: speed and command are correlated with it."""
+    parts = {"axis": ["coulomb"], "controller": ["coulomb"], "encoder": ["resolution"], "noise": ["force", "bandwidth"]}
+    for part, names in parts.items():
+        own = {name: changed[name] for name in names if name in changed} | ({"kd": kd} if part == "controller" else {})
+        model = model.replace(**{part: getattr(model, part).replace(**own)})
+    logs = [unguided(log) for log in (run(model=model, seed=seed, duration=6.0, dwell=0.3), other(model=model))]
+    b = DifferencedBalance(logs[0], model.axis.coulomb_width, model.encoder.resolution)
+    b.listen(b.residual(model), model.axis)
+    assert b.crossover == pytest.approx(kd / model.axis.mass / (2 * np.pi), rel=0.3)
+    known = model.replace(controller=None, controller_type=None)
+    assert cogging.diagnose(logs[0], known, confirm=logs[1]).verdict == "no_gap"
+
+
+def test_a_constant_force_may_be_an_asymmetry_of_steep_friction():
+    """Nothing tells them apart while the axis moves: only friction that is not steep dips at reversals."""
+    force, difference = (
+        cogging.EFFECTS["constant_force"](force=-1.5),
+        cogging.EFFECTS["coulomb_asymmetry"](difference=3.0),
+    )
+    first = searched(MACHINE.replace(effects=[force]), 4, STATED).accepted[0]
+    assert first.found.name == "constant_force"
+    assert dict(first.alternatives)["coulomb_asymmetry"] > 0.2
+    assert searched(MACHINE.replace(effects=[difference]), 4, STATED).accepted[0].found.name == "coulomb_asymmetry"
+
+
+def test_effects_stand_in_the_order_of_their_forces():
+    """A dead zone takes more of the command than its force where the gap is that of the model without it alone."""
+    hidden = [cogging.EFFECTS["command_dead_zone"](width=1.0), cogging.EFFECTS["cable_spring"](stiffness=60.0)]
+    true = moving_axis.machine(hidden)
+    found = cogging.diagnose(moving_axis.record(true, 31), STATED, confirm=moving_axis.record(true, 32))
+    assert [e.name for e in found.effects] == ["cable_spring", "command_dead_zone"]
+    shares = [e.share for e in found.effects]
+    assert sum(shares) == pytest.approx(1.0 - (found.gap.after / found.gap.before) ** 2)
+    assert shares[1] < 0.3 * shares[0]
 
 
 @pytest.mark.parametrize("seed", [2, 3])

@@ -185,6 +185,12 @@ def test_a_log_read_right_is_not_doubted(missing):
         assert misreading([case.log], case.nominal) is None, (missing, motion)
 
 
+@pytest.mark.parametrize(("seed", "motion"), [(48, "multisine"), (58, "slow"), (134, "slow")])
+def test_nor_is_one_with_a_tone_whose_phase_a_shift_of_the_command_would_explain(seed, motion):
+    case = drawn(seed, "tone", motion)
+    assert misreading([case.log], case.nominal) is None
+
+
 @pytest.mark.parametrize(("amplitude", "pole"), [(0.3, 3.45), (0.3, 9.0), (1.0, 5.0), (1.0, 20.0)])
 def test_nor_is_one_that_cogging_drives_back_and_forth(amplitude, pole):
     """Under a soft loop the command follows the axis; but it does work, as no command of the other sign does."""

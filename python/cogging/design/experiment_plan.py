@@ -295,7 +295,7 @@ def _evidence(logs: Sequence[Log], stated: Model, model: Model) -> Evidence:
     from scipy.signal import lfilter
 
     balances = [DifferencedBalance(log, model.axis.coulomb_width, model.encoder.resolution) for log in logs]
-    balances[0].set_corner(balances[0].residual(model), model.axis.mass)
+    balances[0].listen(balances[0].residual(model), model.axis)
     for balance in balances[1:]:
         balance.corner = balances[0].corner
     left = np.concatenate([balance.rows(balance.residual(model))[0] for balance in balances])

@@ -213,14 +213,17 @@ def _result(
         after.rms / rms if rms > 0.0 else None,
         rest.elsewhere,
     )
-    # what stands beside the model, as a curve, takes about the power of its force
+    # the closed part of the gap is shared by the power of the forces; what stands beside the model takes its own
+    closed = 1.0 - (after.rms / before.rms) ** 2 if before.rms else 0.0
+    power = sum(term.force**2 for k, term in enumerate(terms) if term.path and k not in out)
     shares = [
-        None if term.path or k in out or not before.rms else min((term.accepted.force / before.rms) ** 2, 1.0)
+        None
+        if k in out or not before.rms
+        else max(closed, 0.0) * term.force**2 / max(power, 1e-300)
+        if term.path
+        else min((term.force / before.rms) ** 2, 1.0)
         for k, term in enumerate(terms)
     ]
-    for family, one in zip(families, given[2:], strict=True):
-        for k in set(family) - set(out):
-            shares[k] = max(one.rms**2 - given[1].rms ** 2, 0.0) / given[0].rms ** 2 / len(family)
     kept = [k for k in range(len(terms)) if k not in refused and k not in contradicted]
     left_out = {kept.index(k): why for k, why in out.items() if k in kept}
     effects = named([terms[k] for k in kept], final, found.evidence, [shares[k] for k in kept], left_out)

@@ -37,7 +37,7 @@ ALONG = {"speed": "velocity", "travel": "position", "wave": "position", "time": 
 def named(
     terms: Sequence[Term], final: Model, evidence: Evidence, shares: Sequence[float | None], held_out: Mapping[int, str]
 ) -> list[NamedEffect]:
-    """Return the named effects in the order of their share of the gap; terms of one name are one effect.
+    """Return the named effects in the order of their forces; terms of one name are one effect.
 
     Args:
         terms: accepted terms.
@@ -88,7 +88,8 @@ def named(
     for name, entry in effects.items():
         ordered = [one for _, one in sorted(by_size[name], key=lambda pair: -pair[0])]
         effects[name] = replace(entry, parameters=ordered[0], further=tuple(ordered[1:]))
-    return sorted(effects.values(), key=lambda one: -(one.share or 0.0))
+    power = {name: sum(t.force**2 for t in terms if t.accepted.found.name == name) for name in effects}
+    return sorted(effects.values(), key=lambda one: -power[one.name])
 
 
 def weighty(terms: Sequence[Term]) -> list[Term]:

@@ -31,6 +31,7 @@ class Term:
     accepted: Accepted
     effect: Effect | None  # its re-fitted law; None for a change of the axis or without a law
     path: str  # of its effect in the patched model, or of the changed axis parameter; "" without either
+    force: float  # rms of its force over the rows in motion, V
     curve: Mapping[str, Any] | None = None  # coordinate, places and force (V) of a candidate without a law
     certain: bool = True  # whether its interval excludes zero
 
@@ -97,8 +98,13 @@ def without(model: Model, terms: Sequence[Term], gone: Sequence[Term], found: Ou
 
 def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
     """Return the re-tuned model with the accepted candidates that have a name, and a term for each candidate."""
-    evidence = found.evidence
-    names = [path for path, _ in effect_paths(evidence.model.effects)]
+    evidence, retuned = found.evidence, found.evidence.model
+    names = [path for path, _ in effect_paths(retuned.effects)]
+
+    def force_of(less: Model) -> float:
+        """Return the rms force that a model lacks beside the re-tuned one."""
+        return _rms(evidence, [a - b for a, b in zip(evidence.raw_of(less), evidence.raw, strict=True)])
+
     model, of_laws = evidence.model, list(effect_paths(evidence.model.effects))[len(stated.effects) :]
     steps = evidence.null.theta
     at, laws, extra = len(evidence.paths), iter(of_laws), iter(evidence.extra)
@@ -107,7 +113,9 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
         candidate = one.found
         if candidate.columns is None:
             path = candidate.effect if isinstance(candidate.effect, str) else ""
-            terms.append(Term(one, None, path, certain=_is_certain([path], [], evidence)))
+            name = path.removeprefix("axis.")
+            force = force_of(retuned.replace(axis=retuned.axis.replace(**{name: getattr(stated.axis, name)})))
+            terms.append(Term(one, None, path, force, certain=_is_certain([path], [], evidence)))
         elif any(candidate.name == e.name and candidate.label == e.label for e in evidence.extra):
             column = next(extra)
             amplitudes = steps[at : at + len(column.amplitudes)]
@@ -115,13 +123,14 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             certain = column.near_rest or _excludes_zero(range(at, at + len(amplitudes)), amplitudes, evidence)
             at += len(amplitudes)
             effect = next(iter(column.laws(amplitudes)), None)
-            curve = None if effect is not None else curve_of(evidence, column, amplitudes)
+            forces = [amplitudes @ rows for rows in column.columns(evidence)]
+            curve = None if effect is not None else curve_of(evidence, forces)
             term = effect if effect is not None else None if candidate.name.startswith("~") else empirical_term(curve)
             path = ""
             if term is not None:
                 model = model.replace(effects=(*model.effects, term))
                 path = str(len(model.effects) - 1)
-            terms.append(Term(one, effect, path, curve, certain))
+            terms.append(Term(one, effect, path, _rms(evidence, forces), curve, certain))
             continue
         for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):
             fields = fields_with_role(effect, "amplitude")
@@ -129,7 +138,9 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             paths = [p for p in paths if p[len(prefix) + 1 :].split("[")[0] in fields]
             values = [parameters_of(evidence.model)[p].value for p in paths]
             certain = _is_certain(paths, values, evidence)
-            terms.append(Term(one, effect, str(names.index(prefix)), certain=certain))
+            at_path = names.index(prefix)
+            force = force_of(retuned.replace(effects=[e for k, e in enumerate(retuned.effects) if k != at_path]))
+            terms.append(Term(one, effect, str(at_path), force, certain=certain))
     names = [path for path, _ in effect_paths(model.effects)]  # effects of one name are numbered
     return model, [replace(t, path=names[int(t.path)]) if t.path.isdigit() else t for t in terms]
 
@@ -149,15 +160,22 @@ def _excludes_zero(rows: Sequence[int], values: FloatArray, evidence: Evidence) 
     return evidence.loss(rows, -values) - evidence.loss((), 0.0) > float(chi2.ppf(0.95, len(values)))
 
 
-def curve_of(evidence: Evidence, column: Any, amplitudes: FloatArray) -> dict[str, Any] | None:
-    """Return the force (V) of a sum of columns as a function of one coordinate, or None if no such function fits."""
-    forces = [amplitudes @ rows for rows in column.columns(evidence)]
-    kept = [b.keep > 0 for b in evidence.balances]
-    force = np.concatenate([row[mask] for row, mask in zip(forces, kept, strict=True)])
+def _in_motion(evidence: Evidence, rows: Sequence[FloatArray]) -> FloatArray:
+    """Return rows (n,) of each log over the valid rows of all logs."""
+    return np.concatenate([row[b.keep > 0] for b, row in zip(evidence.balances, rows, strict=True)])
+
+
+def _rms(evidence: Evidence, forces: Sequence[FloatArray]) -> float:
+    return float(np.sqrt(np.mean(_in_motion(evidence, forces) ** 2)))
+
+
+def curve_of(evidence: Evidence, forces: Sequence[FloatArray]) -> dict[str, Any] | None:
+    """Return a force (V, (n,) of each log) as a function of one coordinate, or None if no such function fits."""
+    force = _in_motion(evidence, forces)
     best: dict[str, Any] | None = None
     most = FOLLOWED
     for coordinate in ("position", "velocity", "time"):
-        values = np.concatenate([getattr(b, coordinate)[mask] for b, mask in zip(evidence.balances, kept, strict=True)])
+        values = _in_motion(evidence, [getattr(b, coordinate) for b in evidence.balances])
         for count in NODES if coordinate == "position" else NODES[:1]:
             places = np.linspace(float(values.min()), float(values.max()), count)
             table = hats(values, places)

@@ -112,10 +112,14 @@ class Yardstick:
 
     def _of(self, logs: Sequence[Log], balances: Sequence[Any], model: Model, shift: float) -> Discrepancy:
         if not self.replay:
-            along = tuple(_motion(b, b.time[:: b.every]) for b in balances)
-            rests = [instruments_of(b, model).residual(b, model) for b in balances]
-            left = tuple(b._low_pass(r * b.keep, b.corner)[:: b.every] for b, r in zip(balances, rests, strict=True))
-            return Discrepancy(BALANCED, left, along, tuple(b.mask for b in balances))
+            left, along = [], []
+            for b in balances:
+                one = instruments_of(b, model)  # the measured command and acceleration have the noise of the residual
+                time, slow = b.time[:: b.every], b._low_pass(one.acceleration, 0.5 / ACCELERATION_TIME)
+                left.append(b._low_pass(one.residual(b, model) * b.keep, b.corner)[:: b.every])
+                known = _motion(b, time, slow if b.reference is None else b.reference[2])
+                along.append(known | {"command": np.interp(time, b.time, b._low_pass(one.drive, b.corner))})
+            return Discrepancy(BALANCED, tuple(left), tuple(along), tuple(b.mask for b in balances))
         series, rows, masks, errors = [], [], [], []
         for log, b in zip(logs, balances, strict=True):
             run = Replay(_moved(log, shift), model).run(model)
@@ -125,7 +129,7 @@ class Yardstick:
             masks.append(np.interp(time, b.time, b.keep) > 0.5)
             series.append(log.command - run["command"])
             errors.append(np.mean((log.position + shift - run["position"])[masks[-1]] ** 2))
-            rows.append({**_motion(b, time), "command": run["command"]})
+            rows.append(_motion(b, time, b.reference[2]) | {"command": run["command"]})
         error = float(np.sqrt(np.mean(errors)))
         return Discrepancy(REPLAYED, tuple(series), tuple(rows), tuple(masks), error)
 
@@ -149,16 +153,9 @@ def _moved(log: Log, distance: float) -> Log:
     return replace(log, position=log.position + distance, reference=reference)
 
 
-def _motion(b: Any, time: FloatArray) -> dict[str, FloatArray]:
-    """Return the coordinates of a balance at times (s), interpolated."""
-    slow = b._low_pass(b.velocity, 0.5 / ACCELERATION_TIME)
-    asked = b.acceleration if b.reference is None else b.reference[2]
-    motion = {
-        "position": b.position,
-        "velocity": b.velocity,
-        "acceleration": np.gradient(slow, b.step) if b.reference is None else asked,
-        "command": b._low_pass(b.command, b.corner),
-    }
+def _motion(b: Any, time: FloatArray, acceleration: FloatArray) -> dict[str, FloatArray]:
+    """Return time, position, velocity and acceleration of a balance at times (s), interpolated."""
+    motion = {"position": b.position, "velocity": b.velocity, "acceleration": acceleration}
     return {"time": time, **{name: np.interp(time, b.time, row) for name, row in motion.items()}}
 
 

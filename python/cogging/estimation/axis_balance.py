@@ -26,7 +26,7 @@ FEWEST = 50
 NODES = 0.12  # of the free force of position, for each independent row
 MOST_NODES = 400
 DRIFT = 3  # terms of a slow force in time, beside the constant
-BAND = 1.2  # ratio of frequencies that count as one wave
+PADDED = 8  # spectra of this many times the rows, for the frequency of a wave
 BLOCK = 4.0  # periods of the cut-off in a block
 
 FACTOR = 3.0  # by which a parameter without stated uncertainty may be wrong, either way
@@ -126,16 +126,20 @@ class AxisBalance:
             _acceleration=needs[0],
         )
 
-    def fit(self, bounds: Bounds, *, shift: int = 0) -> AxisFit:
+    def fit(self, bounds: Bounds, *, shift: int = 0, beside: FloatArray | None = None) -> AxisFit:
         """Least squares of the command, taken `shift` rows later, on mass and friction within their bounds.
 
-        Free beside them: forces of position and slow time, friction that differs with direction, and drag if unbounded.
+        Free beside them: forces of position and slow time, friction that differs with direction, drag if unbounded, and
+        orthonormal rows `beside` (q, m).
         """
         command = self.command[np.clip(self.taken + shift, 0, len(self.command) - 1)]
         target = self.freed((command + self.known[self.taken])[None])[0]
         limits = np.array([*(bounds[name] for name in AXIS), bounds.get("drag", (0.0, np.inf))])
-        weights = bounded(self._columns, target, limits)
-        left = (target - weights @ self._columns) ** 2
+        rest, columns = target, self._columns
+        if beside is not None:
+            rest, columns = (rows - (rows @ beside.T) @ beside for rows in (rest, columns))
+        weights = bounded(columns, rest, limits)
+        left = (rest - weights @ columns) ** 2
         return AxisFit(
             whole=float(np.mean(command**2)),
             free=float(np.mean(target**2)),
@@ -162,16 +166,16 @@ class AxisBalance:
         acceleration = float(np.sqrt(np.mean(self.needs["mass"] ** 2)))
         return 0.5 * math.pi * float(np.sqrt(np.mean(self.speed**2))) / max(acceleration, 1e-300)
 
-    @property
-    def one_wave(self) -> float:
-        """Largest share, within one frequency band, of the cross-power of command and acceleration."""
-        spectra = [np.fft.rfft(signal - np.mean(signal)) for signal in (self._acceleration, self.command)]
-        power = np.abs(spectra[0] * spectra[1])
-        total = np.concatenate([[0.0], np.cumsum(power)])
-        frequency = np.arange(len(power))
-        low = np.floor(frequency / BAND).astype(int)
-        high = np.minimum(np.ceil(frequency * BAND).astype(int), len(power) - 1)
-        return float(np.max(total[high + 1] - total[low])) / max(float(total[-1]), 1e-300)
+    def wave(self, values: Mapping[str, float]) -> FloatArray:
+        """Sine and cosine in time, orthonormal (2, m), of the frequency at which these parameters leave the most."""
+        left = self.freed((self.command + self.known)[self.taken][None])[0]
+        left = left - np.array([values[name] for name in (*AXIS, "drag")]) @ self._columns
+        rows = np.zeros(len(self.command))
+        rows[self.taken] = left
+        size = PADDED * len(rows)
+        turns = 2.0 * np.pi * float(np.argmax(np.abs(np.fft.rfft(rows, size)))) / size
+        pair = self.freed(np.array([np.sin(turns * self.taken), np.cos(turns * self.taken)]))
+        return np.linalg.qr(pair.T)[0].T
 
     @cached_property
     def _columns(self) -> FloatArray:

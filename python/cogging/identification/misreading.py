@@ -57,7 +57,6 @@ NEEDED, TIMES_MORE = 0.005, 1.25  # increase of the unexplained share without a 
 AS_WELL, SLIGHT = 2.0, 1e-3  # a second reading explains the log as well: ratio, or difference, of unexplained shares
 LEAD_ROWS = 2  # by which a position may lead its command
 DELAY_ROWS, DELAY = 10, 0.015  # rows and s by which it may lag: a drive, a bus or a filter, which are effects
-ONE_WAVE = 0.7  # of the cross-power of command and acceleration: a shift of a single wave cannot be told from mass
 FREE = 0.05  # of the command's power, that no force of position explains
 SHIFTS = 60  # tried either way before the best is refined
 
@@ -526,9 +525,10 @@ class BalanceCase:
 
     def shifts(self) -> Winners:
         """A command that is too late, or far too early."""
-        before, bounds = self.any_size, self.within(NARROWER)
-        alone = self.balance.one_wave < ONE_WAVE and before.free > FREE * before.whole
-        if not alone or before.ratio < SHIFT.unexplained:
+        # a shift of a single wave cannot be told from mass, nor from a force of that frequency
+        wave, bounds = self.balance.wave(self.any_size.values), self.within(NARROWER)
+        before = self.balance.fit(dict.fromkeys(AXIS, (0.0, np.inf)), beside=wave)
+        if before.free < FREE * before.whole or before.ratio < SHIFT.unexplained:
             return [], np.inf
 
         @cache

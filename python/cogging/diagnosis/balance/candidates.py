@@ -19,9 +19,9 @@ from scipy.signal import butter, lfilter, sosfiltfilt
 
 from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
-from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
+from cogging.diagnosis.balance.differenced_balance import SLOW, DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
-from cogging.diagnosis.balance.nuisances import MOST_BAND, SLOW
+from cogging.diagnosis.balance.nuisances import MOST_BAND
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.logs.log import Log
 from cogging.resources import on_threads
@@ -483,6 +483,10 @@ def friction(s: Search) -> None:
     """Try friction that depends on direction, speed and position, and presliding."""
     top, small = s.top, UNIT * max(s.model.axis.coulomb, 1e-3 * s.force)
     s.law("coulomb_asymmetry", {}, "difference", small)
+    # where friction is steeper than that of the model, its asymmetry acts as a constant force on an axis that moves
+    steep = along(lambda b: np.full(len(b.time), -0.5))
+    difference = E["coulomb_asymmetry"].replace
+    s.put("coulomb_asymmetry", Shape("steep", steep, lambda a: difference(difference=float(a[0]))), 2)
     s.law("viscous_asymmetry", {}, "difference", small / top)
     for v in np.geomspace(max(2e-3 * top, 2 * min(b.speed_noise for b in s.balances)), 0.3 * top, 8):
         for exponent in (1.0, 2.0):
@@ -555,19 +559,16 @@ def command(s: Search) -> None:
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
-        columns = driven(lambda b, d: np.clip(exact(b, d), -limit, limit) - exact(b, d))
+        columns = limiting(lambda u: np.clip(u, -limit, limit) - u)
         return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
 
     def dead_zone(width: float) -> Shape:
-        columns = driven(lambda b, d: -np.clip(exact(b, d), -width, width))
+        columns = limiting(lambda u: -np.clip(u, -width, width))
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
 
     for power in (2, 4, 8):
-
-        def soft(b: DifferencedBalance, d: FloatArray, power: int = power) -> FloatArray:
-            return np.asarray(-exact(b, d) * np.abs(exact(b, d) / s.force) ** power)
-
-        s.put("command_saturation", Shape(f"power {power}", driven(soft)), 3, lambda a: bool(a[0] > 0))
+        soft = limiting(partial(lambda power, u: -u * np.abs(u / s.force) ** power, power))
+        s.put("command_saturation", Shape(f"power {power}", soft), 3, lambda a: bool(a[0] > 0))
     s.least["command_saturation"] = LOWEST_LIMIT * s.force
     for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, LOWEST_LIMIT):
         s.varied("command_saturation", share * s.force, saturation, 7, within(WHOLE))
@@ -577,9 +578,12 @@ def command(s: Search) -> None:
         s.law("force_constant_drift", {"time_constant": float(tau)}, "change", UNIT, 5, vary="time_constant")
 
 
-def exact(b: DifferencedBalance, d: FloatArray) -> FloatArray:
-    """Return the logged command beside a reference, as a controller computes it; else the drive: it may be measured."""
-    return d if b.reference is None else b.command
+def limiting(make: Callable[[FloatArray], FloatArray]) -> Columns:
+    """Return columns made from the command that a limit acts on: as logged where a model lacks most of it."""
+    return lambda c: [
+        np.atleast_2d(make(b.command if b.reference is not None and (c.largely or c.uniform) else one.quiet))
+        for b, one in zip(c.balances, c.instruments, strict=True)
+    ]
 
 
 def delayed(time: float, b: DifferencedBalance, d: FloatArray) -> FloatArray:

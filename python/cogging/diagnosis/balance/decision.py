@@ -144,7 +144,7 @@ def search(
         progress(f"round {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f}" for f in found[:5]))
         if outcome is None:
             for b in others:
-                b.set_corner(b.residual(current), current.axis.mass, evidence.largely)
+                b.listen(b.residual(current), current.axis, evidence.largely)
             outcome = Outcome(evidence, evidence, evidence, [], [], found)
         outcome.evidence = outcome.both = evidence
         outcome.found = found

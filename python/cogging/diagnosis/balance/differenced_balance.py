@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
-from scipy.signal import butter, firwin, lfilter, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
+from scipy.signal import butter, csd, firwin, lfilter, sosfilt, sosfiltfilt, sosfreqz, upfirdn, welch
 
 from cogging._core import AxisParameters, Plant, Predictor
 from cogging.arrays import FloatArray, Mask
@@ -42,6 +42,9 @@ ROWS_PER_CORNER = 4.0  # sample rate over the corner of the low-pass filter
 FIRST_CORNER = 60.0  # Hz, until the noise is known
 CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
 FORCE_NOISE = (2.0, 30.0)  # Hz: band in which the force noise is estimated
+SLOW = 10.0  # Hz: below it the measured acceleration has little noise
+WINDOW = 0.25  # s: of the spectra of which the crossover of a loop is estimated
+OCTAVES = (40.0, 80.0, 160.0)  # Hz: where these octaves begin; motion has the least power in one of them
 GAP = 24  # invalid rows after a gap, over which the first taps of the whitening filter reach
 ENCODER_SHARE = 0.3  # of the residual power: encoder noise at the corner where the residual is systematic
 #: Hooks that change the command before it acts.
@@ -105,11 +108,12 @@ class DifferencedBalance:
         keep: 1 for a valid row, else 0, (n,).
         keep_near_rest: the same with rows near rest in which the readings still move, (n,).
         corner: corner of the low-pass filter before decimation, Hz.
+        crossover: frequency above which the loop does not answer its noise, Hz.
     """
 
     def __init__(self, log: Log, width: float = 1e-3, quantum: float = 0.0) -> None:
         quantum = quantum or encoder_quantum(log.position)
-        self.log, self.width, self.corner = log, width, FIRST_CORNER
+        self.log, self.width, self.corner, self.crossover = log, width, FIRST_CORNER, SLOW
         self.cache: dict[Any, Any] = {}
         time, position, command, gap = _even(log)
         steps = np.diff(time)
@@ -139,14 +143,8 @@ class DifferencedBalance:
         asked = 0.0 if self.reference is None else self.reference[1]
         self.velocity: FloatArray = asked + self._low_pass(self.raw_velocity - asked, self.band)
         self.speed_noise = float(np.sqrt(4 * np.pi**2 * density * self.band**3 / 3))
-        size = 2 * max(1, round(0.5 * REST_TIME / self.step)) + 1
-        moved = maximum_filter1d(self.position, size) - minimum_filter1d(self.position, size)
-        slowest = max(2.0 * quantum / REST_TIME, 3.0 * self.speed_noise)
-        self.resting: Mask = maximum_filter1d((moved <= slowest * REST_TIME).astype(np.uint8), size) > 0
-        still: Mask = maximum_filter1d((moved <= STILL * self.encoder_noise).astype(np.uint8), size) > 0
-        valid = ~gap[1:-1][:: self.thinning] & (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
-        self.keep: FloatArray = (valid & ~self.resting).astype(float)
-        self.keep_near_rest: FloatArray = (valid & ~(still & self.resting)).astype(float)
+        self.valid = ~gap[1:-1][:: self.thinning] & (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
+        self.set_rest(max(2.0 * quantum, 3.0 * self.speed_noise * REST_TIME), STILL * self.encoder_noise)
 
     @property
     def every(self) -> int:
@@ -212,6 +210,18 @@ class DifferencedBalance:
             return x
         return np.asarray(sosfiltfilt(butter(2, cutoff * 2 * self.step, output="sos"), x))
 
+    def set_rest(self, least: float, still: float) -> None:
+        """Set the rows at rest: those in which the axis moves less than a distance (m) within REST_TIME.
+
+        Of them, rows near rest in which it moves more than the distance `still` remain valid for friction near rest.
+        """
+        self.least, size = least, 2 * max(1, round(0.5 * REST_TIME / self.step)) + 1
+        moved = maximum_filter1d(self.position, size) - minimum_filter1d(self.position, size)
+        self.resting: Mask = maximum_filter1d((moved <= least).astype(np.uint8), size) > 0
+        held = maximum_filter1d((moved <= still).astype(np.uint8), size) > 0
+        self.keep: FloatArray = (self.valid & ~self.resting).astype(float)
+        self.keep_near_rest: FloatArray = (self.valid & ~(held & self.resting)).astype(float)
+
     def filters(self) -> tuple[FloatArray, FloatArray]:
         """Return the filters of `rows` (see `row_filter`)."""
         return row_filter(self.every, self.rate, self.corner)
@@ -244,22 +254,37 @@ class DifferencedBalance:
         gain *= np.abs(sosfreqz(sections, 2 * np.pi * folded / self.rate)[1])
         return np.asarray(gain**2 / self.every)
 
-    def set_corner(self, residual: FloatArray, mass: float, largely: bool = False) -> None:
-        """Set the low-pass corner to where the encoder noise, M^2 w^4 times its density, exceeds the force noise.
+    def listen(self, residual: FloatArray, axis: AxisParameters, largely: bool = False) -> None:
+        """Set what depends on the noise: the low-pass corner, the crossover of the loop and the rows at rest.
+
+        The corner is where the encoder noise, M^2 w^4 times its density, exceeds the force noise. A loop responds to
+        noise with -T times the residual, T = C / (M s^2 + C) of a controller C, of gain crossover / f at high
+        frequencies f. Where the force noise moves an axis at rest, its speed is correlated with that noise.
 
         Args:
             residual: residual of the balance under a model, V, (n,).
-            mass: V/(m/s^2).
+            axis: parameters of that model.
             largely: whether the residual is systematic; the encoder noise is then compared with a share of its power.
         """
         f, p = welch(residual, 1.0 / self.step, nperseg=int(min(len(residual), 1.0 / self.step)))
-        noise = 2.0 * self.encoder_noise**2 * self.step / self.thinning * (mass * (2 * np.pi * f) ** 2) ** 2
+        noise = 2.0 * self.encoder_noise**2 * self.step / self.thinning * (axis.mass * (2 * np.pi * f) ** 2) ** 2
         read = (f > FORCE_NOISE[0]) & (f < FORCE_NOISE[1])
         level = np.full(len(f), max(float(np.median(p[read] - noise[read])), 0.0))
         if largely:
             level = ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
         loud = noise > level
         self.corner, self.cache = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS)), {}
+        if largely:
+            return
+        slope = 2.0 / np.pi * axis.coulomb / max(axis.coulomb_width, 1e-9) + axis.viscous + axis.mass / REST_TIME
+        pushed = float(np.sqrt(0.5 * level[0] / REST_TIME)) / slope * REST_TIME
+        self.set_rest(max(self.least, pushed), max(STILL * self.encoder_noise, pushed))
+        n = min(len(residual), int(WINDOW / self.step))
+        f, cross = csd(self.command, residual, 1.0 / self.step, nperseg=n)
+        gain = f * np.abs(cross) / np.maximum(welch(residual, 1.0 / self.step, nperseg=n)[1], 1e-300)
+        octaves = [gain[(f >= low) & (f < min(2.0 * low, NYQUIST_SHARE / self.step))] for low in OCTAVES]
+        response = min((float(np.median(part)) for part in octaves if len(part)), default=SLOW)
+        self.crossover = float(np.clip(response, SLOW, self.corner))
 
     @cached_property
     def fine(self) -> FineMotion:

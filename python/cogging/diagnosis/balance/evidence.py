@@ -241,7 +241,7 @@ class Evidence:
         if listen:
             self.make_columns()
             for b, r in zip(self.balances, self.raw, strict=True):
-                b.set_corner(r, self.model.axis.mass, self.largely)
+                b.listen(r, self.model.axis, self.largely)
         for _ in range(rounds):
             self.make()
             before = self.decrement(self.model)

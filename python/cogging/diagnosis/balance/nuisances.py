@@ -35,7 +35,6 @@ LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a lo
 RINGING = tuple(range(112, 320, 16))  # of LAG, for the force on loads: they ring for some 0.1 s
 LAG = 4e-4  # s
 MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
-SLOW = 10.0  # Hz: below it the measured acceleration has little noise
 
 
 class Instruments(NamedTuple):
@@ -51,7 +50,7 @@ class Instruments(NamedTuple):
     force: FloatArray  # net force, with what the ringing of loads adds to the command, V, (n,)
     #: The one that the drive causes, m/s^2, (n,): with ringing, mass and the share of a load could replace each other.
     acceleration: FloatArray
-    blur: FloatArray  # bare axis' force along the measured motion less that along the reference: mostly noise, V, (n,)
+    quiet: FloatArray  # measured command less what answers noise, V, (n,): of limits, which act on its peaks
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
         """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
@@ -85,16 +84,14 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     """Return the instruments of a log under a model."""
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
+    forces = b.forces([plant])[0]
+    slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
+    # below the crossover use the measured acceleration: the command also balances noise and forces that the model lacks
+    read = butter(2, min(2.0 * b.crossover * b.step, MOST_BAND), output="sos")
+    quiet = slow + sosfiltfilt(read, model.axis.mass * b.acceleration - forces - slow)
+    net = quiet + forces
     if b.reference is None:
-        forces = b.forces([plant])[0]
-        slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
-        caused = (slow + forces) / model.axis.mass
-        # below SLOW use the measured acceleration: the command also balances forces that the model lacks
-        read = butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos")
-        caused = caused + sosfiltfilt(read, b.acceleration - caused)
-        net = model.axis.mass * caused
-        drive = net - forces
-        return Instruments(drive, drive, net, net / model.axis.mass, np.zeros_like(net))
+        return Instruments(quiet, quiet, net, net / model.axis.mass, quiet)
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -109,11 +106,9 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     # in periodic motion many lags reproduce every force, also one that the model lacks: of the drive only the loop's
     count = len(table) - 2 * len(RINGING)
     explained, ringing = (np.linalg.solve(gram[:k, :k], slope[:k]) @ table[:k] for k in (count, len(table)))
-    bare = quiet_plant(model.replace(effects=()))
-    blur = b.forces([bare])[0] - Predictor(b.time, x, np.zeros(len(x))).net_force([bare], x, v)[0]
     moves = np.linalg.solve(gram[:count, :count], table[:count] @ b.acceleration) @ table[:count]
-    needed = model.axis.mass * moves - b.forces([plant])[0]
-    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, blur)
+    needed = model.axis.mass * moves - forces
+    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, quiet)
 
 
 def nuisances_of(
@@ -148,8 +143,6 @@ def nuisances_of(
     late = [np.diff(law[0], prepend=law[0][0]) / b.thinning for law, b in zip(laws, balances, strict=True)]
     if rubs:
         columns.add("friction.late", TIMING * own, late)
-    if any(np.any(one.blur) for one in instruments):
-        columns.add("friction.blur", 1.0, [one.blur for one in instruments])
     width, spread = model.axis.coulomb_width, given.uncertainty.get("coulomb_width", UNSTATED)
     if rubs and WIDTH in free and width > 0.0 and spread:
         columns.add(WIDTH, spread * width, [own * (law[0] - law[1]) / (SECANT * width) for law in laws])
