@@ -13,7 +13,7 @@ from cogging.diagnosis.places import COORDINATE_UNITS, Shape
 from cogging.diagnosis.yardstick import Discrepancy
 
 #: Nodes of the piecewise linear force along each coordinate.
-BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "command": 13, "time": 13}
+BENDS = {"position": 41, "velocity": 15, "acceleration": 13, "drive": 13, "time": 13}
 LAGS = tuple(2**k for k in range(9))  # rows by which the acceleration is delayed, for actuator dynamics
 FOLDS, BLOCKS = 5, 20  # folds of the cross-validation; blocks of a log that are dealt to them in turn
 RIDGES = 10.0 ** (0.5 * np.arange(-8.0, 5.0))  # ridge parameters, relative to a column's power
@@ -56,7 +56,8 @@ def predicted(given: Discrepancy, confirm: Discrepancy | None = None) -> Predict
     for name in BENDS:
         share, force, deviation = _fit(sums, None if name == "time" else elsewhere, groups == name)
         missing = given.push * force
-        curves.append(Shape(name, COORDINATE_UNITS[name], places[name], missing, deviation, 0.0, 0.0, share))
+        said = "command" if name == "drive" else name
+        curves.append(Shape(said, COORDINATE_UNITS[said], places[name], missing, deviation, 0.0, 0.0, share))
     # every persistent force is a function of time too: list time after the other coordinates
     lasts = max(curve.share for curve in curves if curve.coordinate != "time") > LASTING
     curves.sort(key=lambda curve: -curve.share * (not lasts or curve.coordinate != "time"))
@@ -91,9 +92,9 @@ def _rows(gap: Discrepancy, places: Mapping[str, FloatArray]) -> tuple[FloatArra
         }
         forward = rows["velocity"][mask] > 0.0
         parts["position"] = np.vstack([parts["position"] * forward, parts["position"] * ~forward])
-        drive = rows["acceleration"]
-        later = [np.clip(np.arange(len(drive)) - lag, 0, len(drive) - 1) for lag in LAGS]
-        parts["drive"] = drive[np.array(later)][:, mask]
+        caused = rows["acceleration"]
+        later = [np.clip(np.arange(len(caused)) - lag, 0, len(caused) - 1) for lag in LAGS]
+        parts["later"] = caused[np.array(later)][:, mask]
         tables.append(np.vstack(list(parts.values())))
     names = np.repeat(list(parts), [len(part) for part in parts.values()])
     left = np.concatenate([row[mask] for row, mask in zip(gap.series, masks, strict=True)])

@@ -32,7 +32,8 @@ class Discrepancy:
 
     signal: str  # REPLAYED or BALANCED
     series: tuple[FloatArray, ...]  # unexplained force of each log, V
-    rows: tuple[Mapping[str, FloatArray], ...]  # time, position, velocity, acceleration and command of the same rows
+    #: Time, position, velocity, acceleration and command of the same rows; drive: the command without noise.
+    rows: tuple[Mapping[str, FloatArray], ...]
     masks: tuple[Mask, ...]  # rows in motion of each log
     position: float | None = None  # rms of measured less replayed position, m; None without replay
 
@@ -117,8 +118,9 @@ class Yardstick:
                 one = instruments_of(b, model)  # the measured command and acceleration have the noise of the residual
                 time, slow = b.time[:: b.every], b._low_pass(one.acceleration, 0.5 / ACCELERATION_TIME)
                 left.append(b._low_pass(one.residual(b, model) * b.keep, b.corner)[:: b.every])
-                known = _motion(b, time, slow if b.reference is None else b.reference[2])
-                along.append(known | {"command": np.interp(time, b.time, b._low_pass(one.drive, b.corner))})
+                along.append(_motion(b, time, slow if b.reference is None else b.reference[2]))
+                for name, row in (("command", b.command), ("drive", one.drive)):
+                    along[-1][name] = np.interp(time, b.time, b._low_pass(row, b.corner))
             return Discrepancy(BALANCED, tuple(left), tuple(along), tuple(b.mask for b in balances))
         series, rows, masks, errors = [], [], [], []
         for log, b in zip(logs, balances, strict=True):
@@ -129,7 +131,7 @@ class Yardstick:
             masks.append(np.interp(time, b.time, b.keep) > 0.5)
             series.append(log.command - run["command"])
             errors.append(np.mean((log.position + shift - run["position"])[masks[-1]] ** 2))
-            rows.append(_motion(b, time, b.reference[2]) | {"command": run["command"]})
+            rows.append(_motion(b, time, b.reference[2]) | dict.fromkeys(("command", "drive"), run["command"]))
         error = float(np.sqrt(np.mean(errors)))
         return Discrepancy(REPLAYED, tuple(series), tuple(rows), tuple(masks), error)
 

@@ -324,11 +324,13 @@ def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
-    """Remove accepted names from the alternatives of the other effects."""
-    names = {one.found.name for one in accepted}
+    """Remove from the alternatives of an effect names that are accepted, or likelier as an alternative of another."""
+    rivals = sorted((p, k, name) for k, one in enumerate(accepted) for name, p in one.alternatives)
+    home = {name: accepted[k] for _, k, name in rivals}  # the likeliest last
+    home |= {one.found.name: one for one in accepted}
     for one in accepted:
-        apart = sum(p for name, p in one.alternatives if name in names)
-        one.alternatives = [(name, p) for name, p in one.alternatives if name not in names]
+        apart = sum(p for name, p in one.alternatives if home[name] is not one)
+        one.alternatives = [(name, p) for name, p in one.alternatives if home[name] is one]
         one.share = min(1.0, one.share / max(1.0 - apart, one.share))
 
 
