@@ -16,7 +16,7 @@ from tests.fixtures.pid_axis import MODEL, run
 def gap_of(log, force, seed, size):
     """What is left where a force (V) of the reference acts that nobody knows of, with noise."""
     velocity = np.gradient(log.reference, log.time)
-    rows = {"time": log.time, "position": log.reference, "velocity": velocity, "command": log.command}
+    rows = {"time": log.time, "position": log.reference, "velocity": velocity, "drive": log.command}
     rows["acceleration"] = np.gradient(velocity, log.time)
     left = force(rows) + size * np.random.default_rng(seed).standard_normal(len(log))
     return Discrepancy(BALANCED, (left,), (rows,), (np.abs(velocity) > 0.01,))
