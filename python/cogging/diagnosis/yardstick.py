@@ -116,11 +116,11 @@ class Yardstick:
             left, along = [], []
             for b in balances:
                 one = instruments_of(b, model)  # the measured command and acceleration have the noise of the residual
-                time, slow = b.time[:: b.every], b._low_pass(one.acceleration, 0.5 / ACCELERATION_TIME)
-                left.append(b._low_pass(one.residual(b, model) * b.keep, b.corner)[:: b.every])
+                time, slow = b.time[:: b.every], b.low_passed(one.acceleration, 0.5 / ACCELERATION_TIME)
+                left.append(b.low_passed(one.residual(b, model) * b.keep, b.corner)[:: b.every])
                 along.append(_motion(b, time, slow if b.reference is None else b.reference[2]))
                 for name, row in (("command", b.command), ("drive", one.drive)):
-                    along[-1][name] = np.interp(time, b.time, b._low_pass(row, b.corner))
+                    along[-1][name] = np.interp(time, b.time, b.low_passed(row, b.corner))
             return Discrepancy(BALANCED, tuple(left), tuple(along), tuple(b.mask for b in balances))
         series, rows, masks, errors = [], [], [], []
         for log, b in zip(logs, balances, strict=True):

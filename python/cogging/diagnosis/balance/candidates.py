@@ -15,13 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import butter, lfilter, sosfiltfilt
+from scipy.signal import lfilter
 
 from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import SLOW, DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
-from cogging.diagnosis.balance.nuisances import MOST_BAND
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.logs.log import Log
 from cogging.resources import on_threads
@@ -540,22 +539,17 @@ def command(s: Search) -> None:
     def falling(b: DifferencedBalance, d: FloatArray) -> FloatArray:
         return np.asarray(-np.diff(d, prepend=d[0]) / b.step)
 
-    def heard(b: DifferencedBalance, d: FloatArray) -> FloatArray:
-        """Return the drive whose delay is sought: without a reference it holds noise of the readings, which is fast."""
-        if s.has_reference or s.ctx.largely or s.ctx.uniform:
-            return d
-        return np.asarray(sosfiltfilt(butter(2, min(2.0 * SLOW * b.step, MOST_BAND), output="sos"), d))
-
-    def at_time(change: Any, t: float, b: DifferencedBalance, d: FloatArray) -> Any:
-        return change(t, b, heard(b, d))
+    def timed(change: Callable[[DifferencedBalance, FloatArray], FloatArray]) -> Columns:
+        """Return columns of a change of the drive, which without a reference holds the fast noise of the readings."""
+        whole = s.has_reference or s.ctx.largely or s.ctx.uniform
+        return driven(lambda b, d: change(b, d if whole else b.low_passed(d, SLOW)))
 
     s.put(LATE, Shape("", driven(falling)), accept=lambda a: bool(a[0] < -least))
-    slope = driven(lambda b, d: falling(b, heard(b, d)))
-    if proportional("command_delay", "delay", 1.0, "slope", slope, 1):
+    if proportional("command_delay", "delay", 1.0, "slope", timed(falling), 1):
         first = float(s.found["command_delay"].amplitudes[0])
         for t in (0.7 * first, 1.0 * first, 1.4 * first):
-            proportional("command_delay", "delay", t, f"{t:.3g}", driven(partial(at_time, delayed, t)), 3)
-            proportional("actuator_lag", "time_constant", t, f"{t:.3g}", driven(partial(at_time, lagged, t)), 3)
+            proportional("command_delay", "delay", t, f"{t:.3g}", timed(partial(delayed, t)), 3)
+            proportional("actuator_lag", "time_constant", t, f"{t:.3g}", timed(partial(lagged, t)), 3)
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:

@@ -141,7 +141,7 @@ class DifferencedBalance:
         self.band = float(np.clip(wanted, LOWEST_BAND, NYQUIST_SHARE / self.step))
         # filter the difference from the reference, which has no noise and keeps fast starts and stops
         asked = 0.0 if self.reference is None else self.reference[1]
-        self.velocity: FloatArray = asked + self._low_pass(self.raw_velocity - asked, self.band)
+        self.velocity: FloatArray = asked + self.low_passed(self.raw_velocity - asked, self.band)
         self.speed_noise = float(np.sqrt(4 * np.pi**2 * density * self.band**3 / 3))
         self.valid = ~gap[1:-1][:: self.thinning] & (self.time > SKIP) & (self.time < self.time[-1] - SKIP)
         self.set_rest(max(2.0 * quantum, 3.0 * self.speed_noise * REST_TIME), STILL * self.encoder_noise)
@@ -205,7 +205,8 @@ class DifferencedBalance:
         a = np.gradient(v, log.time) if log.reference_acceleration is None else log.reference_acceleration
         return np.array([np.interp(self.time, log.time - log.time[0], row) for row in (x, v, a)])
 
-    def _low_pass(self, x: FloatArray, cutoff: float) -> FloatArray:
+    def low_passed(self, x: FloatArray, cutoff: float) -> FloatArray:
+        """Return rows (n,) behind a zero-phase low-pass filter with a corner (Hz)."""
         if cutoff >= 0.45 / self.step:
             return x
         return np.asarray(sosfiltfilt(butter(2, cutoff * 2 * self.step, output="sos"), x))
@@ -279,7 +280,7 @@ class DifferencedBalance:
         slope = 2.0 / np.pi * axis.coulomb / max(axis.coulomb_width, 1e-9) + axis.viscous + axis.mass / REST_TIME
         pushed = float(np.sqrt(0.5 * level[0] / REST_TIME)) / slope * REST_TIME
         self.set_rest(max(self.least, pushed), max(STILL * self.encoder_noise, pushed))
-        n = min(len(residual), int(WINDOW / self.step))
+        n = min(len(residual), max(8, int(WINDOW / self.step)))
         f, cross = csd(self.command, residual, 1.0 / self.step, nperseg=n)
         gain = f * np.abs(cross) / np.maximum(welch(residual, 1.0 / self.step, nperseg=n)[1], 1e-300)
         octaves = [gain[(f >= low) & (f < min(2.0 * low, NYQUIST_SHARE / self.step))] for low in OCTAVES]
@@ -381,7 +382,7 @@ class DifferencedBalance:
         The noise of the readings is filtered first: at rest it would wear off the deflection of the contact.
         """
         asked = 0.0 if self.reference is None else self.reference[0]
-        x = asked + self._low_pass(self.position - asked, self.corner)
+        x = asked + self.low_passed(self.position - asked, self.corner)
         alone = AxisParameters(mass=1.0, viscous=0.0, coulomb=axis.coulomb, coulomb_width=axis.coulomb_width)
         sliding = self.forces([quiet_plant(Model(axis=alone))])[0]
         return np.asarray(-axis.coulomb * dahl(x, length) - sliding)

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
 from cogging._core import Predictor
 from cogging.arrays import FloatArray
@@ -34,7 +33,6 @@ COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and ph
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
 RINGING = tuple(range(112, 320, 16))  # of LAG, for the force on loads: they ring for some 0.1 s
 LAG = 4e-4  # s
-MOST_BAND = 0.8  # of the Nyquist frequency: highest corner of these filters
 
 
 class Instruments(NamedTuple):
@@ -85,10 +83,9 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     forces = b.forces([plant])[0]
-    slow = sosfiltfilt(butter(2, min(b.corner * b.step, MOST_BAND), output="sos"), b.command)
+    slow = b.low_passed(b.command, 0.5 * b.corner)
     # below the crossover use the measured acceleration: the command also balances noise and forces that the model lacks
-    read = butter(2, min(2.0 * b.crossover * b.step, MOST_BAND), output="sos")
-    quiet = slow + sosfiltfilt(read, model.axis.mass * b.acceleration - forces - slow)
+    quiet = slow + b.low_passed(model.axis.mass * b.acceleration - forces - slow, b.crossover)
     net = quiet + forces
     if b.reference is None:
         return Instruments(quiet, quiet, net, net / model.axis.mass, quiet)
