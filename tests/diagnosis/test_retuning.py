@@ -215,7 +215,7 @@ def test_a_constant_force_may_be_an_asymmetry_of_steep_friction():
 
 
 def test_effects_stand_in_the_order_of_their_forces():
-    """A dead zone takes more of the command than its force where the gap is that of the model without it alone."""
+    """Without one of two effects that act on the same command, the gap may grow beyond what both leave."""
     hidden = [cogging.EFFECTS["command_dead_zone"](width=1.0), cogging.EFFECTS["cable_spring"](stiffness=60.0)]
     true = moving_axis.machine(hidden)
     found = cogging.diagnose(moving_axis.record(true, 31), STATED, confirm=moving_axis.record(true, 32))
@@ -248,7 +248,7 @@ def test_a_force_constant_that_changes_by_most_of_itself_is_a_drift(change, seed
     assert first.found.name == "force_constant_drift"
     assert first.share > 0.9
     found = next(e for e in outcome.evidence.model.effects if e.NAME == "force_constant_drift")
-    assert [found.change, found.time_constant] == pytest.approx([change, 3.0], rel=0.1)  # seen: 9.2 %
+    assert [found.change, found.time_constant] == pytest.approx([change, 3.0], rel=0.04)  # seen: 2.8 %
 
 
 @pytest.mark.parametrize(("strength", "seed"), [(1.0, 1), (1.0, 6), (1.0, 9), (3.0, 4), (3.0, 6)])

@@ -104,7 +104,8 @@ class DifferencedBalance:
         reference: reference position, velocity and acceleration, (3, n), or None.
         encoder_noise: standard deviation of a reading, m.
         speed_noise: standard deviation of `velocity`, m/s.
-        resting: rows at rest, (n,).
+        valid: rows away from gaps and from both ends, (n,).
+        resting: rows at rest, in which the axis moves no more than `least` (m) within REST_TIME, (n,).
         keep: 1 for a valid row, else 0, (n,).
         keep_near_rest: the same with rows near rest in which the readings still move, (n,).
         corner: corner of the low-pass filter before decimation, Hz.
