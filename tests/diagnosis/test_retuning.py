@@ -266,6 +266,29 @@ def test_the_ends_of_the_travel_have_forces_and_decay_lengths_of_their_own(stren
         assert [at_end, found.decay_length] == pytest.approx([force, length], rel=0.06)  # seen: 5 %
 
 
+@pytest.mark.parametrize(("width", "seed"), [(8.0, 1), (8.0, 4), (8.0, 5), (20.0, 1), (20.0, 3), (20.0, 6)])
+def test_a_dead_zone_may_take_most_of_the_command(width, seed):
+    true = moving_axis.machine([cogging.EFFECTS["command_dead_zone"](width=width)])
+    logs = [moving_axis.record(true, 10 * seed + k) for k in (0, 1)]
+    found = cogging.diagnose(logs[0], STATED, confirm=logs[1])
+    assert [e.name for e in found.effects] == ["command_dead_zone"]
+    assert found.effects[0].parameters["width"].value == pytest.approx(width, rel=0.05)
+
+
+@pytest.mark.parametrize(("limit", "largest"), [(3.6, 22.5), (3.4, 447.0)])
+def test_a_limit_is_named_far_below_the_command_but_not_beside_a_controller_that_has_wound_up(limit, largest):
+    """Where the command is a hundred times the limit, any limit and any dead zone explain most of it alike."""
+    true = moving_axis.machine([cogging.EFFECTS["command_saturation"](limit=limit)])
+    logs = [moving_axis.record(true, seed) for seed in (41, 42)]
+    assert np.abs(logs[0].command).max() == pytest.approx(largest, rel=0.01)
+    found = cogging.diagnose(logs[0], STATED.replace(controller=None, controller_type=None), confirm=logs[1])
+    if largest < 10.0 * limit:
+        assert [e.name for e in found.effects] == ["command_saturation"]
+        assert found.effects[0].parameters["limit"].value == pytest.approx(limit, rel=0.01)
+    else:
+        assert (found.verdict, found.effects) == ("unlisted", ())
+
+
 @pytest.mark.parametrize(
     ("name", "fields"),
     [

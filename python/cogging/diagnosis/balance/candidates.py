@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import lfilter
+from scipy.special import expit, logit
 
 from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
@@ -33,8 +34,9 @@ Law = Callable[[FloatArray], Effect | tuple[Effect, ...] | None]  # effect, or e
 SMALL = 1e-2  # of the largest command: amplitude at which the column of a force law is evaluated
 UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effects are evaluated
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
-WHOLE = (0.4, 2.5)  # allowed amplitude of a command limit, whose column is the complete effect
-LOWEST_LIMIT = 0.3  # of the largest command; far below it a limit is nearly the sign of the command
+WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect
+LIMIT_STEP = 0.25  # step of a limit, as the logarithm of it over what is missing to the largest command
+ACTIVE = 0.9  # quantile of the commands: a dead zone is smaller, or the motor would hardly ever act
 BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
@@ -82,6 +84,7 @@ class Shape(NamedTuple):
     label: str
     columns: Columns
     law: Law | None = None
+    whole: bool = False  # whether the one column is the complete effect, whose amplitude is 1
 
 
 Refine = tuple[float, Callable[[float], Shape], float]
@@ -202,7 +205,7 @@ class Search:
     ) -> float:
         """Keep a shape if it is the best of its name and family; return its T, or 0 if its amplitudes are rejected."""
         shape, T, amplitudes, k = self.fitted(name, shape)
-        bounded = name in LIMITS or (name in GAINS and not self.has_reference)
+        bounded = name in (*LIMITS, *GAINS) and not self.has_reference
         if bounded and self.share_of_command(shape.columns, amplitudes) > LARGEST_SHARE:
             return 0.0
         if accept is not None and not accept(amplitudes):
@@ -241,7 +244,10 @@ class Search:
     def scored(self, name: str, shape: Shape) -> tuple[float, FloatArray, int]:
         """Return T, amplitudes and degrees of freedom of a shape."""
         ctx = self.ctx.near_rest if name in NEAR_REST else self.ctx
-        return ctx.score(rows_of(ctx, shape.columns))
+        T, a, k = ctx.score(rows_of(ctx, shape.columns))
+        if shape.whole and k:  # what is left with the amplitude 1, which lowers the sum of squares from a > 0.5 on
+            T, a = T * (1.0 - (1.0 / a[0] - 1.0) ** 2) if a[0] > 0.5 else 0.0, np.ones(1)
+        return T, a, k
 
     def varied(
         self,
@@ -554,20 +560,31 @@ def command(s: Search) -> None:
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
         columns = limiting(lambda u: np.clip(u, -limit, limit) - u)
-        return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)))
+        return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)), True)
 
     def dead_zone(width: float) -> Shape:
         columns = limiting(lambda u: -np.clip(u, -width, width))
-        return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width * a[0])))
+        return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width)), True)
 
+    def limits(name: str, make: Callable[[float], Shape], values: FloatArray) -> None:
+        """Try the limits of a command, and keep the best one if the amplitude that its column would have is near 1."""
+        for value in values:
+            s.varied(name, value, make, len(values))
+        found = s.found.pop(name, None)
+        if found is not None and name == "command_saturation":  # its amplitude changes fast with its limit
+            found = refined(s, found)
+        if found is not None and WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
+            s.found[name] = found
+
+    least = max(float(np.median(np.abs(one.needed))) for one in s.ctx.instruments)
+    most = min(float(np.quantile(np.abs(b.command), ACTIVE)) for b in s.balances)
+    s.least["command_saturation"], s.most["command_dead_zone"] = 2.0 * least, most
+    shares = expit(np.arange(logit(0.99), logit(np.clip(least / s.force, 1e-6, 0.9)), -LIMIT_STEP))
+    limits("command_saturation", saturation, shares * s.force)
+    limits("command_dead_zone", dead_zone, np.geomspace(1e-3 * most, most, 18))
     for power in (2, 4, 8):
         soft = limiting(partial(lambda power, u: -u * np.abs(u / s.force) ** power, power))
         s.put("command_saturation", Shape(f"power {power}", soft), 3, lambda a: bool(a[0] > 0))
-    s.least["command_saturation"] = LOWEST_LIMIT * s.force
-    for share in (0.99, 0.97, 0.94, 0.85, 0.7, 0.5, LOWEST_LIMIT):
-        s.varied("command_saturation", share * s.force, saturation, 7, within(WHOLE))
-    for share in np.geomspace(3e-4, 0.3, 8):
-        s.varied("command_dead_zone", share * s.force, dead_zone, 8, within(WHOLE))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         s.law("force_constant_drift", {"time_constant": float(tau)}, "change", UNIT, 5, vary="time_constant")
 
