@@ -573,7 +573,9 @@ def command(s: Search) -> None:
         found = s.found.pop(name, None)
         if found is not None and name == "command_saturation":  # its amplitude changes fast with its limit
             found = refined(s, found)
-        if found is not None and WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
+        if found is None or (found.refine is not None and found.refine[0] > s.most.get(name, np.inf)):
+            return
+        if WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
             s.found[name] = found
 
     least = max(float(np.median(np.abs(one.needed))) for one in s.ctx.instruments)
@@ -581,7 +583,7 @@ def command(s: Search) -> None:
     s.least["command_saturation"], s.most["command_dead_zone"] = 2.0 * least, most
     shares = expit(np.arange(logit(0.99), logit(np.clip(least / s.force, 1e-6, 0.9)), -LIMIT_STEP))
     limits("command_saturation", saturation, shares * s.force)
-    limits("command_dead_zone", dead_zone, np.geomspace(1e-3 * most, most, 18))
+    limits("command_dead_zone", dead_zone, np.geomspace(1e-3, 1.0, 31) * s.force)
     for power in (2, 4, 8):
         soft = limiting(partial(lambda power, u: -u * np.abs(u / s.force) ** power, power))
         s.put("command_saturation", Shape(f"power {power}", soft), 3, lambda a: bool(a[0] > 0))
