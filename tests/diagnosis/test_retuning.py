@@ -202,6 +202,20 @@ def test_without_a_reference_noise_that_moves_the_axis_is_no_effect(model, chang
     assert cogging.diagnose(logs[0], known, confirm=logs[1]).verdict == "no_gap"
 
 
+@pytest.mark.parametrize(("delay", "seed"), [(0.5e-3, 1), (1e-3, 2), (1.7e-3, 2), (2.3e-3, 1), (2.3e-3, 2)])
+def test_the_interval_of_a_delay_holds_it_without_a_reference(delay, seed):
+    """The command answers noise too, and a column of that answer made it a fifth of a sample longer, z 2.5 to 5.5."""
+    true = moving_axis.machine([cogging.EFFECTS["command_delay"](delay=delay)])
+    logs = [unguided(moving_axis.record(true, 10 * seed + k)) for k in (0, 1)]
+    found = cogging.diagnose(logs[0], STATED.replace(controller=None, controller_type=None), confirm=logs[1])
+    first = found.effects[0]
+    assert "command_delay" in {first.name, *first.alternatives}
+    value = first.parameters["delay" if first.name == "command_delay" else "time_constant"]
+    low, high = value.ci95
+    assert low < delay < high < low + 0.25 / moving_axis.RATE
+    assert value.value == pytest.approx(delay, abs=0.05 / moving_axis.RATE)
+
+
 def test_a_constant_force_may_be_an_asymmetry_of_steep_friction():
     """Nothing tells them apart while the axis moves: only friction that is not steep dips at reversals."""
     force, difference = (

@@ -20,7 +20,7 @@ from scipy.special import expit, logit
 
 from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
-from cogging.diagnosis.balance.differenced_balance import SLOW, DifferencedBalance, gain_of_taps
+from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
 from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.logs.log import Log
@@ -547,8 +547,8 @@ def command(s: Search) -> None:
 
     def timed(change: Callable[[DifferencedBalance, FloatArray], FloatArray]) -> Columns:
         """Return columns of a change of the drive, which without a reference holds the fast noise of the readings."""
-        whole = s.has_reference or s.ctx.largely or s.ctx.uniform
-        return driven(lambda b, d: change(b, d if whole else b.low_passed(d, SLOW)))
+        whole = s.ctx.largely or s.ctx.uniform
+        return driven(lambda b, d: change(b, d if whole else b.followed(d)))
 
     s.put(LATE, Shape("", driven(falling)), accept=lambda a: bool(a[0] < -least))
     if proportional("command_delay", "delay", 1.0, "slope", timed(falling), 1):

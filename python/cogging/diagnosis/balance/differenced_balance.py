@@ -43,6 +43,7 @@ FIRST_CORNER = 60.0  # Hz, until the noise is known
 CORNERS = (5.0, 250.0)  # Hz: limits of the corner; resonances and delays lie below, a loop's bandwidth above
 FORCE_NOISE = (2.0, 30.0)  # Hz: band in which the force noise is estimated
 SLOW = 10.0  # Hz: below it the measured acceleration has little noise
+FOLLOWED = 0.2  # of the crossover: below it the loop follows its reference, and noise hardly shifts its command in time
 WINDOW = 0.25  # s: of the spectra of which the crossover of a loop is estimated
 OCTAVES = (40.0, 80.0, 160.0)  # Hz: where these octaves begin; motion has the least power in one of them
 GAP = 24  # invalid rows after a gap, over which the first taps of the whitening filter reach
@@ -205,6 +206,10 @@ class DifferencedBalance:
         v = np.gradient(x, log.time) if log.reference_velocity is None else log.reference_velocity
         a = np.gradient(v, log.time) if log.reference_acceleration is None else log.reference_acceleration
         return np.array([np.interp(self.time, log.time - log.time[0], row) for row in (x, v, a)])
+
+    def followed(self, command: FloatArray) -> FloatArray:
+        """Return the part of a command (n,) whose timing is that of the motion: without a reference, the slow one."""
+        return command if self.reference is not None else self.low_passed(command, FOLLOWED * self.crossover)
 
     def low_passed(self, x: FloatArray, cutoff: float) -> FloatArray:
         """Return rows (n,) behind a zero-phase low-pass filter with a corner (Hz)."""

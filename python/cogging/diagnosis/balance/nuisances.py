@@ -33,6 +33,7 @@ COGGING_STEP = 0.05  # relative, and rad: finite-difference steps of gain and ph
 LAGS = (-2, -1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # of LAG: a loop responds within some 40 ms
 RINGING = tuple(range(112, 320, 16))  # of LAG, for the force on loads: they ring for some 0.1 s
 LAG = 4e-4  # s
+SHIFTS = {"command_delay", "lag"}  # hooks of effects that shift the command in time
 
 
 class Instruments(NamedTuple):
@@ -71,11 +72,12 @@ class Instruments(NamedTuple):
             )
         # without a reference, the acceleration that is known without noise lacks the fast motion
         a = None if b.reference is None else self.acceleration
+        drive = b.followed(self.drive) if hooks & SHIFTS else self.drive
         loads = b.loads(new, self.force) - b.loads(old, self.force)
         known = b.cache.get("before")  # many laws are compared with the same model
-        if known is None or known[0] is not self or known[1] != old:
-            b.cache["before"] = known = self, old, b.residual(old, self.drive, a)
-        return np.asarray(b.residual(new, self.drive, a) - known[2] - loads)
+        if known is None or known[0] is not drive or known[1] != old:
+            b.cache["before"] = known = drive, old, b.residual(old, drive, a)
+        return np.asarray(b.residual(new, drive, a) - known[2] - loads)
 
 
 def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
