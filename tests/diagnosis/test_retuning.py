@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cogging
-from cogging.diagnosis.balance.candidates import search_once
+from cogging.diagnosis.balance.candidates import Search, search_once, wave_scan
 from cogging.diagnosis.balance.decision import contender, search
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
@@ -287,6 +287,15 @@ def test_a_dead_zone_may_take_most_of_the_command(width, seed):
     found = cogging.diagnose(logs[0], STATED, confirm=logs[1])
     assert [e.name for e in found.effects] == ["command_dead_zone"]
     assert found.effects[0].parameters["width"].value == pytest.approx(width, rel=0.05)
+
+
+def test_a_motion_so_fast_that_every_wave_would_alias_is_searched_for_none():
+    log = moving_axis.record(MACHINE, 1)
+    evidence = Evidence([DifferencedBalance(log, MACHINE.axis.coulomb_width)], MACHINE, MACHINE).prepare(2, listen=True)
+    search_of = Search(evidence)
+    assert wave_scan(search_of, [np.ones(len(evidence.balances[0].time))])[0]
+    search_of.top = 1e3 * search_of.length / evidence.balances[0].step
+    assert wave_scan(search_of, [np.ones(len(evidence.balances[0].time))]) == ([], 1)
 
 
 @pytest.mark.parametrize(("limit", "largest"), [(3.6, 22.5), (3.4, 447.0)])

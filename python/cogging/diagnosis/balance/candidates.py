@@ -36,7 +36,7 @@ UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effec
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect
 LIMIT_STEP = 0.25  # step of a limit, as the logarithm of it over what is missing to the largest command
-ACTIVE = 0.9  # quantile of the commands: a dead zone is smaller, or the motor would hardly ever act
+MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs, a dead zone is below most commands
 BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
@@ -578,8 +578,8 @@ def command(s: Search) -> None:
         if WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
             s.found[name] = found
 
-    least = max(float(np.median(np.abs(one.needed))) for one in s.ctx.instruments)
-    most = min(float(np.quantile(np.abs(b.command), ACTIVE)) for b in s.balances)
+    least = max(float(np.quantile(np.abs(one.needed), MOST)) for one in s.ctx.instruments)
+    most = min(float(np.quantile(np.abs(b.command), MOST)) for b in s.balances)
     s.least["command_saturation"], s.most["command_dead_zone"] = 2.0 * least, most
     shares = expit(np.arange(logit(0.99), logit(np.clip(least / s.force, 1e-6, 0.9)), -LIMIT_STEP))
     limits("command_saturation", saturation, shares * s.force)
@@ -990,6 +990,8 @@ def wave_scan(
     kappa = np.fft.rfftfreq(n, dx)
     shortest = max(4.0 * dx, SHORTEST_WAVE, ROWS_PER_WAVE * s.top * max(b.step for b in s.balances))
     use = (kappa > LEAST_TURNS / s.length) & (kappa < 1.0 / shortest)
+    if not use.any():  # every wave within the travel would alias
+        return [], 1
     k = kappa[use]
     norm = wave_power(s, multipliers, k)
     score = 2 * spectrum[use] / np.maximum(norm, 1e-9 * norm.max())
