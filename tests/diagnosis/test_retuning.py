@@ -213,7 +213,7 @@ def test_the_interval_of_a_delay_holds_it_without_a_reference(delay, seed):
     value = first.parameters["delay" if first.name == "command_delay" else "time_constant"]
     low, high = value.ci95
     assert low < delay < high < low + 0.25 / moving_axis.RATE
-    assert value.value == pytest.approx(delay, abs=0.05 / moving_axis.RATE)
+    assert value.value == pytest.approx(delay, abs=0.025 / moving_axis.RATE)  # seen: 0.021
 
 
 def test_a_constant_force_may_be_an_asymmetry_of_steep_friction():
@@ -286,7 +286,7 @@ def test_a_dead_zone_may_take_most_of_the_command(width, seed):
     logs = [moving_axis.record(true, 10 * seed + k) for k in (0, 1)]
     found = cogging.diagnose(logs[0], STATED, confirm=logs[1])
     assert [e.name for e in found.effects] == ["command_dead_zone"]
-    assert found.effects[0].parameters["width"].value == pytest.approx(width, rel=0.05)
+    assert found.effects[0].parameters["width"].value == pytest.approx(width, rel=0.02)  # seen: 1.6 %
 
 
 def test_a_motion_so_fast_that_every_wave_would_alias_is_searched_for_none():
@@ -298,18 +298,24 @@ def test_a_motion_so_fast_that_every_wave_would_alias_is_searched_for_none():
     assert wave_scan(search_of, [np.ones(len(evidence.balances[0].time))]) == ([], 1)
 
 
-@pytest.mark.parametrize(("limit", "largest"), [(3.6, 22.5), (3.4, 447.0)])
-def test_a_limit_is_named_far_below_the_command_but_not_beside_a_controller_that_has_wound_up(limit, largest):
-    """Where the command is a hundred times the limit, any limit and any dead zone explain most of it alike."""
+def limited(limit, largest):
+    """What is found where the command is limited, and its largest value is as given."""
     true = moving_axis.machine([cogging.EFFECTS["command_saturation"](limit=limit)])
     logs = [moving_axis.record(true, seed) for seed in (41, 42)]
-    assert np.abs(logs[0].command).max() == pytest.approx(largest, rel=0.01)
-    found = cogging.diagnose(logs[0], STATED.replace(controller=None, controller_type=None), confirm=logs[1])
-    if largest < 10.0 * limit:
-        assert [e.name for e in found.effects] == ["command_saturation"]
-        assert found.effects[0].parameters["limit"].value == pytest.approx(limit, rel=0.01)
-    else:
-        assert (found.verdict, found.effects) == ("unlisted", ())
+    assert np.abs(logs[0].command).max() == pytest.approx(largest, rel=2e-3)
+    return cogging.diagnose(logs[0], STATED.replace(controller=None, controller_type=None), confirm=logs[1])
+
+
+def test_a_limit_is_named_far_below_the_largest_command():
+    (only,) = limited(3.6, 22.5).effects
+    assert only.name == "command_saturation"
+    assert only.parameters["limit"].value == pytest.approx(3.6, rel=5e-3)  # seen: 0.4 %
+
+
+def test_beside_a_controller_that_has_wound_up_no_limit_is_named():
+    """Where the command is a hundred times the limit, any limit and any dead zone explain most of it alike."""
+    found = limited(3.4, 447.0)
+    assert (found.verdict, found.effects) == ("unlisted", ())
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ SMALL = 1e-2  # of the largest command: amplitude at which the column of a force
 UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effects are evaluated
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect
-LIMIT_STEP = 0.25  # step of a limit, as the logarithm of it over what is missing to the largest command
+LIMIT_STEP = 0.25  # step of a saturation, in the logit of its share of the largest command
 MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs, a dead zone is below most commands
 BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
@@ -245,7 +245,7 @@ class Search:
         """Return T, amplitudes and degrees of freedom of a shape."""
         ctx = self.ctx.near_rest if name in NEAR_REST else self.ctx
         T, a, k = ctx.score(rows_of(ctx, shape.columns))
-        if shape.whole and k:  # what is left with the amplitude 1, which lowers the sum of squares from a > 0.5 on
+        if shape.whole and k:  # the fall of the sum of squares with the amplitude 1: a rise where a < 0.5
             T, a = T * (1.0 - (1.0 / a[0] - 1.0) ** 2) if a[0] > 0.5 else 0.0, np.ones(1)
         return T, a, k
 
@@ -567,7 +567,7 @@ def command(s: Search) -> None:
         return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width)), True)
 
     def limits(name: str, make: Callable[[float], Shape], values: FloatArray) -> None:
-        """Try the limits of a command, and keep the best one if the amplitude that its column would have is near 1."""
+        """Try limits of the command; keep the best if it is possible and its column, left free, has about its size."""
         for value in values:
             s.varied(name, value, make, len(values))
         found = s.found.pop(name, None)
