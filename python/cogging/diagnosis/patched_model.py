@@ -12,11 +12,12 @@ from scipy.stats import chi2
 
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.cells import hats
-from cogging.diagnosis.balance.decision import Accepted, Outcome
+from cogging.diagnosis.balance.decision import COLUMN_ERROR, Accepted, Outcome
 from cogging.diagnosis.balance.evidence import Evidence
 from cogging.diagnosis.physical import fields_with_role
 from cogging.diagnosis.places import empirical_term
 from cogging.effects.effect import Effect
+from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, renamed_path
 
@@ -121,8 +122,11 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             amplitudes = steps[at : at + len(column.amplitudes)]
             # what was judged near rest has few of its rows here
             certain = column.near_rest or _excludes_zero(range(at, at + len(amplitudes)), amplitudes, evidence)
-            at += len(amplitudes)
             effect = next(iter(column.laws(amplitudes)), None)
+            wider = SIGMAS_95 * COLUMN_ERROR * amplitudes[0]  # impacts and flights are not exactly those of the column
+            sides = (np.copysign(np.hypot(end, wider), end) for end in evidence.interval(at))
+            ends = [one for side in sides for one in column.laws(amplitudes + side)]
+            at += len(amplitudes)
             forces = [amplitudes @ rows for rows in column.columns(evidence)]
             curve = None if effect is not None else curve_of(evidence, forces)
             term = effect if effect is not None else None if candidate.name.startswith("~") else empirical_term(curve)
@@ -130,6 +134,11 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             if term is not None:
                 model = model.replace(effects=(*model.effects, term))
                 path = str(len(model.effects) - 1)
+            if len(amplitudes) == 1 and len(ends) == 2:  # the interval of the field that the amplitude is
+                last = effect_paths(model.effects)[-1][0]
+                pairs = {f"{last}.{name}": (getattr(ends[0], name), getattr(ends[1], name)) for name in ends[0].FIELDS}
+                moved = {path: pair for path, pair in pairs.items() if pair[0] != pair[1]}
+                model = model.replace(intervals={**model.intervals, **moved})
             terms.append(Term(one, effect, path, _rms(evidence, forces), curve, certain))
             continue
         for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):

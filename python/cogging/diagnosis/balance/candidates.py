@@ -40,6 +40,8 @@ MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs
 BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
+GAPS = 24  # widths of a play that are tried
+REWEIGHTED = 4  # rounds of a fit to outliers
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 LIMITS = ("command_saturation", "command_dead_zone")
@@ -53,6 +55,7 @@ LARGEST_SCALE = 0.1  # largest scale error of an encoder
 SECANTS = 3  # sizes at which columns of large effects are evaluated, each the one that the columns before give
 OWN_SHAPES = 6  # grid values of each shape parameter of an own effect
 BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
+SPRING, REVERSED = 8, 0.05  # splines of a cable's force along the travel; share of its variation that may turn back
 PLACES = 1001  # grid of the centre of a local force
 FAR_END = 50.0  # decay lengths: distance at which an end has no effect
 # Scans
@@ -85,6 +88,7 @@ class Shape(NamedTuple):
     columns: Columns
     law: Law | None = None
     whole: bool = False  # whether the one column is the complete effect, whose amplitude is 1
+    sudden: bool = False  # whether the one column acts in few rows, which a fit without it takes for outliers
 
 
 Refine = tuple[float, Callable[[float], Shape], float]
@@ -106,6 +110,7 @@ class Found:
     likeness: float = 1.0  # share of the T of a shape without a law that the law of its name explains
     period: float | None = None  # of a wave along the travel, m
     refine: Refine | None = None  # a number of the shape, function(number) that returns a `Shape`, first relative step
+    sudden: bool = False  # see `Shape`
 
     @property
     def near_rest(self) -> bool:
@@ -210,8 +215,8 @@ class Search:
             return 0.0
         if accept is not None and not accept(amplitudes):
             return 0.0
-        columns, law, key = shape.columns, shape.law, family or name
-        one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine)
+        columns, law, key, few = shape.columns, shape.law, family or name, shape.sudden
+        one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine, sudden=few)
         if key not in self.found or one.score > self.found[key].score:
             self.found[key] = one
         return T
@@ -244,6 +249,8 @@ class Search:
     def scored(self, name: str, shape: Shape) -> tuple[float, FloatArray, int]:
         """Return T, amplitudes and degrees of freedom of a shape."""
         ctx = self.ctx.near_rest if name in NEAR_REST else self.ctx
+        if shape.sudden:
+            return *fall_of_cost(ctx, shape.columns), 1
         T, a, k = ctx.score(rows_of(ctx, shape.columns))
         if shape.whole and k:  # the fall of the sum of squares with the amplitude 1: a rise where a < 0.5
             T, a = T * (1.0 - (1.0 / a[0] - 1.0) ** 2) if a[0] > 0.5 else 0.0, np.ones(1)
@@ -301,6 +308,18 @@ def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
         at += int(counted.sum())
         out.append(b.adjoint(convolved(full[::-1], taps)[::-1]))
     return out
+
+
+def fall_of_cost(ctx: Evidence, columns: Columns) -> tuple[float, FloatArray]:
+    """Return the fall of -2 ln likelihood with one column, and its amplitude, (1,), by a fit from equal weights."""
+    rest, variance, weight = ctx.screen.rest, ctx.screen.variance, np.ones(1)
+    c, left = ctx.filtered(rows_of(ctx, columns), ctx.screen.taps)[0], rest
+    for _ in range(REWEIGHTED):
+        amplitude = float((weight * c) @ rest) / max(float((weight * c) @ c), 1e-300)
+        left = rest - amplitude * c
+        weight = 1.0 / (ctx.tail + left**2 / variance)
+    costs = [float(np.sum(student_cost(r, variance, ctx.tail))) for r in (rest, left)]
+    return costs[0] - costs[1], np.array([amplitude])
 
 
 def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
@@ -426,7 +445,8 @@ def forces_of_place(s: Search) -> None:
     linear = along(lambda b: np.vstack([b.position - middle, np.ones(len(b.time))]))
     s.put("cable_spring", Shape("with offset", linear, spring))
     cubic = along(lambda b: np.vstack([(2 * (b.position - low) / length - 1) ** p for p in range(4)]))
-    s.put("cable_spring", Shape("curved", cubic))
+    s.put("cable_spring", Shape("curved", cubic), 2)
+    s.put("cable_spring", Shape("curved", along(lambda b: splines(b.position, low, high, SPRING))), 2, is_monotone)
     travel = list(s.model.axis.travel) if np.isfinite(s.model.axis.travel).all() else [low, high]
     s.most["end_effect"] = 0.25 * length  # a force that decays more slowly is a spring
     for L in np.geomspace(0.01, 0.25, 8) * length:
@@ -451,6 +471,12 @@ def forces_of_place(s: Search) -> None:
             "one turn", turn, lambda a: moment(moment=float(np.hypot(*a)), angle=float(np.arctan2(-a[1], a[0])))
         )
         s.put("gravity", gravity)
+
+
+def is_monotone(a: FloatArray) -> bool:
+    """Return whether a force of splines with amplitudes (k,) rises, or falls, along the travel, but for REVERSED."""
+    steps = np.diff(splines(np.linspace(0.0, 1.0, 101), 0.0, 1.0, len(a)).T @ a)
+    return bool(abs(steps.sum()) > (1.0 - 2.0 * REVERSED) * np.abs(steps).sum())
 
 
 def best_places(s: Search, width: float) -> list[float]:
@@ -663,14 +689,36 @@ def motor_and_load(s: Search) -> None:
         for f in fine[np.argsort(-worth)[:2]]:
             s.varied("flexible_mode", f, shape, 3 * len(fine), lambda a: bool(a[0] > 0.0))
 
-    def play(gap: float) -> Shape:
-        half = E["backlash"].replace(gap=float(gap), mass_ratio=0.5)
-        return Shape(f"{gap:.4g}", loaded(half, 0.5), lambda a: half.replace(mass_ratio=float(a[0])))
+    def play(gap: float, impacts: bool, sudden: bool = False) -> Shape:
+        """Return the force of a load behind a gap, with impacts or without: they may come at other instants."""
+        law = partial(E["backlash"].replace, gap=float(gap))
 
-    gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), LONGEST * s.length, 12)
+        def apart(c: Evidence) -> list[FloatArray]:
+            parts = zip(c.balances, c.instruments, strict=True)
+            tables = [c.model.axis.mass * b.play(one.moves, float(gap)) for b, one in parts]
+            return [t.sum(axis=0)[None] if impacts else t[:1] for t in tables]
+
+        return Shape(f"{gap:.4g}", apart, lambda a: law(mass_ratio=float(a[0])), sudden=sudden)
+
+    gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), LONGEST * s.length, GAPS)
     s.least["backlash"] = gaps[0]
-    for gap in gaps:
-        s.varied("backlash", gap, play, 12, within(LOAD))
+    for gap, impacts in product(gaps, (True, False)):
+        s.varied("backlash", gap, partial(play, impacts=impacts), 2 * GAPS, within(LOAD))
+    for gap in (way for way in ways_to_outliers(s) if gaps[0] < way < gaps[-1]):
+        s.varied("backlash", gap, partial(play, impacts=True, sudden=True), 2 * GAPS, within(LOAD))
+
+
+def ways_to_outliers(s: Search) -> list[float]:
+    """Return the ways (m) by which the motor has left a load when the largest outliers come: possible gaps."""
+    even, ways = np.full(len(s.ctx.screen.rest), 1.0 / np.sqrt(s.ctx.screen.variance)), list[float]()
+    parts = zip(s.balances, s.ctx.instruments, adjoint(s.ctx, even, even * s.ctx.screen.rest), strict=True)
+    for b, one, w in parts:
+        a = one.moves * ~b.resting
+        for met in peaks_of(np.abs(w), b.time, APART, MOST_JUMPS):
+            turned = np.flatnonzero(a[:met] * a[met - 1] < 0.0)
+            start = int(turned[-1]) + 1 if len(turned) else 0
+            ways.append(float(abs(np.sum(np.cumsum(a[start : met + 1])))) * b.step**2)
+    return ways
 
 
 def loaded(effect: Effect, size: float) -> Columns:
@@ -678,7 +726,8 @@ def loaded(effect: Effect, size: float) -> Columns:
 
     def columns(c: Evidence) -> list[FloatArray]:
         model = c.model.replace(effects=(effect,))
-        return [b.loads(model, one.force)[None] / size for b, one in zip(c.balances, c.instruments, strict=True)]
+        parts = zip(c.balances, c.instruments, strict=True)
+        return [b.loads(model, one.force, one.moves)[None] / size for b, one in parts]
 
     return columns
 

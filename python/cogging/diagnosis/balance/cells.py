@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from cogging.arrays import FloatArray
 
-LONGEST_FLIGHT = 0.5  # s: longest simulated flight of a load through a gap
+FLIGHT = 64  # rows of a flight that are computed first; until the load is met, four times as many
 
 
 def hats(values: FloatArray, places: FloatArray) -> FloatArray:
@@ -59,28 +59,36 @@ def load_response(a: FloatArray, step: float, antiresonance: float, damping: flo
 
 
 def lost_motion(a: FloatArray, step: float, gap: float) -> FloatArray:
-    """Return the speed of a motor relative to a load with backlash, m/s, (n,); 0 while they touch.
+    """Return the speed of a motor relative to a load with backlash, m/s, and its acceleration while apart, (2, n).
 
-    The load coasts when the motor stops pushing it, and takes the motor's speed when it meets either side again.
+    Both are 0 while they touch. The load coasts from the middle of the gap, and whenever the motor stops pushing it; it
+    takes the motor's speed when it meets either side.
 
     Args:
         a: acceleration of the motor, m/s^2, (n,); 0 at rest.
         step: time step, s.
         gap: full width of the gap, m.
     """
-    apart, free_until, side = np.zeros(len(a)), 0, float(np.sign(a[0]) or 1.0)
-    longest = max(2, round(LONGEST_FLIGHT / step))
-    for i in (np.flatnonzero(np.diff(np.sign(a))) + 1).tolist():
-        if i < free_until or side * a[i] >= 0.0:
-            continue
-        speed = np.cumsum(a[i : i + longest]) * step
-        way = side * np.cumsum(speed) * step  # 0 on the side that the load left, -gap on the other
-        met = np.flatnonzero((way < -gap) | (way > 0.0))
+    speed, alone, start, place = np.zeros(len(a)), np.zeros(len(a)), 0, 0.0
+    pulls = {-1: np.flatnonzero(a > 0.0), 1: np.flatnonzero(a < 0.0)}  # rows in which the motor leaves a side
+    while start < len(a):
+        longest = FLIGHT
+        while True:
+            apart = np.cumsum(a[start : start + longest]) * step
+            way = place + np.cumsum(apart) * step
+            met = np.flatnonzero(np.abs(way) > 0.5 * gap)
+            if len(met) or start + longest >= len(a):
+                break
+            longest *= 4
         flight = int(met[0]) if len(met) else len(way)
-        apart[i : i + flight] = speed[:flight]
-        if len(met):  # part of the row in which they meet: the force must be continuous in the gap
-            before, wall = way[flight - 1] if flight else 0.0, -gap if way[flight] < 0.0 else 0.0
-            apart[i + flight] = speed[flight] * (wall - before) / (way[flight] - before)
-        side = -side if len(met) and way[flight] < 0.0 else side
-        free_until = i + flight
-    return apart
+        end = start + flight
+        speed[start:end], alone[start:end] = apart[:flight], a[start:end]
+        if not len(met):
+            break
+        side = 1 if way[flight] > 0.0 else -1
+        # part of the row in which they meet: the force must be continuous in the gap
+        before = float(way[flight - 1]) if flight else place
+        speed[end] = apart[flight] * (0.5 * side * gap - before) / (way[flight] - before)
+        left = pulls[side][np.searchsorted(pulls[side], end + 1) :]
+        place, start = 0.5 * side * gap, int(left[0]) if len(left) else len(a)
+    return np.array([speed, alone])

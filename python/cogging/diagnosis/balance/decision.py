@@ -46,6 +46,10 @@ LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated 
 REPEATED = (  # may occur several times, with another period, frequency or time
     *("cogging_harmonic", "force_constant_ripple", "encoder_periodic_error", "disturbance_tone", "disturbance_step"),
 )
+CONTACTS = (
+    "presliding_friction",
+    "backlash",
+)  # stay columns: re-tuning would move their instants
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has at most one
 
 
@@ -179,7 +183,7 @@ def search(
         if not contenders or is_weak(contenders[0], outcome.accepted, sought_again):
             # what was found without a law may have stood in for several effects: seek it once more beside the others
             columns = [one for one in outcome.accepted if is_column(one.found)]
-            again = next((one for one in columns if one.found.name not in (*sought_again, "presliding_friction")), None)
+            again = next((one for one in columns if one.found.name not in (*sought_again, *CONTACTS)), None)
             if again is None or again is outcome.accepted[-1] or step > ROUNDS - 3:
                 break
             del extra[columns.index(again)]
@@ -204,7 +208,7 @@ def search(
     assert outcome is not None
     plain = Evidence(balances, model, current, list(extra), tuple(free), plainly=True)
     last = replace(outcome.evidence, extra=list(extra), with_width=True)
-    outcome.evidence = plain.prepare(3) if outcome.nominal.largely else last.prepare(1)
+    outcome.evidence = (plain if outcome.nominal.largely else last).prepare(3, orthogonal=True)
     without_each_other(outcome.accepted)
     return outcome
 
@@ -302,7 +306,7 @@ def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Mod
 
 def is_column(f: Found) -> bool:
     """Return whether an accepted candidate is a column beside the model, which has no law of it."""
-    return f.columns is not None and (not f.laws(f.amplitudes) or f.name == "presliding_friction")
+    return f.columns is not None and (not f.laws(f.amplitudes) or f.name in CONTACTS)
 
 
 def is_weak(c: Contender, accepted: Sequence[Accepted], again: Sequence[str]) -> bool:
@@ -382,7 +386,7 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
         force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], np.array([value - stated]))
         return weighed(evidence, Contender(f, best, evidence.alike, force))
     own, rows = f.rows(evidence)
-    best = own.maximised(rows, tried)
+    best = own.maximised(rows, tried, f.sudden)
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation

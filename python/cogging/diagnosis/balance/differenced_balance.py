@@ -366,10 +366,11 @@ class DifferencedBalance:
                 force = force + self.bristle(model.axis, model.axis.coulomb / stiffness)
         return np.asarray(model.axis.mass * a - force - command)
 
-    def loads(self, model: Model, force: FloatArray) -> FloatArray:
+    def loads(self, model: Model, force: FloatArray, acceleration: FloatArray) -> FloatArray:
         """Return what loads of a model behind a spring or a gap add to the residual of a rigid axis, V, (n,).
 
-        The net force (V, (n,)) drives r / (1 - r) of the response of a load of share r at the free-free frequency.
+        The net force (V, (n,)) drives r / (1 - r) of the response of a load of share r at the free-free frequency. With
+        a gap, the motor has the given acceleration (m/s^2, (n,)), which must not drift.
         """
         out = np.zeros(len(self.time))
         for name, fields in ((e.NAME, e.to_dict()) for e in model.effects):
@@ -378,9 +379,13 @@ class DifferencedBalance:
                 swing = force - load_response(force, self.step, fields["frequency"], fields["damping_ratio"])
                 out += share / (1.0 - share) * swing
             elif name == "backlash" and share > 0.0 and fields["gap"] > 0.0:
-                apart = lost_motion(force / model.axis.mass * ~self.resting, self.step, fields["gap"])
-                out += share * model.axis.mass * np.gradient(apart, self.step)
+                out += share * model.axis.mass * np.sum(self.play(acceleration, fields["gap"]), axis=0)
         return out
+
+    def play(self, acceleration: FloatArray, gap: float) -> FloatArray:
+        """Return the acceleration relative to a load with a gap (m), m/s^2, (2, n): while apart, and as they meet."""
+        speed, alone = lost_motion(acceleration * ~self.resting, self.step, gap)
+        return np.array([alone, np.gradient(speed, self.step) - alone])
 
     def bristle(self, axis: AxisParameters, length: float) -> FloatArray:
         """Return the force of a Dahl contact with a presliding length (m) less that of Coulomb friction, V, (n,).

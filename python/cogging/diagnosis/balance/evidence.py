@@ -21,7 +21,7 @@ from scipy.optimize import brentq, minimize_scalar, nnls
 from cogging.arrays import FloatArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import ROWS_PER_CORNER, DifferencedBalance
-from cogging.diagnosis.balance.nuisances import ROUNDING, WIDTH, Instruments, instruments_of, nuisances_of
+from cogging.diagnosis.balance.nuisances import ROUNDING, SECANT, WIDTH, Instruments, instruments_of, nuisances_of
 from cogging.model.intervals import SIGMAS_95
 from cogging.model.model import Model
 from cogging.model.parameters import effect_paths, parameters_of, renamed_path, with_values
@@ -43,7 +43,7 @@ HELD = 3.0  # standard deviations of a reading: presliding of a contact that sti
 LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
-SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the Gauss-Newton line search
+SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the line search
 RIDGE = 1e-12  # relative information that is added on each scaled amplitude, for columns that are collinear
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
@@ -229,14 +229,14 @@ class Evidence:
     nuisances: list[FloatArray] = field(init=False, repr=False)  # rows of the columns of all amplitudes, (q, m)
     start: list[FloatArray] = field(init=False, repr=False)  # whitening filters of the first fit
     fit: Maximum = field(init=False, repr=False)  # of the nuisance parameters behind `start`
-    theta: FloatArray = field(init=False, repr=False)  # their amplitudes, (q,)
 
-    def prepare(self, rounds: int = 0, listen: bool = False) -> Evidence:
-        """Make the columns and re-tune the model by Gauss-Newton steps with a line search; return self.
+    def prepare(self, rounds: int = 0, listen: bool = False, orthogonal: bool = False) -> Evidence:
+        """Make the columns and re-tune the model in steps with a line search; return self.
 
         Args:
             rounds: number of steps.
             listen: whether to choose the low-pass corner of each balance from the first residual.
+            orthogonal: whether these are steps of `orthogonal_step`, for a model that lacks little, not Gauss-Newton's.
         """
         if listen:
             self.make_columns()
@@ -245,8 +245,9 @@ class Evidence:
         for _ in range(rounds):
             self.make()
             before = self.decrement(self.model)
+            step = self.orthogonal_step() if orthogonal else self.fit.theta
             for share in SHARES_OF_A_STEP:
-                model = self.retuned(share)
+                model = self.retuned(step, share)
                 if self.decrement(model) <= before:
                     self.model = model
                     break
@@ -271,6 +272,29 @@ class Evidence:
         beside = fit.gram[np.ix_(has, ~has)] @ np.linalg.pinv(fit.gram[np.ix_(~has, ~has)], hermitian=True)
         own = slope[has] - beside @ slope[~has]
         return float(own @ np.linalg.solve(fit.gram[np.ix_(has, has)] - beside @ fit.gram[np.ix_(~has, has)], own))
+
+    def orthogonal_step(self) -> FloatArray:
+        """Return the changes of all amplitudes (q,) after which the residual is orthogonal to the columns.
+
+        The columns are instruments: they have no noise, but mass and effects change the residual by more than they say.
+        """
+        fit, x, known = self.fit, self.fit.x.copy(), parameters_of(self.model, together=True)
+        for k, path in enumerate(self.paths):
+            if path == "axis.mass":
+                rows = [-b.acceleration for b in self.balances]
+            elif path.startswith("effects."):
+                step = SECANT * float(self.prior_sigma[k])
+                models = (with_values(self.model, {path: known[path].value + q}) for q in (-step, step))
+                rows = [(low - high) / (2.0 * step) for low, high in zip(*map(self.raw_under, models), strict=True)]
+            else:
+                continue
+            x[k] = self.filtered([b.rows(r) for b, r in zip(self.balances, rows, strict=True)], fit.taps)[0]
+            x[k] /= fit.size[k]
+        # priors, and a ridge for columns that are collinear
+        diagonal = fit.variance / np.maximum(fit.prior[0] ** 2, 1e-12 * fit.variance)
+        diagonal += RIDGE * (len(fit.r) + np.sum(fit.x**2, axis=1))
+        gram = (fit.x * fit.weight) @ x.T + np.diag(diagonal)
+        return np.asarray(np.linalg.lstsq(gram, fit.slope(fit.r, fit.prior[1]))[0] / fit.size)
 
     @cached_property
     def near_rest(self) -> Evidence:
@@ -311,7 +335,6 @@ class Evidence:
         first = self.fitted(taps, rounds=1)
         self.keep_needed(first)
         self.start, self.fit = taps, self.fitted(taps, base=first)
-        self.theta = self.fit.theta
 
     def make_columns(self) -> tuple[FloatArray, bool]:
         """Make residuals and columns; return amplitudes without a filter, and whether the noise levels are unknown."""
@@ -448,7 +471,9 @@ class Evidence:
         best.size = size
         return best
 
-    def maximised(self, tables: Sequence[FloatArray] | None = None, tried: list[FloatArray] | None = None) -> Maximum:
+    def maximised(
+        self, tables: Sequence[FloatArray] | None = None, tried: list[FloatArray] | None = None, sudden: bool = False
+    ) -> Maximum:
         """Fit the nuisance parameters, added columns (k, m) of each log and the whitening filter by maximum likelihood.
 
         The filter belongs to the hypothesis: the null's filter absorbs part of a slow force, and the candidate's filter
@@ -458,6 +483,7 @@ class Evidence:
         Args:
             tables: added columns.
             tried: a further filter of each log, that of a rival.
+            sudden: whether the columns act in few rows, which are outliers of the fit without them.
         """
         if tables is None:
             parts, rounds = self.nuisances, 2
@@ -465,8 +491,8 @@ class Evidence:
         else:
             parts, rounds = [np.vstack([n, t]) for n, t in zip(self.nuisances, tables, strict=True)], 1
             base = self.bases[int(np.argmin(self.costs_with(tables)))]
-            # what a model largely lacks may be far from the fit without it: first with equal weights
-            best = self.fitted(base.taps, tables, base=base, near=None if self.largely else base)
+            # what a model largely lacks may be far from the fit without it, as outliers are: first with equal weights
+            best = self.fitted(base.taps, tables, base=base, near=None if self.largely or sudden else base)
             if tried is not None:
                 best = min(best, self.fitted(tried, tables, near=best), key=lambda fit: fit.cost)
         for _ in range(rounds):
@@ -493,10 +519,11 @@ class Evidence:
         best.explained = np.sqrt(best.weight / best.spread) * (best.w[n:] @ more)
         best.x = best.r = best.gram = np.zeros(0)
 
-    def retuned(self, share: float = 1.0) -> Model:
-        """Return the model moved by a share of the fitted step of the nuisance parameters."""
-        steps = {path: share * float(step) for path, step in zip(self.paths, self.theta, strict=False)}
-        width = self.likeliest_width()
+    def retuned(self, theta: FloatArray, share: float) -> Model:
+        """Return the model moved by a share of a step of the nuisance parameters, (q,)."""
+        whole = dict(zip(self.paths, map(float, theta), strict=False))
+        steps = {path: share * step for path, step in whole.items()}
+        width = self.likeliest_width(whole)
         return self.moved(self.model, steps | {WIDTH: width - self.model.axis.coulomb_width})
 
     def settled(self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = ()) -> Model:
@@ -572,9 +599,8 @@ class Evidence:
         except ValueError:  # the effect rejects the shape
             return with_values(model, {k: v for k, v in values.items() if not k.startswith("effects.")})
 
-    def likeliest_width(self) -> float:
-        """Return the arctangent width (m/s) that best matches the fitted friction mixture over the measured speeds."""
-        steps = dict(zip(self.paths, map(float, self.theta), strict=False))
+    def likeliest_width(self, steps: Mapping[str, float]) -> float:
+        """Return the arctangent width (m/s) that best matches a mixture of friction laws over the measured speeds."""
         parts = {float(path[6:]): step for path, step in steps.items() if path.startswith("width.")}
         own = max(self.model.axis.coulomb_width + steps.get(WIDTH, 0.0), 0.5 * self.model.axis.coulomb_width)
         if not parts:

@@ -50,11 +50,12 @@ class Instruments(NamedTuple):
     #: The one that the drive causes, m/s^2, (n,): with ringing, mass and the share of a load could replace each other.
     acceleration: FloatArray
     quiet: FloatArray  # measured command less what answers noise, V, (n,): of limits, which act on its peaks
+    moves: FloatArray  # measured acceleration regressed like the drive, m/s^2, (n,): of a play, where drift would count
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
         """Return the unexplained force of a balance under a model, the loads of which move without noise, V, (n,)."""
         rigid: FloatArray = b.remembered("residual", model, DifferencedBalance.residual)
-        return rigid - b.loads(model, self.force)
+        return rigid - b.loads(model, self.force, self.moves)
 
     def change(self, b: DifferencedBalance, old: Model, new: Model) -> FloatArray:
         """Return the residual of a balance under a new model less that under an old one, without noise, V, (n,)."""
@@ -72,8 +73,9 @@ class Instruments(NamedTuple):
             )
         # without a reference, the acceleration that is known without noise lacks the fast motion
         a = None if b.reference is None else self.acceleration
-        drive = b.followed(self.drive) if hooks & SHIFTS else self.drive
-        loads = b.loads(new, self.force) - b.loads(old, self.force)
+        drive = b.command if "shape_command" in hooks else self.drive
+        drive = b.followed(drive) if hooks & SHIFTS else drive
+        loads = b.loads(new, self.force, self.moves) - b.loads(old, self.force, self.moves)
         known = b.cache.get("before")  # many laws are compared with the same model
         if known is None or known[0] is not drive or known[1] != old:
             b.cache["before"] = known = drive, old, b.residual(old, drive, a)
@@ -90,7 +92,7 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     quiet = slow + b.low_passed(model.axis.mass * b.acceleration - forces - slow, b.crossover)
     net = quiet + forces
     if b.reference is None:
-        return Instruments(quiet, quiet, net, net / model.axis.mass, quiet)
+        return Instruments(quiet, quiet, net, net / model.axis.mass, quiet, net / model.axis.mass)
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -107,7 +109,7 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     explained, ringing = (np.linalg.solve(gram[:k, :k], slope[:k]) @ table[:k] for k in (count, len(table)))
     moves = np.linalg.solve(gram[:count, :count], table[:count] @ b.acceleration) @ table[:count]
     needed = model.axis.mass * moves - forces
-    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, quiet)
+    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, quiet, moves)
 
 
 def nuisances_of(
