@@ -289,7 +289,7 @@ def test_a_dead_zone_may_take_most_of_the_command(width, seed):
     value = found.effects[0].parameters["width"]
     assert value.value == pytest.approx(width, rel=2e-3)  # seen: 1.7e-3
     low, high = value.ci95
-    assert abs(width - 0.5 * (low + high)) < 0.6 * (high - low) < 2e-3 * width  # one of four is 1.07 half widths off
+    assert abs(width - 0.5 * (low + high)) < 0.6 * (high - low) < 2e-3 * width  # two of four are 1.1 half widths off
 
 
 @pytest.mark.parametrize("share", [0.7, 0.95])
@@ -300,8 +300,8 @@ def test_retuning_finds_the_width_of_a_dead_zone_from_afar(share):
     start = STATED.replace(effects=[cogging.EFFECTS["command_dead_zone"](width=8.0 * share)])
     balances = [DifferencedBalance(log, STATED.axis.coulomb_width) for log in logs]
     found = Evidence(balances, STATED, start).prepare(3, listen=True, orthogonal=True).model
-    assert found.effects[0].width == pytest.approx(8.0, rel=2e-3)
-    assert found.axis.mass == pytest.approx(2.0, rel=5e-3)
+    assert found.effects[0].width == pytest.approx(8.0, rel=1.2e-3)  # seen: 0.9e-3
+    assert found.axis.mass == pytest.approx(2.0, rel=3e-3)  # seen: 2.0e-3
 
 
 def with_a_play(machine, gap, share, log):
@@ -323,9 +323,9 @@ def test_a_play_shows_by_its_impacts():
 
     found, (low, high), count = with_a_play(stiff, 5e-3, 0.15, log)
     assert count == 1
-    assert found.gap == pytest.approx(5e-3, rel=5e-3)  # seen: 0.2 %
-    assert found.mass_ratio == pytest.approx(0.15, rel=0.05)  # seen: 3.3 %, outside the interval
-    assert low < found.mass_ratio < high
+    assert found.gap == pytest.approx(5e-3, rel=4e-3)  # seen: 3.4e-3
+    assert found.mass_ratio == pytest.approx(0.15, rel=5e-3)
+    assert low < 0.15 < high
 
 
 @pytest.mark.parametrize(("gap", "share", "seed"), [(5e-2, 0.2, 6), (1e-2, 0.4, 8), (1e-2, 0.1, 1)])
@@ -340,8 +340,8 @@ def test_a_play_shows_while_the_load_is_apart(gap, share, seed):
 
     found, (low, high), count = with_a_play(easy, gap, share, log)
     assert count == 1
-    assert found.gap == pytest.approx(gap, rel=0.04)  # seen: 2.6 %
-    assert found.mass_ratio == pytest.approx(share, rel=0.02)  # seen: 1.0 %
+    assert found.gap == pytest.approx(gap, rel=0.04)  # seen: 3.7 %
+    assert found.mass_ratio == pytest.approx(share, rel=0.025)  # seen: 2.0 %
     assert low < share < high
 
 

@@ -122,10 +122,7 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             amplitudes = steps[at : at + len(column.amplitudes)]
             # what was judged near rest has few of its rows here
             certain = column.near_rest or _excludes_zero(range(at, at + len(amplitudes)), amplitudes, evidence)
-            effect = next(iter(column.laws(amplitudes)), None)
-            wider = SIGMAS_95 * COLUMN_ERROR * amplitudes[0]  # impacts and flights are not exactly those of the column
-            sides = (np.copysign(np.hypot(end, wider), end) for end in evidence.interval(at))
-            ends = [one for side in sides for one in column.laws(amplitudes + side)]
+            effect, first = next(iter(column.laws(amplitudes)), None), at
             at += len(amplitudes)
             forces = [amplitudes @ rows for rows in column.columns(evidence)]
             curve = None if effect is not None else curve_of(evidence, forces)
@@ -134,11 +131,13 @@ def terms_of(found: Outcome, stated: Model) -> tuple[Model, list[Term]]:
             if term is not None:
                 model = model.replace(effects=(*model.effects, term))
                 path = str(len(model.effects) - 1)
-            if len(amplitudes) == 1 and len(ends) == 2:  # the interval of the field that the amplitude is
+            if effect is not None and len(amplitudes) == 1:  # the interval of the field that the amplitude is
+                wider = SIGMAS_95 * COLUMN_ERROR * amplitudes[0]  # impacts and flights are not exactly the column's
+                sides = (np.copysign(np.hypot(end, wider), end) for end in evidence.interval(first))
+                ends = [(column.laws(amplitudes + side) or (effect,))[0].to_dict() for side in sides]
                 last = effect_paths(model.effects)[-1][0]
-                pairs = {f"{last}.{name}": (getattr(ends[0], name), getattr(ends[1], name)) for name in ends[0].FIELDS}
-                moved = {path: pair for path, pair in pairs.items() if pair[0] != pair[1]}
-                model = model.replace(intervals={**model.intervals, **moved})
+                pairs = {f"{last}.{k}": (ends[0][k], ends[-1][k]) for k in ends[0] if ends[0][k] != ends[-1][k]}
+                model = model.replace(intervals={**model.intervals, **pairs})
             terms.append(Term(one, effect, path, _rms(evidence, forces), curve, certain))
             continue
         for prefix, effect in islice(laws, len(candidate.laws(candidate.amplitudes)) * (candidate.columns is not None)):

@@ -21,7 +21,7 @@ from scipy.special import expit, logit
 from cogging.arrays import FloatArray, IntArray
 from cogging.diagnosis.balance.cells import hats, splines
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance, gain_of_taps
-from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, student_cost
+from cogging.diagnosis.balance.evidence import Evidence, convolved, deviation, likeliest, student_cost
 from cogging.effects.effect import VOCABULARY, Effect
 from cogging.logs.log import Log
 from cogging.resources import on_threads
@@ -41,7 +41,6 @@ BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of 
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
 GAPS = 24  # widths of a play that are tried
-REWEIGHTED = 4  # rounds of a fit to outliers
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 LIMITS = ("command_saturation", "command_dead_zone")
@@ -215,8 +214,9 @@ class Search:
             return 0.0
         if accept is not None and not accept(amplitudes):
             return 0.0
-        columns, law, key, few = shape.columns, shape.law, family or name, shape.sudden
-        one = Found(name, shape.label, T, k, trials, amplitudes, columns, law, period=period, refine=refine, sudden=few)
+        key, made = family or name, (shape.columns, shape.law)
+        one = Found(name, shape.label, T, k, trials, amplitudes, *made, period=period, refine=refine)
+        one.sudden = shape.sudden
         if key not in self.found or one.score > self.found[key].score:
             self.found[key] = one
         return T
@@ -312,14 +312,9 @@ def adjoint(ctx: Evidence, root: FloatArray, e: FloatArray) -> list[FloatArray]:
 
 def fall_of_cost(ctx: Evidence, columns: Columns) -> tuple[float, FloatArray]:
     """Return the fall of -2 ln likelihood with one column, and its amplitude, (1,), by a fit from equal weights."""
-    rest, variance, weight = ctx.screen.rest, ctx.screen.variance, np.ones(1)
-    c, left = ctx.filtered(rows_of(ctx, columns), ctx.screen.taps)[0], rest
-    for _ in range(REWEIGHTED):
-        amplitude = float((weight * c) @ rest) / max(float((weight * c) @ c), 1e-300)
-        left = rest - amplitude * c
-        weight = 1.0 / (ctx.tail + left**2 / variance)
-    costs = [float(np.sum(student_cost(r, variance, ctx.tail))) for r in (rest, left)]
-    return costs[0] - costs[1], np.array([amplitude])
+    none, c = ctx.screen, ctx.filtered(rows_of(ctx, columns), ctx.screen.taps)
+    fit = likeliest(c, none.rest, np.full(1, np.inf), np.zeros(1), tail=ctx.tail)
+    return float(np.sum(student_cost(none.rest, none.variance, ctx.tail)) - fit.cost), fit.w
 
 
 def gain_of(ctx: Evidence, frequency: FloatArray) -> FloatArray:
@@ -674,7 +669,7 @@ def motor_and_load(s: Search) -> None:
 
     def mode(f: float, damping: float) -> Shape:
         half = E["flexible_mode"].replace(frequency=float(f), damping_ratio=damping, mass_ratio=0.5)
-        columns = loaded(half if f < 1.1 * highest else half.replace(mass_ratio=0.0), 1.0)
+        columns = loaded(half if f < 1.1 * highest else half.replace(mass_ratio=0.0))
         law = half.replace  # its force is proportional to r / (1 - r) of its share r of the mass
         return Shape(f"{f:.4g} Hz, damping {damping}", columns, lambda a: law(mass_ratio=float(a[0] / (1.0 + a[0]))))
 
@@ -702,7 +697,7 @@ def motor_and_load(s: Search) -> None:
 
     gaps = np.geomspace(max(4.0 * max(b.encoder_noise for b in s.balances), 2e-6), LONGEST * s.length, GAPS)
     s.least["backlash"] = gaps[0]
-    tried = [*product(gaps, [False]), *product(gaps[::2], [True])]
+    tried = [*product(gaps, [False]), *product(gaps[::2], [True])]  # with impacts: those that last for a row or two
     for gap, impacts in tried:
         s.varied("backlash", gap, partial(play, impacts=impacts), len(tried), within(LOAD))
     for gap in (way for way in ways_to_outliers(s) if gaps[0] < way < gaps[-1]):
@@ -722,13 +717,13 @@ def ways_to_outliers(s: Search) -> list[float]:
     return ways
 
 
-def loaded(effect: Effect, size: float) -> Columns:
-    """Return the force of a load behind a spring or a gap over its size."""
+def loaded(effect: Effect) -> Columns:
+    """Return the force of a load behind a spring."""
 
     def columns(c: Evidence) -> list[FloatArray]:
         model = c.model.replace(effects=(effect,))
         parts = zip(c.balances, c.instruments, strict=True)
-        return [b.loads(model, one.force, one.moves)[None] / size for b, one in parts]
+        return [b.loads(model, one.force, one.moves)[None] for b, one in parts]
 
     return columns
 
