@@ -357,6 +357,38 @@ def test_a_cable_of_any_shape_is_a_spring():
     assert only.share > 0.9
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_tone_of_any_shape_is_one_effect(seed):
+    """With up to six harmonics, whose frequencies are then found together."""
+    sizes = {3.0 * k: (4.0 / k * (k % 2), 0.5 / k) for k in range(1, 7)}
+    tone = cogging.EFFECTS["disturbance_tone"]
+    hidden = [tone(frequency=f, sine=sine, cosine=cosine) for f, (sine, cosine) in sizes.items()]
+    outcome = searched(moving_axis.machine(hidden), seed, STATED)
+    assert [one.found.name for one in outcome.accepted] == ["disturbance_tone"]
+    found = {e.frequency: (e.sine, e.cosine) for e in outcome.evidence.model.effects}
+    assert sorted(found) == pytest.approx(sorted(sizes), abs=3e-3)
+    for seen, true in zip(sorted(found), sorted(sizes), strict=True):
+        assert found[seen] == pytest.approx(sizes[true], abs=0.05)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_dead_zone_is_no_name_for_all_that_the_command_balances(seed):
+    """The motion needs most of its force at commands within such a zone, where no force acts."""
+    wave = cogging.EFFECTS["cogging_harmonic"](period=0.055, sine=4.0, cosine=2.0)
+    hidden = [cogging.EFFECTS["viscous_asymmetry"](difference=40.0), wave]
+    accepted = searched(moving_axis.machine(hidden), seed, STATED).accepted
+    assert sorted(one.found.name for one in accepted) == ["cogging_harmonic", "viscous_asymmetry"]
+
+
+@pytest.mark.parametrize("seed", [1, 3, 4])
+def test_a_payload_beside_a_spring_of_larger_force_is_a_change_of_mass(seed):
+    """How well the mass is stated limits its score; that of the spring is some thousands."""
+    true = moving_axis.machine([cogging.EFFECTS["cable_spring"](stiffness=100.0, center=0.02)])
+    outcome = searched(true.replace(axis=true.axis.replace(mass=5.0)), seed, STATED)
+    assert sorted(one.found.name for one in outcome.accepted) == ["cable_spring", "mass_change"]
+    assert outcome.evidence.model.axis.mass == pytest.approx(5.0, rel=2e-3)
+
+
 def test_a_motion_so_fast_that_every_wave_would_alias_is_searched_for_none():
     log = moving_axis.record(MACHINE, 1)
     evidence = Evidence([DifferencedBalance(log, MACHINE.axis.coulomb_width)], MACHINE, MACHINE).prepare(2, listen=True)

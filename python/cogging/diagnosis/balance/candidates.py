@@ -36,7 +36,8 @@ UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effec
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect
 LIMIT_STEP = 0.25  # step of a saturation, in the logit of its share of the largest command
-MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs, a dead zone is below most commands
+MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs
+PASSED = 0.4  # of the power of the force that the motion needs: least that a limit of the command lets pass
 BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
@@ -61,6 +62,7 @@ FAR_END = 50.0  # decay lengths: distance at which an end has no effect
 PEAKS, TONES = 4, 3  # peaks of a spectrum that are tried for each kind of wave along the travel, and in time
 LEAST_PEAK = 12.0  # minimum score of a peak: noise exceeds it in a few hundred of 100,000 lines
 LEAST_TURNS = 1.0  # minimum periods in the travel: a longer wave is a spring or an offset
+ORDERS = (1, 3, 6)  # highest harmonics of the families of waves
 FAMILY_TURNS = 1.5  # minimum periods of a wave with harmonics
 WAVE_GRID = 1e-4  # m: grid of the position spectrum, a quarter of the shortest wave
 MODULATIONS = (4, 6)  # splines of the amplitude of a modulated wave along the travel
@@ -76,7 +78,7 @@ APART = 0.02  # s: minimum time between two jumps of the reading, and from slow 
 MOST_JUMPS = 8  # jumps that are fitted together
 PLACES_A_ROW = 4  # at the top speed: grid of a place at which the reading jumps
 STEP = 0.2  # first step of the refinement, in the logarithm of the shape
-REFINED = 40.0  # difference from the best score up to which shapes are refined
+REFINED, REFINED_SHARE = 40.0, 0.25  # difference from the best score, or share of it, up to which shapes are refined
 CERTAIN_ZERO = 5.0  # minimum score of a shape that is refined
 
 
@@ -392,8 +394,9 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
         s.least |= done.least
         s.most |= done.most
     best = sorted(s.found.values(), key=lambda f: -f.score)
-    limit = max(best[0].score - REFINED, CERTAIN_ZERO)
+    limit = max(min(best[0].score - REFINED, REFINED_SHARE * best[0].score), CERTAIN_ZERO)
     final = [f for f in on_threads(lambda f: refined(s, f) if f.score > limit else f, best) if f is not None]
+    final = [f for f in final if f.name not in LIMITS or passes(ctx, f)]
     final += [replace(f, name="end_effect", label="other shape", effect=None) for f in final if is_cut(s, f)]
     return sorted(with_cells(final), key=lambda f: -f.score)
 
@@ -443,8 +446,9 @@ def forces_of_place(s: Search) -> None:
     s.put("cable_spring", Shape("curved", cubic), 2)
     s.put("cable_spring", Shape("curved", along(lambda b: splines(b.position, low, high, SPRING))), 2, is_monotone)
     travel = list(s.model.axis.travel) if np.isfinite(s.model.axis.travel).all() else [low, high]
-    s.most["end_effect"] = 0.25 * length  # a force that decays more slowly is a spring
-    for L in np.geomspace(0.01, 0.25, 8) * length:
+    lengths = np.geomspace(0.01, 0.25, 8) * length
+    s.least["end_effect"], s.most["end_effect"] = lengths[0], lengths[-1]  # what decays more slowly is a spring
+    for L in lengths:
         fields = {"decay_length": float(L), "travel": travel}
         s.law("end_effect", fields, "force", small, 8, vary="decay_length")
         s.varied("end_effect", float(L), partial(two_ends, s), 8)
@@ -594,14 +598,11 @@ def command(s: Search) -> None:
         found = s.found.pop(name, None)
         if found is not None and name == "command_saturation":  # its amplitude changes fast with its limit
             found = refined(s, found)
-        if found is None or (found.refine is not None and found.refine[0] > s.most.get(name, np.inf)):
-            return
-        if WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
+        if found is not None and WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
             s.found[name] = found
 
     least = max(float(np.quantile(np.abs(one.needed), MOST)) for one in s.ctx.instruments)
-    most = min(float(np.quantile(np.abs(b.command), MOST)) for b in s.balances)
-    s.least["command_saturation"], s.most["command_dead_zone"] = 2.0 * least, most
+    s.least["command_saturation"] = 2.0 * least
     shares = expit(np.arange(logit(0.99), logit(np.clip(least / s.force, 1e-6, 0.9)), -LIMIT_STEP))
     limits("command_saturation", saturation, shares * s.force)
     limits("command_dead_zone", dead_zone, np.geomspace(1e-3, 1.0, 31) * s.force)
@@ -610,6 +611,19 @@ def command(s: Search) -> None:
         s.put("command_saturation", Shape(f"power {power}", soft), 3, lambda a: bool(a[0] > 0))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         s.law("force_constant_drift", {"time_constant": float(tau)}, "change", UNIT, 5, vary="time_constant")
+
+
+def passes(c: Evidence, f: Found) -> bool:
+    """Return whether the command that passes a limit is most of the force that the motion needs.
+
+    A limit that lets little pass explains every force that the command balances: it deletes the command.
+    """
+    left, needed = 0.0, 0.0
+    for b, x, r, n, m in zip(c.balances, f.rows(c)[1], c.residuals, c.nuisances, c.masks, strict=True):
+        rest = r - c.null.theta @ n
+        left += float(np.sum((rest - f.amplitudes @ x)[m] ** 2))
+        needed += float(np.sum((b.rows(b.command[None])[0] + rest)[m] ** 2))
+    return left < (1.0 - PASSED) * needed
 
 
 def limiting(make: Callable[[FloatArray], FloatArray]) -> Columns:
@@ -741,17 +755,19 @@ def time(s: Search) -> None:
     s.put("disturbance_step", pulse("time", begin, end), 300)
     tones, trials = best_tones(s)
     for q in tones:
-        resolved = [1, *(k for k in (2, 3) if k * q < TONE_SHARE * s.balances[0].rate)]
-        for family, orders in (("", [1]), ("s", resolved)):
+        most = min(2.0 * q * s.duration, TONE_SHARE * s.balances[0].rate / q)
+        for family, orders in harmonics("disturbance_tone", most):
 
-            def law(a: FloatArray, q: float = q) -> tuple[Effect, ...]:
-                pairs = enumerate(np.reshape(a, (-1, 2)), 1)
-                tone = E["disturbance_tone"].replace
-                return tuple(tone(frequency=k * q, sine=float(one), cosine=float(other)) for k, (one, other) in pairs)
+            def shape(q: float, orders: Sequence[int] = orders) -> Shape:
+                def law(a: FloatArray) -> tuple[Effect, ...]:
+                    tone, pairs = E["disturbance_tone"].replace, enumerate(np.reshape(a, (-1, 2)), 1)
+                    return tuple(tone(frequency=k * q, sine=float(x), cosine=float(y)) for k, (x, y) in pairs)
 
-            label = f"{q:.4g} Hz" + (" with harmonics" if family else "")
-            shape = Shape(label, sines("time", 2 * np.pi * q * np.array(orders)), law)
-            s.put("disturbance_tone", shape, trials, family=f"disturbance_tone{family}")
+                label = f"{q:.4g} Hz" + (f" with harmonics to {orders[-1]}" if len(orders) > 1 else "")
+                return Shape(label, sines("time", 2 * np.pi * q * np.array(orders)), law)
+
+            refine = q, shape, 0.1 / (q * s.duration)
+            s.put("disturbance_tone", shape(q), trials, refine=refine, family=family)
 
 
 def pulse(coordinate: str, begin: float, end: float) -> Shape:
@@ -925,20 +941,18 @@ def waves(s: Search) -> None:
                 in_model += known + turn
             if any(abs(kappa - q) < 0.5 / length for q in in_model):
                 continue
-            # a long wave with harmonics is a generic force
-            long = name.startswith("~") or kappa * length < FAMILY_TURNS
-            orders = {"": (1,)} if long else {"": (1,), "s": (1, 2, 3)}
             s.most[name] = length / LEAST_TURNS
-            for family, one in orders.items():
+            turns = 0.0 if name.startswith("~") else kappa * length
+            for family, one in harmonics(name, 2.0 * turns if turns > FAMILY_TURNS else 1.0):
 
                 def shape(period: float, name: str = name, orders: Sequence[int] = one) -> Shape:
                     law = None if name.startswith("~") else wave_law(name, *(period / order for order in orders))
-                    label = f"{period:.4g} with harmonics" if len(orders) > 1 else f"{period:.4g}"
+                    label = f"{period:.4g} with harmonics to {orders[-1]}" if len(orders) > 1 else f"{period:.4g}"
                     return Shape(label, wave(s, 1.0 / period, name, orders), law)
 
                 period = 1.0 / kappa
                 refine = period, shape, 0.1 * period / length
-                s.put(name, shape(period), trials, period=period, refine=refine, family=f"{name}{family}")
+                s.put(name, shape(period), trials, period=period, refine=refine, family=family)
     plain = s.found.get("cogging_harmonic")
     several_waves(s)
     peaks.sort(reverse=True)
@@ -951,6 +965,15 @@ def waves(s: Search) -> None:
             modulated = modulated_wave(s, kappa, count)
             if constant < NESTED * s.scored("cogging_modulation", modulated)[0]:
                 s.put("cogging_modulation", modulated, len(MODULATIONS) * trials)
+
+
+def harmonics(name: str, most: float) -> list[tuple[str, range]]:
+    """Return families of waves of a name with the orders of their harmonics, up to `most`.
+
+    A periodic force with more harmonics than half periods in the motion is a generic force.
+    """
+    highest = sorted({int(np.clip(most, 1, n)) for n in ORDERS})
+    return [(f"{name} {k}" if k else name, range(1, n + 1)) for k, n in enumerate(highest)]
 
 
 def several_waves(s: Search) -> None:
@@ -970,7 +993,7 @@ def several_waves(s: Search) -> None:
         label = " and ".join(f"{1 / k:.4g}" for k in kappas)
         columns = sines("position", 2 * np.pi * np.array(kappas))
         shape = Shape(label, columns, wave_law("cogging_harmonic", *(1.0 / k for k in kappas)))
-        s.put("cogging_harmonic", shape, trials**count, period=first, family=f"cogging_harmonic {count}")
+        s.put("cogging_harmonic", shape, trials**count, period=first, family=f"{count} waves")
 
 
 def sines(coordinate: str, turns: FloatArray) -> Columns:

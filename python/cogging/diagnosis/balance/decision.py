@@ -40,6 +40,7 @@ SURVIVORS = 24  # candidates of a round that are pre-selected for all logs
 CLOSE = 8  # of these, candidates that are fitted with whitening filters of their own
 FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum number of shapes of one name
 FAINT = 0.02  # of the largest T: smaller candidates are skipped
+WIDE = 2  # amplitudes: what has more may stand in for several effects
 RETUNED = 3  # maximum number of Gauss-Newton steps of a scale error
 SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
 LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
@@ -50,6 +51,7 @@ CONTACTS = (
     "presliding_friction",
     "backlash",
 )  # stay columns: re-tuning would move their instants
+OF_A_WINDOW = ("local_force", "disturbance_step")  # at a place or a time of their own: no error of another law
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has at most one
 
 
@@ -134,7 +136,9 @@ def search(
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
     extra: list[Found] = []
     free: list[str] = []
-    sought_again: list[str] = []
+    sought: list[Found] = []  # accepted effects that were sought again
+    kept: tuple[Any, ...] | None = None  # state before the last of them was taken out
+    none: tuple[Any, ...] | None = None  # state before an effect that is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
@@ -145,6 +149,7 @@ def search(
         evidence.prepare(2 if step == 0 else 3, listen=step == 0)
         current = evidence.model
         found = [f for f in search_once(evidence, also or {}) if f.name not in excluded]
+        found += sought[-1:] if kept else []
         progress(f"round {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f}" for f in found[:5]))
         if outcome is None:
             for b in others:
@@ -153,9 +158,7 @@ def search(
         outcome.evidence = outcome.both = evidence
         outcome.found = found
         extra = with_amplitudes(extra, evidence)
-        same: dict[str, Any] = {"extra": list(extra), "uniform": outcome.nominal.largely}
-        if others:
-            outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
+        outcome.both = with_logs(evidence, others, extra, uniform=outcome.nominal.largely)
         if step == ROUNDS - 1:
             break
 
@@ -163,16 +166,12 @@ def search(
         compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
         compared = closest(outcome.both, compared)
         contenders = contenders_of(outcome.both, compared, len(given))
-        if others and not outcome.shift and model.cogging is None:
-            # with gravity, the zero is the same in all logs
-            fixed = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
-            waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD and not fixed]
-            top = max(waves, key=lambda c: c.ratio, default=None)
-            outcome.shift = 0.0 if top is None else shift_of_zero(outcome.both, top.found, len(given), top.ratio)
-            if outcome.shift:
-                others = [b.moved(outcome.shift) for b in others]
-                outcome.both = replace(evidence, balances=[*balances, *others], **same).prepare()
-                contenders = contenders_of(outcome.both, compared, len(given))
+        seeks_zero = bool(others) and not outcome.shift and model.cogging is None
+        shift = shift_of_zero(outcome.both, contenders, len(given)) if seeks_zero else 0.0
+        if shift:
+            outcome.shift, others = shift, [b.moved(shift) for b in others]
+            outcome.both = with_logs(evidence, others, extra, uniform=outcome.nominal.largely)
+            contenders = contenders_of(outcome.both, compared, len(given))
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
         if others:
@@ -180,32 +179,50 @@ def search(
             contenders = [c for c in contenders if not c.is_contradicted]
         contenders = simplest_first(outcome.both, in_one_noise(outcome.both, one_of_each_name(contenders)))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
-        if not contenders or is_weak(contenders[0], outcome.accepted, sought_again):
-            # what was found without a law may have stood in for several effects: seek it once more beside the others
-            columns = [one for one in outcome.accepted if is_column(one.found)]
-            again = next((one for one in columns if one.found.name not in (*sought_again, *CONTACTS)), None)
-            if again is None or again is outcome.accepted[-1] or step > ROUNDS - 3:
+        fit = contenders if contenders and not is_weak(contenders[0], outcome.accepted, sought) else []
+        if not fit and evidence.largely and not outcome.accepted and none is None:
+            # beside a second large effect the first may not be significant: it is sought again if a second is found
+            none = current, [], [], [], evidence, outcome.both, found
+            fit = [c for c in contenders if c.found.name != LATE]
+        part = shares(fit) if fit else np.zeros(0)
+        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
+        if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
+            current, extra, free, outcome.accepted, outcome.evidence, outcome.both, outcome.found = kept
+            (whole,) = (one for one in outcome.accepted if one.found is sought[-1])
+            whole.share, whole.alternatives = float(part[0]), alternatives
+            excluded.update({whole.found.name}.difference(REPEATED))
+            fit = []
+        kept = None
+        if not fit:
+            # what was found before the others may have stood in for several effects: seek it once more beside them
+            doubtful = [one for one in outcome.accepted[:-1] if one.found.k > WIDE or one.score < THRESHOLD]
+            known = (*CONTACTS, *(f.name for f in sought))
+            again = next((one for one in doubtful if one.found.name not in known), None)
+            if again is None or step > ROUNDS - 3:
                 break
-            del extra[columns.index(again)]
-            outcome.accepted.remove(again)
+            kept = current, extra, free, outcome.accepted, outcome.evidence, outcome.both, outcome.found
+            current = without(current, len(model.effects), outcome.accepted, again)
+            columns = [one for one in outcome.accepted if is_column(one.found)]
+            extra = [f for f, one in zip(extra, columns, strict=True) if one is not again]
+            free = [path for path in free if again.found.columns is not None or path != again.found.effect]
+            outcome.accepted = [one for one in outcome.accepted if one is not again]
             excluded.discard(again.found.name)
-            sought_again.append(again.found.name)
+            sought.append(again.found)
             progress(f"  again: {again.found.name} {again.found.label}")
             continue
 
-        if contenders[0].found.name == LATE:
-            seconds = likeliest_lateness(outcome.both, -float(contenders[0].found.amplitudes[0]))
+        if fit[0].found.name == LATE:
+            seconds = likeliest_lateness(outcome.both, -float(fit[0].found.amplitudes[0]))
             balances, others = ([b.earlier(seconds) for b in logs] for logs in (balances, others))
             outcome.late += seconds
             continue
-        part = shares(contenders)
-        alternatives = [(c.found.name, float(p)) for c, p in zip(contenders[1:], part[1:], strict=True) if p > SHARE]
-        f = owned(contenders[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, contenders[0].alone, contenders[0].force, float(part[0]), alternatives))
+        f = owned(fit[0].found, outcome.accepted)
+        outcome.accepted.append(Accepted(f, fit[0].alone, fit[0].force, float(part[0]), alternatives))
         current = added_to(current, f, extra, free)
-        if f.name not in REPEATED:
-            excluded.update(COUPLINGS if f.name in COUPLINGS else (f.name,))
+        excluded.update({*COUPLINGS} if f.name in COUPLINGS else {f.name}.difference(REPEATED))
     assert outcome is not None
+    if none is not None and all(one.score < THRESHOLD for one in outcome.accepted):
+        current, extra, free, outcome.accepted, outcome.evidence, outcome.both, outcome.found = none
     plain = Evidence(balances, model, current, list(extra), tuple(free), plainly=True)
     last = replace(outcome.evidence, extra=list(extra), with_width=True)
     outcome.evidence = (plain if outcome.nominal.largely else last).prepare(3, orthogonal=True)
@@ -281,7 +298,7 @@ def simplest_first(evidence: Evidence, contenders: Sequence[Contender]) -> list[
 
 def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
     """Return the candidate, renamed after an accepted law of the same coordinate if it has no law of its own."""
-    if f.columns is None or f.effect is not None:
+    if f.columns is None or f.effect is not None or f.name in OF_A_WINDOW:
         return f
     taken = {one.found.name for one in accepted} - {f.name}
     names = next((names for cell, names in CELLS.items() if f.name in (cell, *names)), ())
@@ -304,15 +321,24 @@ def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Mod
     return model.replace(effects=(*model.effects, *f.laws(f.amplitudes)))
 
 
+def without(model: Model, stated: int, accepted: Sequence[Accepted], again: Accepted) -> Model:
+    """Return a model, whose first `stated` effects are not accepted ones, without the laws of an accepted effect."""
+    counts = [0 if is_column(one.found) else len(one.found.laws(one.found.amplitudes)) for one in accepted]
+    at = accepted.index(again)
+    first = stated + sum(counts[:at])
+    return model.replace(effects=(*model.effects[:first], *model.effects[first + counts[at] :]))
+
+
 def is_column(f: Found) -> bool:
     """Return whether an accepted candidate is a column beside the model, which has no law of it."""
     return f.columns is not None and (not f.laws(f.amplitudes) or f.name in CONTACTS)
 
 
-def is_weak(c: Contender, accepted: Sequence[Accepted], again: Sequence[str]) -> bool:
+def is_weak(c: Contender, accepted: Sequence[Accepted], sought: Sequence[Found]) -> bool:
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
-    missing = set(again) - {one.found.name for one in accepted}
-    minor, known = MINOR if c.is_lawful else NAMELESS, [] if c.found.name in missing else accepted
+    missing = {f.name for f in sought} - {one.found.name for one in accepted}
+    known = [] if c.found.name in missing else accepted
+    minor = 0.0 if c.found.columns is None else MINOR if c.is_lawful else NAMELESS  # priors limit the score of a change
     least = max([THRESHOLD, *(minor * one.score for one in known)])
     return c.alone < least or any(c.force < LEAST_FORCE * one.force for one in known)
 
@@ -474,11 +500,26 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
     return near[:CLOSE]
 
 
-def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> float:
-    """Return the offset (m) of the zero of the confirm logs, from the phase of a wave; 0 if it is not significant.
+def with_logs(
+    evidence: Evidence, others: Sequence[DifferencedBalance], extra: Sequence[Found], *, uniform: bool
+) -> Evidence:
+    """Return the evidence of these and other logs under the same model; `evidence` itself without others."""
+    if not others:
+        return evidence
+    return replace(evidence, balances=[*evidence.balances, *others], extra=list(extra), uniform=uniform).prepare()
 
-    `given` is the number of given logs, which have the wave; `joint` its gain in 2 ln likelihood with a common zero.
+
+def shift_of_zero(evidence: Evidence, contenders: Sequence[Contender], given: int) -> float:
+    """Return the offset (m) of the zero of the confirm logs, from the phase of the likeliest wave; 0 if it is chance.
+
+    `given` is the number of given logs, which have the wave. With gravity, the zero is the same in all logs.
     """
+    fixed = any(c.found.name == "gravity" and c.score > THRESHOLD for c in contenders)
+    waves = [c for c in contenders if c.found.period is not None and c.ratio > THRESHOLD and not fixed]
+    if not waves:
+        return 0.0
+    first = max(waves, key=lambda c: c.ratio)
+    f = first.found
     tables = f.rows(evidence)[1]
     none = [np.zeros_like(t) for t in tables]
     pairs = enumerate(zip(tables, none, strict=True))
@@ -487,7 +528,7 @@ def shift_of_zero(evidence: Evidence, f: Found, given: int, joint: float) -> flo
     here, there = (complex(cosine, sine) for sine, cosine in best.theta[-2 * k :].reshape(2, k)[:, :2])
     alike = 0.5 < abs(there) / max(abs(here), 1e-300) < 2.0
     gain = (best.none.cost - best.cost) / best.inflation
-    if not alike or f.period is None or gain < joint + THRESHOLD + 2.0 * np.log(f.N):
+    if not alike or f.period is None or gain < first.ratio + THRESHOLD + 2.0 * np.log(f.N):
         return 0.0
     return float(np.angle(here / there)) * f.period / (2 * np.pi)
 
