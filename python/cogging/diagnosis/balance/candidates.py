@@ -37,7 +37,7 @@ LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
 WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect
 LIMIT_STEP = 0.25  # step of a saturation, in the logit of its share of the largest command
 MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs
-PASSED = 0.4  # of the power of the force that the motion needs: least that a limit of the command lets pass
+PASSED = 0.45  # of the power of the force that the motion needs: least that a limit of the command lets pass
 BRISTLE = (0.3, 2.0)  # allowed amplitude of presliding, which replaces most of Coulomb friction
 SHORTEST, LONGEST = 4.0, 0.1  # of the noise of a reading, of the travel: shortest and longest presliding
 NEAR_REST = ("presliding_friction",)  # tried with the rows near rest, where other friction is not known
@@ -616,14 +616,18 @@ def command(s: Search) -> None:
 def passes(c: Evidence, f: Found) -> bool:
     """Return whether the command that passes a limit is most of the force that the motion needs.
 
-    A limit that lets little pass explains every force that the command balances: it deletes the command.
+    A limit that lets little pass explains every force that the command balances: it deletes the command. What the motion
+    needs depends on mass and friction: the share is averaged over those re-tuned without the limit and with it.
     """
-    left, needed = 0.0, 0.0
-    for b, x, r, n, m in zip(c.balances, f.rows(c)[1], c.residuals, c.nuisances, c.masks, strict=True):
-        rest = r - c.null.theta @ n
-        left += float(np.sum((rest - f.amplitudes @ x)[m] ** 2))
-        needed += float(np.sum((b.rows(b.command[None])[0] + rest)[m] ** 2))
-    return left < (1.0 - PASSED) * needed
+    rows, shares = f.rows(c)[1], list[float]()
+    for fit in (c.null, c.fitted(c.plain, rows)):
+        left, needed = 0.0, 0.0
+        for b, x, r, n, m in zip(c.balances, rows, c.residuals, c.nuisances, c.masks, strict=True):
+            rest = r - fit.theta[: len(n)] @ n
+            left += float(np.sum((rest - f.amplitudes @ x)[m] ** 2))
+            needed += float(np.sum((b.rows(b.command[None])[0] + rest)[m] ** 2))
+        shares.append(1.0 - left / needed)
+    return sum(shares) > 2.0 * PASSED
 
 
 def limiting(make: Callable[[FloatArray], FloatArray]) -> Columns:
