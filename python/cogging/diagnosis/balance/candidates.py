@@ -616,7 +616,7 @@ def command(s: Search) -> None:
 def passes(c: Evidence, f: Found) -> bool:
     """Return whether the command that passes a limit is most of the force that the motion needs.
 
-    A limit that lets little pass explains every force that the command balances: it deletes the command. What the motion
+    A limit that lets little pass explains every force that the command balances: it deletes the command. What motion
     needs depends on mass and friction: the share is averaged over those re-tuned without the limit and with it.
     """
     rows, shares = f.rows(c)[1], list[float]()
