@@ -359,20 +359,6 @@ def test_a_cable_of_any_shape_is_a_spring():
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_a_tone_of_any_shape_is_one_effect(seed):
-    """With up to six harmonics, whose frequencies are then found together."""
-    sizes = {3.0 * k: (4.0 / k * (k % 2), 0.5 / k) for k in range(1, 7)}
-    tone = cogging.EFFECTS["disturbance_tone"]
-    hidden = [tone(frequency=f, sine=sine, cosine=cosine) for f, (sine, cosine) in sizes.items()]
-    outcome = searched(moving_axis.machine(hidden), seed, STATED)
-    assert [one.found.name for one in outcome.accepted] == ["disturbance_tone"]
-    found = {e.frequency: (e.sine, e.cosine) for e in outcome.evidence.model.effects}
-    assert sorted(found) == pytest.approx(sorted(sizes), abs=3e-3)
-    for seen, true in zip(sorted(found), sorted(sizes), strict=True):
-        assert found[seen] == pytest.approx(sizes[true], abs=0.05)
-
-
-@pytest.mark.parametrize("seed", [1, 2])
 def test_a_dead_zone_is_no_name_for_all_that_the_command_balances(seed):
     """The motion needs most of its force at commands within such a zone, where no force acts."""
     wave = cogging.EFFECTS["cogging_harmonic"](period=0.055, sine=4.0, cosine=2.0)
