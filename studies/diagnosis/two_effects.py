@@ -19,10 +19,10 @@ ENDS = [-0.15, 0.15]  # m
 NODES = [-0.15, -0.05, 0.05, 0.15]
 
 
-def drawn(name, random):
-    """A law of a name, of some 3 to 12 V."""
+def drawn(random):
+    """A law of each kind, of some 3 to 12 V."""
     size, other = random.uniform(3.0, 12.0) * random.choice([-1.0, 1.0]), random.uniform(-3.0, 3.0)
-    fields = {
+    return {
         "constant_force": {"force": size},
         "cable_spring": {"stiffness": 12.0 * abs(size), "center": random.uniform(-0.1, 0.1)},
         "end_effect": {"force": 2.0 * size, "decay_length": random.uniform(0.02, 0.05), "travel": ENDS},
@@ -37,9 +37,6 @@ def drawn(name, random):
         "disturbance_step": {"force": size, "start": random.uniform(1.0, 3.0), "stop": random.uniform(4.0, 7.0)},
         "disturbance_tone": {"frequency": np.exp(random.uniform(-1.5, 3.0)), "sine": size, "cosine": other},
     }
-    if name is None:
-        return list(fields)
-    return cogging.EFFECTS[name](**fields[name])
 
 
 @on_one_blas_thread(scipy=True)
@@ -49,15 +46,17 @@ def main() -> int:
     stated = plain.replace(axis=plain.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
     for seed in range(count):
         random = np.random.default_rng(seed)
-        true = sorted(random.choice(drawn(None, random), 2, replace=False))
-        machine = moving_axis.machine([drawn(str(name), random) for name in true])
+        laws = [drawn(random) for _ in range(2)]
+        true = random.choice(list(laws[0]), 2, replace=False).tolist()
+        hidden = [cogging.EFFECTS[name](**law[name]) for name, law in zip(true, laws, strict=True)]
+        machine = moving_axis.machine(hidden)
         logs = [moving_axis.record(machine, 1000 + 10 * seed + k) for k in (1, 2)]
         accepted = search(logs[:1], logs[1:], stated).accepted
-        names = [{one.found.name, *(name for name, _ in one.alternatives)} for one in accepted]
-        met = sum(any(name in one for one in names) for name in true)
-        false = sum(one.share >= 0.95 and not own & set(true) for one, own in zip(accepted, names, strict=True))
+        names = [{a.found.name, *(name for name, _ in a.alternatives)} for a in accepted]
+        met = sum(any(name in own for own in names) for name in true)
+        false = sum(a.share >= 0.95 and not own & set(true) for a, own in zip(accepted, names, strict=True))
         right, found, wrong = right + (met == 2 == len(names)), found + met, wrong + false
-        said = ", ".join(f"{one.found.name} {one.share:.2f}" for one in accepted)
+        said = ", ".join(f"{a.found.name} {a.share:.2f}" for a in accepted)
         print(f"{seed}: {' + '.join(true)}: {said}", flush=True)
     print(f"exactly the two names: {right} of {count}; named: {found} of {2 * count}; wrong names: {wrong}")
     return 0

@@ -369,11 +369,11 @@ def test_a_dead_zone_is_no_name_for_all_that_the_command_balances(seed):
 
 @pytest.mark.parametrize("seed", [1, 3, 4])
 def test_a_payload_beside_a_spring_of_larger_force_is_a_change_of_mass(seed):
-    """How well the mass is stated limits its score; that of the spring is some thousands."""
+    """Its score is limited by how well the mass is stated, that of the spring is not."""
     true = moving_axis.machine([cogging.EFFECTS["cable_spring"](stiffness=100.0, center=0.02)])
     outcome = searched(true.replace(axis=true.axis.replace(mass=5.0)), seed, STATED)
     assert sorted(one.found.name for one in outcome.accepted) == ["cable_spring", "mass_change"]
-    assert outcome.evidence.model.axis.mass == pytest.approx(5.0, rel=2e-3)
+    assert outcome.evidence.model.axis.mass == pytest.approx(5.0, rel=1e-3)  # seen: 6.4e-4
 
 
 def test_a_motion_so_fast_that_every_wave_would_alias_is_searched_for_none():

@@ -62,7 +62,6 @@ FAR_END = 50.0  # decay lengths: distance at which an end has no effect
 PEAKS, TONES = 4, 3  # peaks of a spectrum that are tried for each kind of wave along the travel, and in time
 LEAST_PEAK = 12.0  # minimum score of a peak: noise exceeds it in a few hundred of 100,000 lines
 LEAST_TURNS = 1.0  # minimum periods in the travel: a longer wave is a spring or an offset
-ORDERS = (1, 3)  # highest harmonics of the families of waves
 FAMILY_TURNS = 1.5  # minimum periods of a wave with harmonics
 WAVE_GRID = 1e-4  # m: grid of the position spectrum, a quarter of the shortest wave
 MODULATIONS = (4, 6)  # splines of the amplitude of a modulated wave along the travel
@@ -759,19 +758,19 @@ def time(s: Search) -> None:
     s.put("disturbance_step", pulse("time", begin, end), 300)
     tones, trials = best_tones(s)
     for q in tones:
-        most = min(2.0 * q * s.duration, TONE_SHARE * s.balances[0].rate / q)
-        for family, orders in harmonics("disturbance_tone", most):
+        resolved = [1, *(k for k in (2, 3) if k * q < TONE_SHARE * s.balances[0].rate)]
+        for family, orders in (("", [1]), ("s", resolved)):
 
             def shape(q: float, orders: Sequence[int] = orders) -> Shape:
                 def law(a: FloatArray) -> tuple[Effect, ...]:
                     tone, pairs = E["disturbance_tone"].replace, enumerate(np.reshape(a, (-1, 2)), 1)
                     return tuple(tone(frequency=k * q, sine=float(x), cosine=float(y)) for k, (x, y) in pairs)
 
-                label = f"{q:.4g} Hz" + (f" with harmonics to {orders[-1]}" if len(orders) > 1 else "")
+                label = f"{q:.4g} Hz" + (" with harmonics" if len(orders) > 1 else "")
                 return Shape(label, sines("time", 2 * np.pi * q * np.array(orders)), law)
 
             refine = q, shape, 0.1 / (q * s.duration)
-            s.put("disturbance_tone", shape(q), trials, refine=refine, family=family)
+            s.put("disturbance_tone", shape(q), trials, refine=refine, family=f"disturbance_tone{family}")
 
 
 def pulse(coordinate: str, begin: float, end: float) -> Shape:
@@ -946,17 +945,19 @@ def waves(s: Search) -> None:
             if any(abs(kappa - q) < 0.5 / length for q in in_model):
                 continue
             s.most[name] = length / LEAST_TURNS
-            turns = 0.0 if name.startswith("~") else kappa * length
-            for family, one in harmonics(name, 2.0 * turns if turns > FAMILY_TURNS else 1.0):
+            # a long wave with harmonics is a generic force
+            long = name.startswith("~") or kappa * length < FAMILY_TURNS
+            orders = {"": (1,)} if long else {"": (1,), "s": (1, 2, 3)}
+            for family, one in orders.items():
 
                 def shape(period: float, name: str = name, orders: Sequence[int] = one) -> Shape:
                     law = None if name.startswith("~") else wave_law(name, *(period / order for order in orders))
-                    label = f"{period:.4g} with harmonics to {orders[-1]}" if len(orders) > 1 else f"{period:.4g}"
+                    label = f"{period:.4g} with harmonics" if len(orders) > 1 else f"{period:.4g}"
                     return Shape(label, wave(s, 1.0 / period, name, orders), law)
 
                 period = 1.0 / kappa
                 refine = period, shape, 0.1 * period / length
-                s.put(name, shape(period), trials, period=period, refine=refine, family=family)
+                s.put(name, shape(period), trials, period=period, refine=refine, family=f"{name}{family}")
     plain = s.found.get("cogging_harmonic")
     several_waves(s)
     peaks.sort(reverse=True)
@@ -969,15 +970,6 @@ def waves(s: Search) -> None:
             modulated = modulated_wave(s, kappa, count)
             if constant < NESTED * s.scored("cogging_modulation", modulated)[0]:
                 s.put("cogging_modulation", modulated, len(MODULATIONS) * trials)
-
-
-def harmonics(name: str, most: float) -> list[tuple[str, range]]:
-    """Return families of waves of a name with the orders of their harmonics, up to `most`.
-
-    A periodic force with more harmonics than half periods in the motion is a generic force.
-    """
-    highest = sorted({int(np.clip(most, 1, n)) for n in ORDERS})
-    return [(f"{name} {k}" if k else name, range(1, n + 1)) for k, n in enumerate(highest)]
 
 
 def several_waves(s: Search) -> None:
@@ -997,7 +989,7 @@ def several_waves(s: Search) -> None:
         label = " and ".join(f"{1 / k:.4g}" for k in kappas)
         columns = sines("position", 2 * np.pi * np.array(kappas))
         shape = Shape(label, columns, wave_law("cogging_harmonic", *(1.0 / k for k in kappas)))
-        s.put("cogging_harmonic", shape, trials**count, period=first, family=f"{count} waves")
+        s.put("cogging_harmonic", shape, trials**count, period=first, family=f"cogging_harmonic {count}")
 
 
 def sines(coordinate: str, turns: FloatArray) -> Columns:

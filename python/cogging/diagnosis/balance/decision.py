@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,18 +133,16 @@ def search(
     width, quantum = model.axis.coulomb_width, model.encoder.resolution
     balances = [DifferencedBalance(log, width, quantum) for log in given]
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
-    extra: list[Found] = []
-    free: list[str] = []
     sought: list[Found] = []  # accepted effects that were sought again
-    kept: tuple[Any, ...] | None = None  # state before the last of them was taken out
-    none: tuple[Any, ...] | None = None  # state before an effect that is not significant alone
+    kept: tuple[Model, Outcome] | None = None  # before the last of them was taken out
+    tried = False  # whether the first effect was accepted though it is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
     current = model
     for step in range(ROUNDS):
         uniform = outcome is not None and outcome.nominal.largely
-        evidence = Evidence(balances, model, current, list(extra), tuple(free), uniform=uniform)
+        evidence = Evidence(balances, model, current, *beside_model(outcome), uniform=uniform)
         evidence.prepare(2 if step == 0 else 3, listen=step == 0)
         current = evidence.model
         found = [f for f in search_once(evidence, also or {}) if f.name not in excluded]
@@ -157,8 +154,7 @@ def search(
             outcome = Outcome(evidence, evidence, evidence, [], [], found)
         outcome.evidence = outcome.both = evidence
         outcome.found = found
-        extra = with_amplitudes(extra, evidence)
-        outcome.both = with_logs(evidence, others, extra, uniform=outcome.nominal.largely)
+        outcome.both = with_logs(evidence, others, uniform=outcome.nominal.largely)
         if step == ROUNDS - 1:
             break
 
@@ -170,8 +166,8 @@ def search(
         shift = shift_of_zero(outcome.both, contenders, len(given)) if seeks_zero else 0.0
         if shift:
             outcome.shift, others = shift, [b.moved(shift) for b in others]
-            outcome.both = with_logs(evidence, others, extra, uniform=outcome.nominal.largely)
-            contenders = contenders_of(outcome.both, compared, len(given))
+            outcome.both = with_logs(evidence, others, uniform=outcome.nominal.largely)
+            contenders, kept = contenders_of(outcome.both, compared, len(given)), None
 
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
         if others:
@@ -180,31 +176,30 @@ def search(
         contenders = simplest_first(outcome.both, in_one_noise(outcome.both, one_of_each_name(contenders)))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = contenders if contenders and not is_weak(contenders[0], outcome.accepted, sought) else []
-        if not fit and evidence.largely and not outcome.accepted and none is None:
-            # beside a second large effect the first may not be significant: it is sought again if a second is found
-            none = current, [], [], [], evidence, outcome.both, found
-            fit = [c for c in contenders if c.found.name != LATE]
+        if not fit and evidence.largely and not outcome.accepted and not tried:
+            # beside a second large effect the first may not be significant: it is sought again at the end
+            tried, fit = True, [c for c in contenders if c.found.name != LATE]
         part = shares(fit) if fit else np.zeros(0)
         alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
-            current, extra, free, outcome.accepted, outcome.evidence, outcome.both, outcome.found = kept
-            (whole,) = (one for one in outcome.accepted if one.found is sought[-1])
-            whole.share, whole.alternatives = float(part[0]), alternatives
-            excluded.update({whole.found.name}.difference(REPEATED))
+            current, outcome = kept
+            (same,) = (one for one in outcome.accepted if one.found is sought[-1])
+            same.score, same.share, same.alternatives = fit[0].alone, float(part[0]), alternatives
+            excluded.update({same.found.name}.difference(REPEATED))
             fit = []
         kept = None
         if not fit:
             # what was found before the others may have stood in for several effects: seek it once more beside them
-            doubtful = [one for one in outcome.accepted[:-1] if one.found.k > WIDE or one.score < THRESHOLD]
+            last = outcome.accepted[-1] if outcome.accepted else None
+            doubtful = [
+                one for one in outcome.accepted if one.score < THRESHOLD or (one.found.k > WIDE and one is not last)
+            ]
             known = (*CONTACTS, *(f.name for f in sought))
             again = next((one for one in doubtful if one.found.name not in known), None)
             if again is None or step > ROUNDS - 3:
                 break
-            kept = current, extra, free, outcome.accepted, outcome.evidence, outcome.both, outcome.found
+            kept = current, copy(outcome)
             current = without(current, len(model.effects), outcome.accepted, again)
-            columns = [one for one in outcome.accepted if is_column(one.found)]
-            extra = [f for f, one in zip(extra, columns, strict=True) if one is not again]
-            free = [path for path in free if again.found.columns is not None or path != again.found.effect]
             outcome.accepted = [one for one in outcome.accepted if one is not again]
             excluded.discard(again.found.name)
             sought.append(again.found)
@@ -218,14 +213,13 @@ def search(
             continue
         f = owned(fit[0].found, outcome.accepted)
         outcome.accepted.append(Accepted(f, fit[0].alone, fit[0].force, float(part[0]), alternatives))
-        current = added_to(current, f, extra, free)
+        if f.columns is not None and not is_column(f):
+            current = current.replace(effects=(*current.effects, *f.laws(f.amplitudes)))
         excluded.update({*COUPLINGS} if f.name in COUPLINGS else {f.name}.difference(REPEATED))
     assert outcome is not None
-    if none is not None and all(one.score < THRESHOLD for one in outcome.accepted):
-        current, extra, free, outcome.accepted, outcome.evidence, outcome.both, outcome.found = none
-    plain = Evidence(balances, model, current, list(extra), tuple(free), plainly=True)
-    last = replace(outcome.evidence, extra=list(extra), with_width=True)
-    outcome.evidence = (plain if outcome.nominal.largely else last).prepare(3, orthogonal=True)
+    plain = Evidence(balances, model, current, *beside_model(outcome), plainly=True)
+    whitened = replace(outcome.evidence, with_width=True)
+    outcome.evidence = (plain if outcome.nominal.largely else whitened).prepare(3, orthogonal=True)
     without_each_other(outcome.accepted)
     return outcome
 
@@ -306,31 +300,26 @@ def owned(f: Found, accepted: Sequence[Accepted]) -> Found:
     return f if owner is None else replace(f, name=owner, label="other shape")
 
 
-def added_to(model: Model, f: Found, extra: list[Found], free: list[str]) -> Model:
-    """Return the model with the law of a candidate.
-
-    A candidate without a law is appended to `extra`, a change of the axis to `free`. Presliding stays a column: beside
-    its stiffness, re-tuned in steps, a wave that is no harmonic of the shaft was found in a real motor.
-    """
-    if f.columns is None:
-        free.append(f.effect)
-        return model
-    if is_column(f):
-        extra.append(f)
-        return model
-    return model.replace(effects=(*model.effects, *f.laws(f.amplitudes)))
+def beside_model(outcome: Outcome | None) -> tuple[list[Found], tuple[str, ...]]:
+    """Return the accepted columns without a law in the model, and the paths of the changes of the axis."""
+    found = [one.found for one in outcome.accepted] if outcome else []
+    return [f for f in found if is_column(f)], tuple(f.effect for f in found if f.columns is None)
 
 
 def without(model: Model, stated: int, accepted: Sequence[Accepted], again: Accepted) -> Model:
     """Return a model, whose first `stated` effects are not accepted ones, without the laws of an accepted effect."""
     counts = [0 if is_column(one.found) else len(one.found.laws(one.found.amplitudes)) for one in accepted]
-    at = accepted.index(again)
+    (at,) = (k for k, one in enumerate(accepted) if one is again)
     first = stated + sum(counts[:at])
     return model.replace(effects=(*model.effects[:first], *model.effects[first + counts[at] :]))
 
 
 def is_column(f: Found) -> bool:
-    """Return whether an accepted candidate is a column beside the model, which has no law of it."""
+    """Return whether an accepted candidate is a column beside the model, which has no law of it.
+
+    Presliding stays a column: beside its stiffness, re-tuned in steps, a wave that is no harmonic of the shaft was
+    found in a real motor.
+    """
     return f.columns is not None and (not f.laws(f.amplitudes) or f.name in CONTACTS)
 
 
@@ -341,16 +330,6 @@ def is_weak(c: Contender, accepted: Sequence[Accepted], sought: Sequence[Found])
     minor = 0.0 if c.found.columns is None else MINOR if c.is_lawful else NAMELESS  # priors limit the score of a change
     least = max([THRESHOLD, *(minor * one.score for one in known)])
     return c.alone < least or any(c.force < LEAST_FORCE * one.force for one in known)
-
-
-def with_amplitudes(extra: Sequence[Found], evidence: Evidence) -> list[Found]:
-    """Return the accepted candidates without a law, with their amplitudes from the joint fit."""
-    at, out = len(evidence.paths), []
-    for f in extra:
-        k = len(f.amplitudes)
-        out.append(replace(f, amplitudes=evidence.null.theta[at : at + k]))
-        at += k
-    return out
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
@@ -500,13 +479,11 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
     return near[:CLOSE]
 
 
-def with_logs(
-    evidence: Evidence, others: Sequence[DifferencedBalance], extra: Sequence[Found], *, uniform: bool
-) -> Evidence:
+def with_logs(evidence: Evidence, others: Sequence[DifferencedBalance], *, uniform: bool) -> Evidence:
     """Return the evidence of these and other logs under the same model; `evidence` itself without others."""
     if not others:
         return evidence
-    return replace(evidence, balances=[*evidence.balances, *others], extra=list(extra), uniform=uniform).prepare()
+    return replace(evidence, balances=[*evidence.balances, *others], uniform=uniform).prepare()
 
 
 def shift_of_zero(evidence: Evidence, contenders: Sequence[Contender], given: int) -> float:
