@@ -45,7 +45,6 @@ GAPS = 24  # widths of a play that are tried
 LOAD = (0.0, 0.95)  # allowed share of the mass that is the load
 DAMPINGS = (0.02, 0.1)  # damping ratios of a resonance; above, it is indistinguishable from a lag
 LIMITS = ("command_saturation", "command_dead_zone")
-LARGEST_SHARE = 0.5  # of the command's standard deviation: a larger reduction is a force that the command balances
 GAINS = (  # laws in proportion to the command, or nearly so
     *("force_constant_ripple", "force_constant_drift", "~gain along travel"),
     *("~gain of speed", "~command", "~reluctance"),
@@ -65,6 +64,7 @@ LEAST_TURNS = 1.0  # minimum periods in the travel: a longer wave is a spring or
 FAMILY_TURNS = 1.5  # minimum periods of a wave with harmonics
 WAVE_GRID = 1e-4  # m: grid of the position spectrum, a quarter of the shortest wave
 MODULATIONS = (4, 6)  # splines of the amplitude of a modulated wave along the travel
+NESTED = 0.7  # minimum share of the gain of a wider family that a law explains, to give its name
 MOST_WAVES = 3  # waves that are fitted together
 SHORTEST_WAVE = 1.0 / 2500.0  # m: shorter than the pitch of any motor or scale
 ROWS_PER_WAVE = 2.2  # minimum rows in the shortest wave at the highest speed; fewer alias
@@ -94,7 +94,7 @@ class Shape(NamedTuple):
 Refine = tuple[float, Callable[[float], Shape], float]
 
 
-@dataclass
+@dataclass(eq=False)
 class Found:
     """Best shape of one name."""
 
@@ -106,8 +106,7 @@ class Found:
     amplitudes: Any  # of the columns, (k,)
     columns: Any  # function(evidence) that returns the columns of each log; None for a parameter of the axis
     effect: Any = None  # function(amplitudes) that returns one law or several; None without; path of a parameter
-    others: tuple[str, ...] = ()  # further names of a shape without a law
-    likeness: float = 1.0  # share of the T of a shape without a law that the law of its name explains
+    likeness: float = 1.0  # share of the gain of a shape without a law that the law explains
     period: float | None = None  # of a wave along the travel, m
     refine: Refine | None = None  # a number of the shape, function(number) that returns a `Shape`, first relative step
     sudden: bool = False  # see `Shape`
@@ -193,7 +192,6 @@ class Search:
         self.duration = max(b.time[-1] for b in bs)  # s
         self.force = max(np.abs(b.command).max() for b in bs)  # V
         self.weights = adjoint(ctx, ctx.basis[0], ctx.basis[2])
-        self.has_reference = all(b.reference is not None for b in bs)
         self.found: dict[str, Found] = {}
         self.least: dict[str, float] = {}  # smallest value of a shape; below half of it the effect vanishes
         self.most: dict[str, float] = {}  # largest value of a shape; beyond it the law is that of another effect
@@ -210,9 +208,6 @@ class Search:
     ) -> float:
         """Keep a shape if it is the best of its name and family; return its T, or 0 if its amplitudes are rejected."""
         shape, T, amplitudes, k = self.fitted(name, shape)
-        bounded = name in (*LIMITS, *GAINS) and not self.has_reference
-        if bounded and self.share_of_command(shape.columns, amplitudes) > LARGEST_SHARE:
-            return 0.0
         if accept is not None and not accept(amplitudes):
             return 0.0
         key, made = family or name, (shape.columns, shape.law)
@@ -230,13 +225,12 @@ class Search:
     def fitted(self, name: str, shape: Shape) -> tuple[Shape, float, FloatArray, int]:
         """Return a shape with its T, amplitudes and degrees of freedom.
 
-        Beside a reference, which alone shows what the motion needs, a law that changes much of the command has its
-        columns at the command that the motion needs under the law. There they are instruments of the columns at the
-        measured command, which give the first amplitudes.
+        A law that changes much of the command has its columns at the command that the motion needs under the law. There
+        they are instruments of the columns at the measured command, which give the first amplitudes.
         """
         T, amplitudes, k = self.scored(name, shape)
         linear, ctx = shape.columns, self.ctx
-        if name in GAINS and self.has_reference and self.share_of_command(linear, amplitudes) > LINEAR:
+        if name in GAINS and self.share_of_command(linear, amplitudes) > LINEAR:
             none = under_law(linear, np.zeros(len(amplitudes)))
             z = np.hstack(none(ctx))
             x = np.hstack(at_commands(ctx, linear, [b.command for b in ctx.balances]))
@@ -397,7 +391,7 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
     final = [f for f in on_threads(lambda f: refined(s, f) if f.score > limit else f, best) if f is not None]
     final = [f for f in final if f.name not in LIMITS or passes(ctx, f)]
     final += [replace(f, name="end_effect", label="other shape", effect=None) for f in final if is_cut(s, f)]
-    return sorted(with_cells(final), key=lambda f: -f.score)
+    return sorted(final, key=lambda f: -f.score)
 
 
 def is_cut(s: Search, f: Found) -> bool:
@@ -561,25 +555,29 @@ def command(s: Search) -> None:
     """Try delay, lag, saturation, dead zone and gain drift of the command."""
     least = LEAST_DELAY * float(np.median(np.diff(s.balances[0].log.time)))
 
-    def proportional(name: str, field: str, size: float, label: str, columns: Columns, trials: int) -> float:
-        """Try columns for a time `size` (s), which the amplitude multiplies."""
-        shape = Shape(label, columns, lambda a: E[name].replace(**{field: float(size * a[0])}))
-        return s.put(name, shape, trials, lambda a: bool(a[0] * size > least))
+    def later(name: str, field: str, change: Callable[[float, DifferencedBalance, FloatArray], FloatArray]) -> None:
+        """Try a change of the command by a time, s, near that of the slope; the amplitude multiplies the time."""
+
+        def shape(size: float) -> Shape:
+            law = E[name].replace
+            return Shape(f"{size:.3g}", timed(partial(change, size)), lambda a: law(**{field: float(size * a[0])}))
+
+        for size in (0.7 * first, first, 1.4 * first):
+            s.varied(name, size, shape, 3, within((least / size, np.inf)))
 
     def falling(b: DifferencedBalance, d: FloatArray) -> FloatArray:
         return np.asarray(-np.diff(d, prepend=d[0]) / b.step)
 
     def timed(change: Callable[[DifferencedBalance, FloatArray], FloatArray]) -> Columns:
-        """Return columns of a change of the drive, which without a reference holds the fast noise of the readings."""
-        whole = s.ctx.largely or s.ctx.uniform
-        return driven(lambda b, d: change(b, d if whole else b.followed(d)))
+        """Return columns of a change of the command whose timing is known."""
+        return driven(lambda b, d: change(b, b.timed(d)))
 
     s.put(LATE, Shape("", driven(falling)), accept=lambda a: bool(a[0] < -least))
-    if proportional("command_delay", "delay", 1.0, "slope", timed(falling), 1):
+    slope = Shape("slope", timed(falling), lambda a: E["command_delay"].replace(delay=float(a[0])))
+    if s.put("command_delay", slope, accept=lambda a: bool(a[0] > least)):
         first = float(s.found["command_delay"].amplitudes[0])
-        for t in (0.7 * first, 1.0 * first, 1.4 * first):
-            proportional("command_delay", "delay", t, f"{t:.3g}", timed(partial(delayed, t)), 3)
-            proportional("actuator_lag", "time_constant", t, f"{t:.3g}", timed(partial(lagged, t)), 3)
+        later("command_delay", "delay", delayed)
+        later("actuator_lag", "time_constant", lagged)
 
     # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
     def saturation(limit: float) -> Shape:
@@ -632,7 +630,7 @@ def passes(c: Evidence, f: Found) -> bool:
 def limiting(make: Callable[[FloatArray], FloatArray]) -> Columns:
     """Return columns made from the command that a limit acts on: as logged where a model lacks most of it."""
     return lambda c: [
-        np.atleast_2d(make(b.command if b.reference is not None and (c.largely or c.uniform) else one.quiet))
+        np.atleast_2d(make(b.command if b.largely else one.quiet))
         for b, one in zip(c.balances, c.instruments, strict=True)
     ]
 
@@ -1177,30 +1175,3 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
 
 JUMPS, LOST = "~jump of the reading in time", "~jump of the reading along travel"
 LATE = "~command logged late"  # a fault of the log: its amplitude is the negative time shift, s
-#: Generic forces along a coordinate, and the effects whose law may have such a shape.
-CELLS = {
-    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
-    "~gain along travel": ("force_constant_ripple",),
-    "~command": ("command_saturation", "command_dead_zone"),
-    "~friction wave": ("position_dependent_friction",),
-    "~force in time": ("disturbance_step", "disturbance_tone"),
-}
-NESTED = 0.7  # minimum share of the gain of a wider family that a law explains, to give its name
-
-
-def with_cells(found: Sequence[Found]) -> list[Found]:
-    """Return the candidates with each generic force renamed after the best law of its coordinate, if one fits."""
-    by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
-    out = {(f.name, f.label): f for f in found}
-    for cell, names in CELLS.items():
-        members = sorted((by[n] for n in names if n in by and n != "constant_force"), key=lambda f: -f.T)
-        if cell not in by or not members or members[0].T - members[0].k < NESTED * (by[cell].T - by[cell].k):
-            continue
-        del out[cell, by[cell].label]
-        best = members[0]
-        if by[cell].score > best.score:
-            others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
-            likeness = best.T / max(best.T, by[cell].T, 1e-9)
-            named = replace(by[cell], name=best.name, label="other shape", effect=None)
-            out[cell, ""] = replace(named, others=others, likeness=likeness)
-    return list(out.values())

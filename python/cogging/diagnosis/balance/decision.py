@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
+from cogging.diagnosis.balance.candidates import JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.effects.effect import Effect
@@ -52,6 +52,14 @@ CONTACTS = (
 )  # stay columns: re-tuning would move their instants
 OF_A_WINDOW = ("local_force", "disturbance_step")  # at a place or a time of their own: no error of another law
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has at most one
+#: Generic forces along a coordinate, and the effects whose law may have such a shape.
+CELLS = {
+    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
+    "~gain along travel": ("force_constant_ripple",),
+    "~command": ("command_saturation", "command_dead_zone"),
+    "~friction wave": ("position_dependent_friction",),
+    "~force in time": ("disturbance_step", "disturbance_tone"),
+}
 
 
 @dataclass

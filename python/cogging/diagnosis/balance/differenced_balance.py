@@ -111,11 +111,12 @@ class DifferencedBalance:
         keep_near_rest: the same with rows near rest in which the readings still move, (n,).
         corner: corner of the low-pass filter before decimation, Hz.
         crossover: frequency above which the loop does not answer its noise, Hz.
+        largely: whether a model lacks so much that noise is negligible.
     """
 
     def __init__(self, log: Log, width: float = 1e-3, quantum: float = 0.0) -> None:
         quantum = quantum or encoder_quantum(log.position)
-        self.log, self.width, self.corner, self.crossover = log, width, FIRST_CORNER, SLOW
+        self.log, self.width, self.corner, self.crossover, self.largely = log, width, FIRST_CORNER, SLOW, False
         self.cache: dict[Any, Any] = {}
         time, position, command, gap = _even(log)
         steps = np.diff(time)
@@ -207,9 +208,14 @@ class DifferencedBalance:
         a = np.gradient(v, log.time) if log.reference_acceleration is None else log.reference_acceleration
         return np.array([np.interp(self.time, log.time - log.time[0], row) for row in (x, v, a)])
 
-    def followed(self, command: FloatArray) -> FloatArray:
-        """Return the part of a command (n,) whose timing is that of the motion: without a reference, the slow one."""
-        return command if self.reference is not None else self.low_passed(command, FOLLOWED * self.crossover)
+    def timed(self, drive: FloatArray) -> FloatArray:
+        """Return the command whose timing is known, V, (n,), from its part without noise, `drive`.
+
+        Without a reference that is the slow part, and the whole command as logged where its noise is negligible.
+        """
+        if self.reference is not None:
+            return drive
+        return self.command if self.largely else self.low_passed(drive, FOLLOWED * self.crossover)
 
     def low_passed(self, x: FloatArray, cutoff: float) -> FloatArray:
         """Return rows (n,) behind a zero-phase low-pass filter with a corner (Hz)."""
@@ -277,6 +283,7 @@ class DifferencedBalance:
         noise = 2.0 * self.encoder_noise**2 * self.step / self.thinning * (axis.mass * (2 * np.pi * f) ** 2) ** 2
         read = (f > FORCE_NOISE[0]) & (f < FORCE_NOISE[1])
         level = np.full(len(f), max(float(np.median(p[read] - noise[read])), 0.0))
+        self.largely = largely
         if largely:
             level = ENCODER_SHARE * median_filter(p, 2 * int(CORNERS[0] / f[1]) + 1)
         loud = noise > level

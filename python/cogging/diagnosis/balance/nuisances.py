@@ -74,7 +74,7 @@ class Instruments(NamedTuple):
         # without a reference, the acceleration that is known without noise lacks the fast motion
         a = None if b.reference is None else self.acceleration
         drive = b.command if "shape_command" in hooks else self.drive
-        drive = b.followed(drive) if hooks & SHIFTS else drive
+        drive = b.timed(drive) if hooks & SHIFTS else drive
         loads = b.loads(new, self.force, self.moves) - b.loads(old, self.force, self.moves)
         known = b.cache.get("before")  # many laws are compared with the same model
         if known is None or known[0] is not drive or known[1] != old:
