@@ -617,12 +617,14 @@ def passes(c: Evidence, f: Found) -> bool:
     needs depends on mass and friction: the share is averaged over those re-tuned without the limit and with it.
     """
     rows, shares = f.rows(c)[1], list[float]()
+    limits = [e for e in c.model.effects if e.NAME in LIMITS]
+    passed = [b.rows(sum(b.added(c.model, limits, b.command), b.command)[None])[0] for b in c.balances]
     for fit in (c.null, c.fitted(c.plain, rows)):
         left, needed = 0.0, 0.0
-        for b, x, r, n, m in zip(c.balances, rows, c.residuals, c.nuisances, c.masks, strict=True):
+        for u, x, r, n, m in zip(passed, rows, c.residuals, c.nuisances, c.masks, strict=True):
             rest = r - fit.theta[: len(n)] @ n
             left += float(np.sum((rest - f.amplitudes @ x)[m] ** 2))
-            needed += float(np.sum((b.rows(b.command[None])[0] + rest)[m] ** 2))
+            needed += float(np.sum((u + rest)[m] ** 2))
         shares.append(1.0 - left / needed)
     return sum(shares) > 2.0 * PASSED
 

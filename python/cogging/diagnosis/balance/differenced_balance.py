@@ -289,6 +289,7 @@ class DifferencedBalance:
         loud = noise > level
         self.corner, self.cache = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS)), {}
         if largely:
+            self.crossover = self.corner
             return
         slope = 2.0 / np.pi * axis.coulomb / max(axis.coulomb_width, 1e-9) + axis.viscous + axis.mass / REST_TIME
         pushed = float(np.sqrt(0.5 * level[0] / REST_TIME)) / slope * REST_TIME
