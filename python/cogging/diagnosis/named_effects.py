@@ -63,7 +63,7 @@ def named(
         sizes = [parameters[q].value for q in roles if roles[q]["role"] == "amplitude" and q in parameters]
         by_size.setdefault(name, []).append((float(np.linalg.norm(np.hstack([0.0, *sizes]))), parameters))
         one = term.accepted
-        others = [other for other, _ in one.alternatives]
+        others = dict.fromkeys([*(other for other, _ in one.alternatives), *one.found.others])
         beside = RELIABLE_BESIDE if taken[name] > MINOR_SHARE else RELIABLE_MINOR
         confidence = (beside if several else RELIABLE) * one.share * one.found.likeness
         other = term.effect is None and term.accepted.found.columns is not None

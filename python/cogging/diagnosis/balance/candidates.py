@@ -106,7 +106,8 @@ class Found:
     amplitudes: Any  # of the columns, (k,)
     columns: Any  # function(evidence) that returns the columns of each log; None for a parameter of the axis
     effect: Any = None  # function(amplitudes) that returns one law or several; None without; path of a parameter
-    likeness: float = 1.0  # share of the gain of a shape without a law that the law explains
+    others: tuple[str, ...] = ()  # further names of a shape without a law
+    likeness: float = 1.0  # share of the gain of a shape without a law that the law of its name explains
     period: float | None = None  # of a wave along the travel, m
     refine: Refine | None = None  # a number of the shape, function(number) that returns a `Shape`, first relative step
     sudden: bool = False  # see `Shape`
@@ -391,7 +392,7 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
     final = [f for f in on_threads(lambda f: refined(s, f) if f.score > limit else f, best) if f is not None]
     final = [f for f in final if f.name not in LIMITS or passes(ctx, f)]
     final += [replace(f, name="end_effect", label="other shape", effect=None) for f in final if is_cut(s, f)]
-    return sorted(final, key=lambda f: -f.score)
+    return sorted(with_cells(final), key=lambda f: -f.score)
 
 
 def is_cut(s: Search, f: Found) -> bool:
@@ -1177,3 +1178,29 @@ def own_shape(label: str, base: Effect, amplitudes: Sequence[str]) -> Shape:
 
 JUMPS, LOST = "~jump of the reading in time", "~jump of the reading along travel"
 LATE = "~command logged late"  # a fault of the log: its amplitude is the negative time shift, s
+#: Generic forces along a coordinate, and the effects whose law may have such a shape.
+CELLS = {
+    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
+    "~gain along travel": ("force_constant_ripple",),
+    "~command": ("command_saturation", "command_dead_zone"),
+    "~friction wave": ("position_dependent_friction",),
+    "~force in time": ("disturbance_step", "disturbance_tone"),
+}
+
+
+def with_cells(found: Sequence[Found]) -> list[Found]:
+    """Return the candidates with each generic force renamed after the best law of its coordinate, if one fits."""
+    by = {f.name: f for f in sorted(found, key=lambda f: f.score)}
+    out = {(f.name, f.label): f for f in found}
+    for cell, names in CELLS.items():
+        members = sorted((by[n] for n in names if n in by and n != "constant_force"), key=lambda f: -f.T)
+        if cell not in by or not members or members[0].T - members[0].k < NESTED * (by[cell].T - by[cell].k):
+            continue
+        del out[cell, by[cell].label]
+        best = members[0]
+        if by[cell].score > best.score:
+            others = tuple(f.name for f in members[1:] if f.T > NESTED * best.T)
+            likeness = best.T / max(best.T, by[cell].T, 1e-9)
+            named = replace(by[cell], name=best.name, label="other shape", effect=None)
+            out[cell, ""] = replace(named, others=others, likeness=likeness)
+    return list(out.values())

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from cogging.arrays import FloatArray
-from cogging.diagnosis.balance.candidates import JUMPS, LATE, NESTED, Found, search_once
+from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.effects.effect import Effect
@@ -52,14 +52,6 @@ CONTACTS = (
 )  # stay columns: re-tuning would move their instants
 OF_A_WINDOW = ("local_force", "disturbance_step")  # at a place or a time of their own: no error of another law
 COUPLINGS = ("backlash", "flexible_mode")  # of motor and load: an axis has at most one
-#: Generic forces along a coordinate, and the effects whose law may have such a shape.
-CELLS = {
-    "~force along travel": ("cable_spring", "end_effect", "local_force", "constant_force"),
-    "~gain along travel": ("force_constant_ripple",),
-    "~command": ("command_saturation", "command_dead_zone"),
-    "~friction wave": ("position_dependent_friction",),
-    "~force in time": ("disturbance_step", "disturbance_tone"),
-}
 
 
 @dataclass
@@ -141,7 +133,7 @@ def search(
     width, quantum = model.axis.coulomb_width, model.encoder.resolution
     balances = [DifferencedBalance(log, width, quantum) for log in given]
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
-    sought: list[Accepted] = []  # effects that were sought again
+    sought: list[Found] = []  # accepted effects that were sought again
     kept: tuple[Model, Outcome] | None = None  # before the last of them was taken out
     tried = False  # whether the first effect was accepted though it is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
@@ -154,7 +146,7 @@ def search(
         evidence.prepare(2 if step == 0 else 3, listen=step == 0)
         current = evidence.model
         found = [f for f in search_once(evidence, also or {}) if f.name not in excluded]
-        found += [sought[-1].found] if kept else []
+        found += sought[-1:] if kept else []
         progress(f"round {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f}" for f in found[:5]))
         if outcome is None:
             for b in others:
@@ -189,9 +181,11 @@ def search(
             tried, fit = True, [c for c in contenders if c.found.name != LATE]
         part = shares(fit) if fit else np.zeros(0)
         alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
-        if kept and comes_back(sought[-1], fit, alternatives, part):
+        if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
             current, outcome = kept
-            excluded.update({sought[-1].found.name}.difference(REPEATED))
+            (same,) = (one for one in outcome.accepted if one.found is sought[-1])
+            same.score, same.share, same.alternatives = fit[0].alone, float(part[0]), alternatives
+            excluded.update({same.found.name}.difference(REPEATED))
             fit = []
         kept = None
         if not fit:
@@ -200,7 +194,7 @@ def search(
             doubtful = [
                 one for one in outcome.accepted if one.score < THRESHOLD or (one.found.k > WIDE and one is not last)
             ]
-            known = (*CONTACTS, *(one.found.name for one in sought))
+            known = (*CONTACTS, *(f.name for f in sought))
             again = next((one for one in doubtful if one.found.name not in known), None)
             if again is None or step > ROUNDS - 3:
                 break
@@ -208,7 +202,7 @@ def search(
             current = without(current, len(model.effects), outcome.accepted, again)
             outcome.accepted = [one for one in outcome.accepted if one is not again]
             excluded.discard(again.found.name)
-            sought.append(again)
+            sought.append(again.found)
             progress(f"  again: {again.found.name} {again.found.label}")
             continue
 
@@ -228,21 +222,6 @@ def search(
     outcome.evidence = (plain if outcome.nominal.largely else whitened).prepare(3, orthogonal=True)
     without_each_other(outcome.accepted)
     return outcome
-
-
-def comes_back(
-    one: Accepted, found: Sequence[Contender], alternatives: list[tuple[str, float]], part: FloatArray
-) -> bool:
-    """Return whether an effect that was taken out comes back: found as it was, or nothing takes its place.
-
-    In the first case it gets the score, the probability and the alternatives that it has beside the others.
-    """
-    if not found:
-        return one.score >= THRESHOLD
-    if (found[0].found.name, found[0].found.k) != (one.found.name, one.found.k):
-        return False
-    one.score, one.share, one.alternatives = found[0].alone, float(part[0]), alternatives
-    return True
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
@@ -344,9 +323,9 @@ def is_column(f: Found) -> bool:
     return f.columns is not None and (not f.laws(f.amplitudes) or f.name in CONTACTS)
 
 
-def is_weak(c: Contender, accepted: Sequence[Accepted], sought: Sequence[Accepted]) -> bool:
+def is_weak(c: Contender, accepted: Sequence[Accepted], sought: Sequence[Found]) -> bool:
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
-    missing = {one.found.name for one in sought} - {one.found.name for one in accepted}
+    missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
     minor = 0.0 if c.found.columns is None else MINOR if c.is_lawful else NAMELESS  # priors limit the score of a change
     least = max([THRESHOLD, *(minor * one.score for one in known)])

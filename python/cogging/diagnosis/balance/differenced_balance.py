@@ -110,8 +110,8 @@ class DifferencedBalance:
         keep: 1 for a valid row, else 0, (n,).
         keep_near_rest: the same with rows near rest in which the readings still move, (n,).
         corner: corner of the low-pass filter before decimation, Hz.
-        crossover: frequency above which the loop does not answer its noise, Hz.
-        largely: whether a model lacks so much that noise is negligible.
+        crossover: frequency above which the loop does not answer its noise, Hz; `corner` where noise is negligible.
+        largely: whether a model lacks so much that noise is negligible below the corner.
     """
 
     def __init__(self, log: Log, width: float = 1e-3, quantum: float = 0.0) -> None:
