@@ -110,7 +110,7 @@ class DifferencedBalance:
         keep: 1 for a valid row, else 0, (n,).
         keep_near_rest: the same with rows near rest in which the readings still move, (n,).
         corner: corner of the low-pass filter before decimation, Hz.
-        crossover: frequency above which the loop does not answer its noise, Hz; `corner` where noise is negligible.
+        crossover: frequency above which the loop does not answer its noise, Hz.
         largely: whether a model lacks so much that noise is negligible below the corner.
     """
 
@@ -289,7 +289,6 @@ class DifferencedBalance:
         loud = noise > level
         self.corner, self.cache = float(np.clip(f[np.argmax(loud)] if loud.any() else np.inf, *CORNERS)), {}
         if largely:
-            self.crossover = self.corner
             return
         slope = 2.0 / np.pi * axis.coulomb / max(axis.coulomb_width, 1e-9) + axis.viscous + axis.mass / REST_TIME
         pushed = float(np.sqrt(0.5 * level[0] / REST_TIME)) / slope * REST_TIME
