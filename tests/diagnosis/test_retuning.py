@@ -225,13 +225,13 @@ def test_the_interval_of_a_delay_holds_it_without_a_reference(delay, seed):
     ],
 )
 def test_what_changes_most_of_the_command_is_named_without_a_reference(name, fields, seed):
-    """Were nothing, a delay with a mode, and a change of friction, by columns of the command without its fast part."""
+    """Columns of the command without its fast part showed four other effects, a delay with a mode, and nothing."""
     true = moving_axis.machine([cogging.EFFECTS[name](**fields)])
     logs = [unguided(moving_axis.record(true, 10 * seed + k)) for k in (1, 2)]
     outcome = search(logs[:1], logs[1:], STATED)
     assert [(one.found.name, one.share > 0.9) for one in outcome.accepted] == [(name, True)]
     [law] = (e for e in outcome.both.model.effects if name == e.NAME)
-    assert {field: getattr(law, field) for field in fields} == pytest.approx(fields, rel=0.05)
+    assert {field: getattr(law, field) for field in fields} == pytest.approx(fields, rel=0.01)  # seen: 7.8e-3
 
 
 def test_a_constant_force_may_be_an_asymmetry_of_steep_friction():
