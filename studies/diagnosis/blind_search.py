@@ -1,12 +1,13 @@
-"""Which names the search alone gives a drawn blind suite: `python -m studies.diagnosis.blind_search DIR [JOBS [without]]`.
+"""Which names the search alone gives a drawn blind suite, judged as the answers of `diagnose` are.
 
-DIR is the `--out` of `python -m tests.blind.benchmark --only-draw`. Logs that are misread are left out; with `without`, logs
-have no reference. A wrong name has a probability of 0.95 or more, and no hidden effect among its alternatives.
+DIR is the `--out` of `python -m tests.blind.benchmark --only-draw`. Logs that are misread are left out.
 """
 
+import argparse
 import json
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -14,60 +15,52 @@ import cogging
 from cogging.diagnosis.balance.decision import search
 from cogging.resources import on_one_blas_thread
 from cogging_command import run_command
+from tests.blind.score import judge
 from tests.blind.suite import mapped
 
 
 @on_one_blas_thread(scipy=True)
-def names_of(task: tuple[Path, bool]) -> tuple[list[tuple[str, list[str], float]], float]:
-    """Search one case: name, alternatives and probability of each effect, and the seconds that it took."""
+def answer(task: tuple[Path, bool]) -> dict[str, Any]:
+    """Search one case: its names in the form of `result.json`, or the error that ended it, and the seconds it took."""
     case, bare = task
     logs = [cogging.read_log(case / name) for name in ("log.csv", "confirm.csv")]
     if bare:
         logs = [cogging.Log(log.time, log.position, log.command) for log in logs]
-    begin = time.process_time()
+    begin, found = time.process_time(), {}
     try:
-        found = search(logs[:1], logs[1:], cogging.Model.read(case / "model.toml")).accepted
+        accepted = search(logs[:1], logs[1:], cogging.Model.read(case / "model.toml")).accepted
+        found["verdict"] = "named" if accepted else "no_gap"
+        found["effects"] = [
+            {"name": a.found.name, "alternatives": [name for name, _ in a.alternatives], "confidence": a.share}
+            for a in accepted
+        ]
     except Exception as error:
-        return [(f"~{type(error).__name__}: {error}", [], 0.0)], time.process_time() - begin
-    names = [(a.found.name, [name for name, _ in a.alternatives], a.share) for a in found]
-    return names, time.process_time() - begin
-
-
-def judged(entry: dict[str, Any], names: list[tuple[str, list[str], float]]) -> dict[str, int]:
-    """Count by the key of a case."""
-    truths = {one["name"] for one in entry["effects"]}
-    fine = truths.union(*(one["tolerated"] for one in entry["effects"]))
-    own = [{name, *others} for name, others, _ in names]
-    false = {name for (name, _, share), one in zip(names, own, strict=True) if share >= 0.95 and not one & fine}
-    met = sum(any(name in one for one in own) for name in truths)
-    all_named = bool(truths) and met == len(truths)
-    return {
-        "something": bool(names),
-        "first": bool(own and own[0] & set(entry.get("largest", truths))),
-        "all": all_named,
-        "exactly": all_named and len(names) == len(truths),
-        "named": met,
-        "hidden": len(truths),
-        "wrong": len({name for name in false if not name.startswith("~")}),
-    }
+        found["error"] = f"{type(error).__name__}: {error}"
+    return {**found, "seconds": time.process_time() - begin}
 
 
 def main() -> int:
-    out, jobs = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 2
-    key = json.loads((out / "key" / "key.json").read_text())["cases"]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("suite", type=Path, metavar="DIR")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--without-reference", action="store_true", help="leave out the logs' reference")
+    given = parser.parse_args()
+    key = json.loads((given.suite / "key" / "key.json").read_text())["cases"]
     chosen = [name for name, entry in sorted(key.items()) if not entry.get("misreading")]
-    answers = mapped(names_of, [(out / "cases" / name, "without" in sys.argv) for name in chosen], jobs)
-    total: dict[str, int] = {}
-    seconds = 0.0
-    for name, (names, took) in zip(chosen, answers, strict=True):
-        counts = judged(key[name], names)
-        total = {what: total.get(what, 0) + number for what, number in counts.items()}
-        seconds += took
-        truths = " + ".join(one["name"] for one in key[name]["effects"]) or "nothing"
-        said = ", ".join(f"{one}{'/' + '/'.join(more) if more else ''} {share:.2f}" for one, more, share in names)
-        print(f"{name} {key[name]['kind']}: {truths}: {said or '-'}", flush=True)
-    print(f"{len(chosen)} logs: " + ", ".join(f"{what} {number}" for what, number in total.items()))
-    print(f"{seconds:.0f} s of CPU")
+    tasks = [(given.suite / "cases" / name, given.without_reference) for name in chosen]
+    total: Counter[str] = Counter()
+    for name, found in zip(chosen, mapped(answer, tasks, given.jobs), strict=True):
+        seen = judge(key[name], found, found["seconds"])
+        total += Counter({"logs": 1, "errors": "error" in found, "detected": seen.detected, "right": seen.right,
+                          "exact": seen.exact, "largest first": bool(seen.largest), "named": seen.found,
+                          "hidden": len(seen.truths), "wrong": len(seen.wrong), "s of CPU": round(seen.seconds)})  # fmt: skip
+        said = ", ".join(
+            "/".join([one["name"], *one["alternatives"]]) + f" {one['confidence']:.2f}"
+            for one in found.get("effects", ())
+        )
+        hidden = " + ".join(seen.truths) or "nothing"
+        print(f"{name} {seen.kind}: {hidden}: {found.get('error') or said or '-'}", flush=True)
+    print(", ".join(f"{what} {number}" for what, number in total.items()))
     return 0
 
 

@@ -1,10 +1,11 @@
-"""Which names the search gives machines that lack two large effects: `python -m studies.diagnosis.two_effects [COUNT]`.
+"""Which names the search gives machines that lack two large effects.
 
-Each of COUNT (48) machines is the axis of the tests of `diagnose` with two laws, drawn with their sizes: each makes a good part
+Each of COUNT machines is the axis of the tests of `diagnose` with two laws, drawn with their sizes: each makes a good part
 of the command. A row is right where the search names the two and nothing else, up to alternatives. A wrong name has a
 probability of 0.95 or more, and no hidden law among its alternatives.
 """
 
+import argparse
 import sys
 
 import numpy as np
@@ -41,7 +42,9 @@ def drawn(random):
 
 @on_one_blas_thread(scipy=True)
 def main() -> int:
-    count, right, found, wrong = int(sys.argv[1]) if len(sys.argv) > 1 else 48, 0, 0, 0
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("count", type=int, nargs="?", default=48, metavar="COUNT")
+    count, right, found, wrong = parser.parse_args().count, 0, 0, 0
     plain = moving_axis.machine()
     stated = plain.replace(axis=plain.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
     for seed in range(count):
