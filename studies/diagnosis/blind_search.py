@@ -29,10 +29,11 @@ def answer(task: tuple[Path, bool]) -> dict[str, Any]:
     begin, found = time.process_time(), {}
     try:
         accepted = search(logs[:1], logs[1:], cogging.Model.read(case / "model.toml")).accepted
-        found["verdict"] = "named" if accepted else "no_gap"
+        known = [a for a in accepted if not a.found.name.startswith("~")]  # the others are forces without a name
+        found["verdict"] = "unlisted" if len(known) < len(accepted) else "named" if known else "no_gap"
         found["effects"] = [
             {"name": a.found.name, "alternatives": [name for name, _ in a.alternatives], "confidence": a.share}
-            for a in accepted
+            for a in known
         ]
     except Exception as error:
         found["error"] = f"{type(error).__name__}: {error}"
