@@ -47,7 +47,7 @@ def main() -> int:
     parser.add_argument("cases", nargs="*", metavar="CASE")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--without-reference", action="store_true", help="leave out the logs' reference")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     key = json.loads((given.suite / "key" / "key.json").read_text())["cases"]
     chosen = given.cases or [name for name, entry in sorted(key.items()) if not entry.get("misreading")]
     tasks = [(given.suite / "cases" / name, given.without_reference) for name in chosen]
