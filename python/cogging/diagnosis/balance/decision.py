@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import combinations, pairwise
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,20 +162,21 @@ def search(
 
         # compare the best candidates on all logs, each with its own whitening filter
         compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
-        compared = closest(outcome.both, compared)
-        contenders = contenders_of(outcome.both, compared, len(given))
+        close, pair = closest(outcome.both, compared)
+        contenders = contenders_of(outcome.both, close, len(given))
         seeks_zero = bool(others) and not outcome.shift and model.cogging is None
         shift = shift_of_zero(outcome.both, contenders, len(given)) if seeks_zero else 0.0
         if shift:
             outcome.shift, others = shift, [b.moved(shift) for b in others]
             outcome.both = with_logs(evidence, others, uniform=outcome.nominal.largely)
-            contenders, kept = contenders_of(outcome.both, compared, len(given)), None
+            contenders, kept = contenders_of(outcome.both, close, len(given)), None
 
+        where, contenders = beside_second(outcome.both, compared, pair, contenders, len(given))
         contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
         if others:
             outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
             contenders = [c for c in contenders if not c.is_contradicted]
-        contenders = simplest_first(outcome.both, in_one_noise(outcome.both, one_of_each_name(contenders)))
+        contenders = simplest_first(where, in_one_noise(where, one_of_each_name(contenders)))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = contenders if contenders and not is_weak(contenders[0], outcome.accepted, sought) else []
         if not fit and evidence.largely and not outcome.accepted and not tried:
@@ -456,27 +459,61 @@ def retuned(evidence: Evidence, model: Model, fit: Maximum) -> Evidence:
     return at
 
 
-def closest(evidence: Evidence, found: Sequence[Found]) -> list[Found]:
-    """Return the candidates worth a complete fit: the best of the given logs, and the likeliest on all logs."""
-    blocks = len(block_edges(evidence))
+@np.errstate(all="ignore")
+def closest(evidence: Evidence, found: Sequence[Found]) -> tuple[list[Found], tuple[Found, ...]]:
+    """Return the candidates worth a complete fit, and the likeliest pair of candidates, or none.
 
-    @np.errstate(all="ignore")
-    def worth(f: Found) -> float:
-        if f.columns is None or f.name == JUMPS:  # a jump is in one log only
-            return f.score
-        own, rows = f.rows(evidence)
-        ratio = min(base.cost for base in own.bases) - min(own.costs_with(rows))
-        return score_of(ratio, max(f.k, 1), f.N, blocks)
-
-    # compute the cached fits before threads share them
-    assert evidence.bases
-    assert not any(f.near_rest for f in found) or evidence.near_rest.bases
-    worths = on_threads(worth, found)
+    The former are the best of the given logs and the likeliest on all logs.
+    """
+    blocks, worth = len(block_edges(evidence)), {f: f.score for f in found}  # a jump is in one log only
+    pairs: dict[tuple[Found, ...], float] = {}
+    for own, near_rest in ((evidence, False), (evidence.near_rest, True)):
+        free = [f for f in found if f.near_rest == near_rest and f.columns is not None and f.name != JUMPS]
+        if not free:
+            continue
+        rows = on_threads(lambda f: f.rows(evidence)[1], free)
+        ends = np.cumsum([0, *(len(t[0]) for t in rows)])
+        groups = dict(zip(free, (np.arange(*ends) for ends in pairwise(ends)), strict=True))
+        sets = [(f,) for f in free] + ([] if near_rest else list(combinations(free, 2)))
+        tables = [np.vstack(t) for t in zip(*rows, strict=True)]
+        costs = own.costs_with(tables, [np.hstack([groups[f] for f in one]) for one in sets]).min(axis=0)
+        none = min(base.cost for base in own.bases)
+        for one, cost in zip(sets, costs, strict=True):
+            score = score_of(none - cost, sum(f.k for f in one), prod(f.N for f in one), blocks)
+            if len(one) == 1:
+                worth[one[0]] = score
+            else:
+                pairs[one] = score
     near: list[Found] = []
-    for f in [*found[:FIRST], *(found[k] for k in np.argsort(-np.array(worths), kind="stable"))]:
+    for f in [*found[:FIRST], *sorted(found, key=lambda f: -worth[f])]:
         if f not in near and sum(other.name == f.name for other in near) < SHAPES:
             near.append(f)
-    return near[:CLOSE]
+    return near[:CLOSE], max(pairs, key=lambda pair: pairs[pair], default=())
+
+
+def beside_second(
+    evidence: Evidence, found: Sequence[Found], pair: tuple[Found, ...], contenders: list[Contender], given: int
+) -> tuple[Evidence, list[Contender]]:
+    """Return evidence with the lesser of the likeliest pair of candidates, and the contenders beside it, where needed.
+
+    Two effects may hide each other, and a third may stand in for both: no candidate alone is significant then, or the
+    likeliest alone is not of the pair.
+    """
+    alone = max(contenders, key=lambda c: c.score, default=None)
+    if alone is None or not pair or (alone.found in pair and alone.score > THRESHOLD):
+        return evidence, contenders
+    a, b = pair
+    joined = Found(f"{a.name} + {b.name}", "", a.T + b.T, a.k + b.k, a.N * b.N, None, None)
+    joined.columns = lambda c: [np.vstack(both) for both in zip(a.columns(c), b.columns(c), strict=True)]
+    both, rows = contender(evidence, joined, given), [f.rows(evidence)[1] for f in pair]
+    assert both is not None
+    if both.score < max(alone.score, 0.0) + THRESHOLD:
+        return evidence, contenders
+    parts = np.split(both.fit.theta[-len(rows[0][0]) - len(rows[1][0]) :], [len(rows[0][0])])
+    force = {f: root_mean_square(evidence, t, part) for f, t, part in zip(pair, rows, parts, strict=True)}
+    second = min(pair, key=lambda f: force[f])
+    beside = replace(evidence, extra=[*evidence.extra, second]).prepare()
+    return beside, contenders_of(beside, closest(beside, [f for f in found if f is not second])[0], given)
 
 
 def with_logs(evidence: Evidence, others: Sequence[DifferencedBalance], *, uniform: bool) -> Evidence:
