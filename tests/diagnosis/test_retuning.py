@@ -257,6 +257,25 @@ def test_effects_stand_in_the_order_of_their_forces():
     assert shares[1] < 0.3 * shares[0]
 
 
+@pytest.mark.parametrize(
+    "seed", [0, 3, 9, *(pytest.param(seed, marks=pytest.mark.study) for seed in (1, 4, 6, 7, 8, 10, 11))]
+)
+def test_two_effects_that_cancel_at_one_speed_are_found_together(seed):
+    """On strokes of one speed a log, neither alone explains both logs, but other effects explain a part."""
+    random = np.random.default_rng(seed)
+    speeds = np.exp(random.uniform(np.log(0.05), np.log(0.4), 2))
+    between = float(np.sqrt(np.prod(speeds)) * np.exp(0.2 * random.normal()))
+    force = float(np.exp(random.uniform(np.log(0.1), np.log(2.0))) * random.choice([-1, 1]))
+    true = {"constant_force": {"force": force}, "viscous_asymmetry": {"difference": 2.0 * force / between}}
+    machine = moving_axis.machine([cogging.EFFECTS[name](**fields) for name, fields in true.items()])
+    logs = [cogging.simulate(machine, moving_axis.strokes(v), seed=10 * seed + k, duration=8.0, steps_per_sample=4)
+            for k, v in enumerate(speeds, 1)]  # fmt: skip
+    accepted = search(logs[:1], logs[1:], STATED).accepted
+    names = [{one.found.name, *(name for name, _ in one.alternatives)} for one in accepted]
+    assert len(names) == 2
+    assert all(any(name in one for one in names) for name in true)
+
+
 @pytest.mark.parametrize("seed", [2, 11])
 def test_a_force_of_any_shape_makes_way_for_the_effects_that_it_stood_in_for(seed):
     """At first it explains more than either of two large effects; the build before kept it beside them."""
