@@ -162,7 +162,7 @@ def search(
 
         # compare the best candidates on all logs, each with its own whitening filter
         compared = [f for f in found if max(4.0, FAINT * found[0].T) < f.T][:SURVIVORS]
-        close, pair = closest(outcome.both, compared)
+        close, pairs = closest(outcome.both, compared)
         contenders = contenders_of(outcome.both, close, len(given))
         seeks_zero = bool(others) and not outcome.shift and model.cogging is None
         shift = shift_of_zero(outcome.both, contenders, len(given)) if seeks_zero else 0.0
@@ -171,12 +171,11 @@ def search(
             outcome.both = with_logs(evidence, others, uniform=outcome.nominal.largely)
             contenders, kept = contenders_of(outcome.both, close, len(given)), None
 
-        where, contenders = beside_second(outcome.both, compared, pair, contenders, len(given))
-        contenders = sorted((c for c in contenders if c.score > 0), key=lambda c: -c.score)
-        if others:
-            outcome.refused += [(c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted]
-            contenders = [c for c in contenders if not c.is_contradicted]
-        contenders = simplest_first(where, in_one_noise(where, one_of_each_name(contenders)))
+        outcome.refused += [
+            (c.found.name, c.gains, c.expected) for c in contenders if c.is_contradicted and c.score > 0
+        ]
+        contenders = ranked(outcome.both, contenders)
+        contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = contenders if contenders and not is_weak(contenders[0], outcome.accepted, sought) else []
         if not fit and evidence.largely and not outcome.accepted and not tried:
@@ -460,8 +459,8 @@ def retuned(evidence: Evidence, model: Model, fit: Maximum) -> Evidence:
 
 
 @np.errstate(all="ignore")
-def closest(evidence: Evidence, found: Sequence[Found]) -> tuple[list[Found], tuple[Found, ...]]:
-    """Return the candidates worth a complete fit, and the likeliest pair of candidates, or none.
+def closest(evidence: Evidence, found: Sequence[Found]) -> tuple[list[Found], dict[tuple[Found, ...], float]]:
+    """Return the candidates worth a complete fit, and the score of each pair of candidates by one least-squares step.
 
     The former are the best of the given logs and the likeliest on all logs.
     """
@@ -488,32 +487,46 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> tuple[list[Found], tu
     for f in [*found[:FIRST], *sorted(found, key=lambda f: -worth[f])]:
         if f not in near and sum(other.name == f.name for other in near) < SHAPES:
             near.append(f)
-    return near[:CLOSE], max(pairs, key=lambda pair: pairs[pair], default=())
+    return near[:CLOSE], pairs
 
 
 def beside_second(
-    evidence: Evidence, found: Sequence[Found], pair: tuple[Found, ...], contenders: list[Contender], given: int
-) -> tuple[Evidence, list[Contender]]:
-    """Return evidence with the lesser of the likeliest pair of candidates, and the contenders beside it, where needed.
+    evidence: Evidence,
+    found: Sequence[Found],
+    pairs: Mapping[tuple[Found, ...], float],
+    contenders: list[Contender],
+    given: int,
+) -> list[Contender]:
+    """Return the contenders beside the lesser of the likeliest pair of candidates where they need it, else themselves.
 
-    Two effects may hide each other, and a third may stand in for both: no candidate alone is significant then, or the
-    likeliest alone is not of the pair.
+    Two effects may hide each other, and a third may stand in for both: then the pair is likelier than the first of the
+    contenders, alone and with any other candidate.
     """
-    alone = max(contenders, key=lambda c: c.score, default=None)
-    if alone is None or not pair or (alone.found in pair and alone.score > THRESHOLD):
-        return evidence, contenders
+    alone, least, pair = None, 0.0, max(pairs, key=lambda pair: pairs[pair], default=())
+    if contenders and contenders[0].alone > THRESHOLD:
+        alone, least = contenders[0].found, contenders[0].alone
+    beside_first = max((score for one, score in pairs.items() if alone in one), default=-np.inf)
+    if not pair or pairs[pair] < beside_first + THRESHOLD:
+        return contenders
     a, b = pair
     joined = Found(f"{a.name} + {b.name}", "", a.T + b.T, a.k + b.k, a.N * b.N, None, None)
     joined.columns = lambda c: [np.vstack(both) for both in zip(a.columns(c), b.columns(c), strict=True)]
     both, rows = contender(evidence, joined, given), [f.rows(evidence)[1] for f in pair]
     assert both is not None
-    if both.score < max(alone.score, 0.0) + THRESHOLD:
-        return evidence, contenders
+    if both.score < least + THRESHOLD:
+        return contenders
     parts = np.split(both.fit.theta[-len(rows[0][0]) - len(rows[1][0]) :], [len(rows[0][0])])
     force = {f: root_mean_square(evidence, t, part) for f, t, part in zip(pair, rows, parts, strict=True)}
     second = min(pair, key=lambda f: force[f])
     beside = replace(evidence, extra=[*evidence.extra, second]).prepare()
-    return beside, contenders_of(beside, closest(beside, [f for f in found if f is not second])[0], given)
+    close, _ = closest(beside, [f for f in found if f is not second])
+    return ranked(beside, contenders_of(beside, close, given))
+
+
+def ranked(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
+    """Return the contenders that no log contradicts, the best shape of each name, the likeliest first."""
+    good = sorted((c for c in contenders if c.score > 0 and not c.is_contradicted), key=lambda c: -c.score)
+    return simplest_first(evidence, in_one_noise(evidence, one_of_each_name(good)))
 
 
 def with_logs(evidence: Evidence, others: Sequence[DifferencedBalance], *, uniform: bool) -> Evidence:
