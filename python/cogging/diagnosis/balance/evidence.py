@@ -726,7 +726,8 @@ class Evidence:
         costs = np.empty((len(self.bases), len(groups)))
         for row, base in zip(costs, self.bases, strict=True):
             c = self.filtered(tables, base.taps)
-            c /= np.linalg.norm(c, axis=1)[:, None] + 1e-300
+            size = np.linalg.norm(c, axis=1)[:, None]
+            c = np.where(np.isfinite(size), c / (size + 1e-300), 0.0)  # the force of a load may diverge
             weighted = c * base.weight
             near = base.x @ weighted.T
             gram = weighted @ c.T - near.T @ np.linalg.solve(base.gram, near)
