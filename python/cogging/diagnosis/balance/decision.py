@@ -466,10 +466,11 @@ def closest(evidence: Evidence, found: Sequence[Found]) -> tuple[list[Found], di
     """
     blocks, worth = len(block_edges(evidence)), {f: f.score for f in found}  # a jump is in one log only
     pairs: dict[tuple[Found, ...], float] = {}
-    for own, near_rest in ((evidence, False), (evidence.near_rest, True)):
+    for near_rest in (False, True):
         free = [f for f in found if f.near_rest == near_rest and f.columns is not None and f.name != JUMPS]
         if not free:
             continue
+        own = evidence.near_rest if near_rest else evidence
         rows = on_threads(lambda f: f.rows(evidence)[1], free)
         ends = np.cumsum([0, *(len(t[0]) for t in rows)])
         groups = dict(zip(free, (np.arange(*ends) for ends in pairwise(ends)), strict=True))
@@ -502,10 +503,11 @@ def beside_second(
     Two effects may hide each other, and a third may stand in for both: then the pair is likelier than the first of the
     contenders, alone and with any other candidate.
     """
-    alone, least, pair = None, 0.0, max(pairs, key=lambda pair: pairs[pair], default=())
-    if contenders and contenders[0].alone > THRESHOLD:
-        alone, least = contenders[0].found, contenders[0].alone
-    beside_first = max((score for one, score in pairs.items() if alone in one), default=-np.inf)
+    first = next((c for c in contenders[:1] if c.alone > THRESHOLD), None)
+    pair, beside_first = max(pairs, key=lambda pair: pairs[pair], default=()), -np.inf
+    if first is not None:
+        of_first = (s for one, s in pairs.items() if any(f.columns is first.found.columns for f in one))
+        beside_first = max(of_first, default=-np.inf)
     if not pair or pairs[pair] < beside_first + THRESHOLD:
         return contenders
     a, b = pair
@@ -513,7 +515,7 @@ def beside_second(
     joined.columns = lambda c: [np.vstack(both) for both in zip(a.columns(c), b.columns(c), strict=True)]
     both, rows = contender(evidence, joined, given), [f.rows(evidence)[1] for f in pair]
     assert both is not None
-    if both.score < least + THRESHOLD:
+    if both.score < THRESHOLD + (0.0 if first is None else first.alone):
         return contenders
     parts = np.split(both.fit.theta[-len(rows[0][0]) - len(rows[1][0]) :], [len(rows[0][0])])
     force = {f: root_mean_square(evidence, t, part) for f, t, part in zip(pair, rows, parts, strict=True)}
