@@ -508,7 +508,8 @@ def beside_second(
     if first is not None:
         of_first = (s for one, s in pairs.items() if any(f.columns is first.found.columns for f in one))
         beside_first = max(of_first, default=-np.inf)
-    if not pair or pairs[pair] < beside_first + THRESHOLD:
+    # what is smaller beside the first may be an error of its law
+    if not pair or pairs[pair] < beside_first + max(THRESHOLD, MINOR * beside_first):
         return contenders
     a, b = pair
     joined = Found(f"{a.name} + {b.name}", "", a.T + b.T, a.k + b.k, a.N * b.N, None, None)
