@@ -268,8 +268,7 @@ def test_two_effects_that_cancel_at_one_speed_are_found_together(seed):
     force = float(np.exp(random.uniform(np.log(0.1), np.log(2.0))) * random.choice([-1, 1]))
     true = {"constant_force": {"force": force}, "viscous_asymmetry": {"difference": 2.0 * force / between}}
     machine = moving_axis.machine([cogging.EFFECTS[name](**fields) for name, fields in true.items()])
-    logs = [cogging.simulate(machine, moving_axis.strokes(v), seed=10 * seed + k, duration=8.0, steps_per_sample=4)
-            for k, v in enumerate(speeds, 1)]  # fmt: skip
+    logs = [moving_axis.record(machine, 10 * seed + k, moving_axis.strokes(v)) for k, v in enumerate(speeds, 1)]
     accepted = search(logs[:1], logs[1:], STATED).accepted
     names = [{one.found.name, *(name for name, _ in one.alternatives)} for one in accepted]
     assert len(names) == 2
