@@ -1,6 +1,7 @@
 """Memory of a call, bytes a row, and its time: `python -m studies.memory_peaks [TASK ROWS ...]`; Linux alone.
 
 Each task runs in a process of its own. `read_log 20000000` makes a CSV of 1 GB in a temporary folder and reads it.
+`diagnose+0` has nothing to find, `diagnose+2` two effects and a confirm log of as many rows.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ DEFAULT = ("audit", "300000", "identify", "20000", "identify+13", "20000", "diag
 
 
 def call_of(task: str, rows: int) -> Callable[[], object]:
-    """The call to measure: a task of cogging.resources.ROW, `+13` for so many control points of the map, or another."""
-    name, _, points = task.partition("+")
+    """The call to measure: a task of cogging.resources.ROW, `identify+13` for 13 control points of the map, or another."""
+    name, _, count = task.partition("+")
     if name == "read_log":
         phase, folder = np.arange(rows) * 5e-5, tempfile.TemporaryDirectory()
         path = Path(folder.name) / "log.csv"
@@ -33,7 +34,8 @@ def call_of(task: str, rows: int) -> Callable[[], object]:
         there = np.linspace(0.0, 0.5, rows // 2)
         position = np.concatenate([there, there[::-1]])
         return lambda: cogging.fit_map(position, 0.05 * np.sin(2.0 * np.pi * position / 0.05), pitch=0.05)
-    sine, cosine = (0.02 * np.random.default_rng(1).normal(size=(2, 3, int(points or 1)))).tolist()
+    points, hidden = (1, int(count or 1)) if name == "diagnose" else (int(count or 1), 1)
+    sine, cosine = (0.02 * np.random.default_rng(1).normal(size=(2, 3, points))).tolist()
     axis = {"mass": 0.12, "viscous": 0.166, "coulomb": 0.15, "coulomb_width": 1.11e-3}
     model = cogging.Model.from_dict(
         {
@@ -44,11 +46,16 @@ def call_of(task: str, rows: int) -> Callable[[], object]:
             "controller": {"type": "pid", "sample_rate": RATE, "kp": 9600.0, "ki": 1e5, "kd": 48.0, **axis},
         }
     )
-    true = model.replace(effects=[cogging.effects.CableSpring(stiffness=40.0)])
-    motion = {"start": 0.05, "distance": 0.4, "velocity": 0.5, "acceleration": 8.0, "jerk": 400.0, "repeats": 10**6}
-    move = cogging.PointToPoint(cogging.PointToPointParameters(**motion, dwell=0.1))
-    log = cogging.Log.of(cogging.simulate(true, move, duration=rows / RATE, seed=1).columns())
-    return lambda: getattr(cogging, name)(log, model)
+    effects = [cogging.effects.CableSpring(stiffness=40.0), cogging.effects.CoulombAsymmetry(difference=0.05)]
+    true = model.replace(effects=effects[:hidden])
+
+    def log(speed: float) -> cogging.Log:
+        motion = {"start": 0.05, "distance": 0.4, "velocity": speed, "acceleration": 8.0, "jerk": 400.0, "dwell": 0.1}
+        move = cogging.PointToPoint(cogging.PointToPointParameters(**motion, repeats=10**6))
+        return cogging.Log.of(cogging.simulate(true, move, duration=rows / RATE, seed=1).columns())
+
+    given, options = log(0.5), {"confirm": log(0.3)} if hidden == 2 else {}
+    return lambda: getattr(cogging, name)(given, model, **options)
 
 
 def measured(task: str, rows: int) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 Each of COUNT machines is the axis of the tests of `diagnose` with two laws, drawn with their sizes: each makes a good part
 of the command. A row is right where the search names the two and nothing else, up to alternatives. A wrong name has a
-probability of 0.95 or more, and no hidden law among its alternatives.
+probability of 0.95 or more, and no hidden law among its alternatives. With --strokes each log has strokes of one speed.
 """
 
 import argparse
@@ -44,16 +44,20 @@ def drawn(random):
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("count", type=int, nargs="?", default=48, metavar="COUNT")
-    count, right, found, wrong = parser.parse_args().count, 0, 0, 0
+    parser.add_argument("--strokes", action="store_true")
+    given, right, found, wrong = parser.parse_args(), 0, 0, 0
     plain = moving_axis.machine()
     stated = plain.replace(axis=plain.axis.replace(mass=2.02, coulomb=1.6, coulomb_width=3e-3))
-    for seed in range(count):
+    for seed in range(given.count):
         random = np.random.default_rng(seed)
         laws = [drawn(random) for _ in range(2)]
         true = random.choice(list(laws[0]), 2, replace=False).tolist()
         hidden = [cogging.EFFECTS[name](**law[name]) for name, law in zip(true, laws, strict=True)]
         machine = moving_axis.machine(hidden)
-        logs = [moving_axis.record(machine, 1000 + 10 * seed + k) for k in (1, 2)]
+        logs = []
+        for one in (1000 + 10 * seed + k for k in (1, 2)):
+            speed = np.exp(random.uniform(np.log(0.1), np.log(0.5)))
+            logs.append(moving_axis.record(machine, one, moving_axis.strokes(speed, 0.24) if given.strokes else None))
         accepted = search(logs[:1], logs[1:], stated).accepted
         names = [{a.found.name, *(name for name, _ in a.alternatives)} for a in accepted]
         met = sum(any(name in own for own in names) for name in true)
@@ -61,7 +65,7 @@ def main() -> int:
         right, found, wrong = right + (met == 2 == len(names)), found + met, wrong + false
         said = ", ".join(f"{a.found.name} {a.share:.2f}" for a in accepted)
         print(f"{seed}: {' + '.join(true)}: {said}", flush=True)
-    print(f"exactly the two names: {right} of {count}; named: {found} of {2 * count}; wrong names: {wrong}")
+    print(f"exactly the two names: {right} of {given.count}; named: {found} of {2 * given.count}; wrong names: {wrong}")
     return 0
 
 

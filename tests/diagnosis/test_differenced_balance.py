@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 import cogging
 from cogging.diagnosis.balance.candidates import Search, wave_scan
 from cogging.diagnosis.balance.cells import dahl, load_response, lost_motion
-from cogging.diagnosis.balance.decision import block_edges
+from cogging.diagnosis.balance.decision import block_edges, score_of
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence, likeliest, noise_filter, student_cost
 from cogging.diagnosis.balance.nuisances import instruments_of
@@ -317,6 +317,50 @@ def test_a_model_alone_without_an_effect_moves_the_others_to_where_they_are_like
     two = evidence.model.replace(effects=(*evidence.model.effects, spring))
     assert "effects.cable_spring[0].stiffness" in evidence.paths_in(two)
     assert "effects.cable_spring.stiffness" in evidence.paths_in(evidence.model)
+
+
+def test_a_step_of_re_tuning_moves_along_a_line():
+    """The width of friction, too: beside its whole change, a short step of the others would be another."""
+    log = moved(lambda t, x, v: -0.05 * np.tanh(v / 0.1), 0.01, 3, seconds=4.0)
+    axis = cogging.AxisParameters(mass=MASS, viscous=0.166, coulomb=0.05, coulomb_width=2e-2)
+    stated = cogging.Model(axis=axis, uncertainty={"mass": 0.2, "viscous": 0.5, "coulomb": 0.5})
+    evidence = Evidence([DifferencedBalance(log, 2e-2)], stated, stated).prepare()
+    model, half, whole = (evidence.retuned(evidence.fit.theta, share) for share in (0.0, 0.5, 1.0))
+    assert model == stated
+    assert whole.axis.coulomb_width > 1.5 * axis.coulomb_width
+    for name in ("mass", "viscous", "coulomb", "coulomb_width"):
+        mean = 0.5 * (getattr(stated.axis, name) + getattr(whole.axis, name))
+        assert getattr(half.axis, name) == pytest.approx(mean, rel=1e-12)
+
+
+@pytest.mark.parametrize(("uncertainty", "lacks"), [(0.03, True), (1.0, False)])
+def test_what_a_model_lacks_is_measured_within_its_stated_uncertainty(uncertainty, lacks):
+    """Twice the stated mass; against a bounded least squares of all amplitudes at once."""
+    axis = cogging.AxisParameters(mass=0.5 * MASS, viscous=0.166, coulomb=0.0, coulomb_width=5e-3)
+    stated = cogging.Model(axis=axis, uncertainty={"mass": uncertainty, "viscous": 0.1})
+    evidence = Evidence([DifferencedBalance(moved(noise=0.01), 5e-3)], stated, stated).prepare()
+    assert evidence.largely == lacks
+    evidence.alike = 1.0
+    fit = evidence.fitted(evidence.plain, rounds=1)
+    sigma, target = fit.prior
+    rows = np.vstack([(fit.x * np.sqrt(fit.weight)).T, np.diag(np.sqrt(fit.variance) / sigma)])
+    right = np.append(fit.r * np.sqrt(fit.weight), np.sqrt(fit.variance) / sigma * target)
+    far = 3.0 * evidence.prior_sigma * fit.size
+    within = evidence.within_stated(fit)
+    assert within * fit.size == pytest.approx(lsq_linear(rows, right, (target - far, target + far)).x, rel=1e-6)
+    assert within[evidence.paths.index("axis.mass")] == pytest.approx(min(3.0 * uncertainty, 1.0) * axis.mass, rel=0.02)
+
+
+def test_noise_is_not_systematic_but_a_force_of_place_is():
+    evidence = Evidence([DifferencedBalance(moved(noise=0.01), 5e-3)], machine(), machine()).prepare()
+    (place,) = (b.rows(np.sin(20.0 * b.position))[0][b.mask] for b in evidence.balances)
+    noise = np.random.default_rng(1).standard_normal(len(place))
+    assert evidence.is_systematic(place + 0.5 * noise)
+    assert not evidence.is_systematic(place + 2.0 * noise)
+
+
+def test_two_effects_may_have_more_trials_than_an_integer_of_64_bits_counts():
+    assert score_of(200.0, 2, 2**70, 10) == pytest.approx(200.0 - 2.0 * np.log1p(100.0) - 140.0 * np.log(2.0))
 
 
 def test_a_scale_error_is_no_way_to_explain_the_noise_of_the_readings():

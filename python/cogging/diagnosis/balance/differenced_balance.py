@@ -355,13 +355,7 @@ class DifferencedBalance:
         a, error = self.acceleration if acceleration is None else acceleration, None
         wrong = [laws_of(e) for e in model.effects if "reading" in e.HOOKS]
         if wrong:
-
-            def error_at(x: FloatArray) -> FloatArray:
-                return np.asarray(np.sum([e.reading_at(x) - x for e in wrong], axis=0))
-
-            error, by = error_at(self.fine.position), SLOPE_STEP * float(np.ptp(self.position))
-            before, at, after = (error_at(self.position + step) for step in (-by, 0.0, by))
-            slope, bend = (after - before) / (2.0 * by), (after - 2.0 * at + before) / by**2
+            error, slope, bend = self.reading_error(wrong)
             a = (1.0 - slope) * a - bend * self.velocity**2
         shaped = any(hook in e.HOOKS for e in model.effects for hook in COMMAND_HOOKS)
         force = self.forces([quiet_plant(model)], command if shaped else None, error)[0]
@@ -372,6 +366,20 @@ class DifferencedBalance:
             if 0.0 < stiffness < np.inf and model.axis.coulomb > 0.0:
                 force = force + self.bristle(model.axis, model.axis.coulomb / stiffness)
         return np.asarray(model.axis.mass * a - force - command)
+
+    def reading_error(self, effects: list[Any]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the error of the reading along the fine motion, m, (m,), and its slope and curvature at each row."""
+        known = self.cache.get("reading")  # most models that are compared have the same
+        if known is None or known[0] != effects:
+
+            def error_at(x: FloatArray) -> FloatArray:
+                return np.asarray(np.sum([e.reading_at(x) - x for e in effects], axis=0))
+
+            by = SLOPE_STEP * float(np.ptp(self.position))
+            before, at, after = (error_at(self.position + step) for step in (-by, 0.0, by))
+            slopes = (after - before) / (2.0 * by), (after - 2.0 * at + before) / by**2
+            self.cache["reading"] = known = effects, (error_at(self.fine.position), *slopes)
+        return known[1]
 
     def loads(self, model: Model, force: FloatArray, acceleration: FloatArray) -> FloatArray:
         """Return what loads of a model behind a spring or a gap add to the residual of a rigid axis, V, (n,).

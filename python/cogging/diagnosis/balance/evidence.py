@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.ndimage import minimum_filter1d
-from scipy.optimize import brentq, minimize_scalar, nnls
+from scipy.optimize import brentq, lsq_linear, minimize_scalar, nnls
 
 from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
@@ -40,10 +40,12 @@ OCTAVES = 14  # of the speed, below the highest, in each of which the noise has 
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
-LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
+STATED = 3.0  # deviations of mass and friction from their stated values, beyond which a model lacks something
+LARGELY = 0.3  # of the command (standard deviations): a residual beyond is not noise; half of that if it is systematic
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the line search
+SETTLED = 1.0  # Newton decrement below which re-tuning ends: less is chance
 RIDGE = 1e-12  # relative information that is added on each scaled amplitude, for columns that are collinear
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
@@ -207,7 +209,6 @@ class Evidence:
     extra: list[Any] = field(default_factory=list)  # accepted candidates without a law: each has `columns(evidence)`
     free: tuple[str, ...] = ()  # paths of the axis without a prior
     plainly: bool = False  # whether to skip whitening whatever the size of the residual
-    uniform: bool = False  # whether all rows have the same noise level, as where a model lacks most of the command
     #: Whether the width of the model's friction law is a nuisance parameter. In the search it is not: the change of an
     #: arctangent with its width has the shape of Stribeck friction.
     with_width: bool = False
@@ -245,6 +246,8 @@ class Evidence:
         for _ in range(rounds):
             self.make()
             before = self.decrement(self.model)
+            if before < SETTLED:
+                break
             step = self.orthogonal_step() if orthogonal else self.fit.theta
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(step, share)
@@ -362,15 +365,42 @@ class Evidence:
         stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
         if stale:
             self.levels = [np.ones(int(m.sum())) for m in self.counted]
-        theta = self.fitted(self.plain, rounds=1).theta
+        fit = self.fitted(self.plain, rounds=1)
+        theta, within = fit.theta, self.within_stated(fit)
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
-        left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
+        left = np.hstack([(r - within @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
-        self.largely = self.plainly or bool(np.std(left) > LARGELY * np.std(command))
+        size = float(np.std(left) / max(np.std(command), 1e-300))
+        # what is left beside effects may be an error of their laws
+        stated = not self.free and len(self.model.effects) == len(self.given.effects)
+        stated = stated and all(isinstance(column, Sticking) for column in self.extra)
+        lacks = size > LARGELY or (stated and size > 0.5 * LARGELY and self.is_systematic(left))
+        self.largely = self.plainly or lacks
         self.alike = 1.0
         if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
         return theta, stale
+
+    def within_stated(self, fit: Maximum) -> FloatArray:
+        """Return the amplitudes of a fit with those of the axis no further from the stated values than STATED, (q,)."""
+        prior = np.sqrt(fit.variance / np.maximum(fit.prior[0] ** 2, 1e-12 * fit.variance))
+        rows = np.hstack([fit.x * np.sqrt(fit.weight), np.diag(prior)])
+        right = rows @ np.append(fit.r * np.sqrt(fit.weight), prior * fit.prior[1])
+        value, vector = np.linalg.eigh(rows @ rows.T)
+        root = np.sqrt(np.maximum(value, RIDGE * value[-1]))
+        far = np.full(len(value), np.inf)
+        for k, path in enumerate(self.paths):
+            if path.startswith("axis."):
+                far[k] = max(STATED * self.prior_sigma[k], 1e-9)
+        low, high = ((self.prior_offset + side * far) * fit.size for side in (-1.0, 1.0))
+        found = lsq_linear(root[:, None] * vector.T, vector.T @ right / root, (low, high), method="bvls")
+        return np.asarray(found.x / fit.size)
+
+    def is_systematic(self, left: FloatArray) -> bool:
+        """Return whether generic forces explain most of a residual, (n,) over the valid rows of all logs."""
+        parts = zip(self.any_force(), self.nuisances, self.masks, strict=True)
+        basis = orthonormal(np.hstack([np.vstack([f, x])[:, m] for f, x, m in parts]))
+        return float(np.sum((basis @ left) ** 2)) > 0.5 * float(left @ left)
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
         """Return the valid rows of columns (p, m) of each log behind its filter, logs concatenated, (p, n)."""
@@ -383,7 +413,7 @@ class Evidence:
         The quantum of an encoder makes a noise that depends on the motion, and an inexact friction law a force that
         is large wherever the axis is slow. Without these levels, candidates that act there are detected falsely.
         """
-        if self.largely or self.uniform:
+        if self.largely or self.balances[0].largely:
             return self.levels
         fit = self.fitted(taps, self.any_force(), rounds=2)
         ends = np.cumsum([len(one) for one in self.levels])[:-1]
@@ -524,7 +554,7 @@ class Evidence:
         whole = dict(zip(self.paths, map(float, theta), strict=False))
         steps = {path: share * step for path, step in whole.items()}
         width = self.likeliest_width(whole)
-        return self.moved(self.model, steps | {WIDTH: width - self.model.axis.coulomb_width})
+        return self.moved(self.model, steps | {WIDTH: share * (width - self.model.axis.coulomb_width)})
 
     def settled(self, model: Model, gone: Sequence[str] = (), kept: Sequence[int] = ()) -> Model:
         """Return a model whose own parameters minimise the residual of the force balance, to first order.
@@ -612,7 +642,7 @@ class Evidence:
         if not np.any(law):
             return own
         # where all laws stay, their narrowest may be much wider than the arctangent that stands for them
-        least = 0.1 if self.largely or self.uniform else 1.0 / 3.0
+        least = 0.1 if self.largely or self.balances[0].largely else 1.0 / 3.0
         tried = np.geomspace(min(own, least * min(parts)), max(own, max(parts)), 80)
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
@@ -628,7 +658,7 @@ class Evidence:
         if not len(own):
             return
         slope = fit.slope(fit.r, fit.prior[1])
-        if self.largely or self.uniform:
+        if self.largely or self.balances[0].largely:
             needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
         else:
             parts, y = self.friction_parts(fit.gram, slope, fit)

@@ -269,7 +269,12 @@ def add_parameter(
         return
     try:
         pair = [with_values(model, {path: value + q}) for q in (SECANT * sigma, -SECANT * sigma)]
-        rows = [one.change(b, *pair) / (2.0 * SECANT * sigma) for b, one in zip(balances, instruments, strict=True)]
+        rows = []
+        for b, one in zip(balances, instruments, strict=True):
+            known = b.remembered("columns", model, lambda b, model: {})
+            if (path, sigma) not in known:
+                known[path, sigma] = one.change(b, *pair) / (2.0 * SECANT * sigma)
+            rows.append(known[path, sigma])
     except ValueError:  # the effect rejects the value
         return
     columns.add(path, sigma, rows)
