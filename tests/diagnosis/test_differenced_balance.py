@@ -333,32 +333,6 @@ def test_a_step_of_re_tuning_moves_along_a_line():
         assert getattr(half.axis, name) == pytest.approx(mean, rel=1e-12)
 
 
-@pytest.mark.parametrize(("uncertainty", "lacks"), [(0.03, True), (1.0, False)])
-def test_what_a_model_lacks_is_measured_within_its_stated_uncertainty(uncertainty, lacks):
-    """Twice the stated mass; against a bounded least squares of all amplitudes at once."""
-    axis = cogging.AxisParameters(mass=0.5 * MASS, viscous=0.166, coulomb=0.0, coulomb_width=5e-3)
-    stated = cogging.Model(axis=axis, uncertainty={"mass": uncertainty, "viscous": 0.1})
-    evidence = Evidence([DifferencedBalance(moved(noise=0.01), 5e-3)], stated, stated).prepare()
-    assert evidence.largely == lacks
-    evidence.alike = 1.0
-    fit = evidence.fitted(evidence.plain, rounds=1)
-    sigma, target = fit.prior
-    rows = np.vstack([(fit.x * np.sqrt(fit.weight)).T, np.diag(np.sqrt(fit.variance) / sigma)])
-    right = np.append(fit.r * np.sqrt(fit.weight), np.sqrt(fit.variance) / sigma * target)
-    far = 3.0 * evidence.prior_sigma * fit.size
-    within = evidence.within_stated(fit)
-    assert within * fit.size == pytest.approx(lsq_linear(rows, right, (target - far, target + far)).x, rel=1e-6)
-    assert within[evidence.paths.index("axis.mass")] == pytest.approx(min(3.0 * uncertainty, 1.0) * axis.mass, rel=0.02)
-
-
-def test_noise_is_not_systematic_but_a_force_of_place_is():
-    evidence = Evidence([DifferencedBalance(moved(noise=0.01), 5e-3)], machine(), machine()).prepare()
-    (place,) = (b.rows(np.sin(20.0 * b.position))[0][b.mask] for b in evidence.balances)
-    noise = np.random.default_rng(1).standard_normal(len(place))
-    assert evidence.is_systematic(place + 0.5 * noise)
-    assert not evidence.is_systematic(place + 2.0 * noise)
-
-
 def test_two_effects_may_have_more_trials_than_an_integer_of_64_bits_counts():
     assert score_of(200.0, 2, 2**70, 10) == pytest.approx(200.0 - 2.0 * np.log1p(100.0) - 140.0 * np.log(2.0))
 

@@ -275,19 +275,6 @@ def test_two_effects_that_cancel_at_one_speed_are_found_together(seed):
     assert all(any(name in one for one in names) for name in true)
 
 
-@pytest.mark.parametrize("seed", [1, 3, *(pytest.param(seed, marks=pytest.mark.study) for seed in (0, 2, 4, 5, 6, 7))])
-def test_a_dead_zone_on_strokes_is_no_friction(seed):
-    """At one speed a log, mass and friction far from what is stated explain most of it, beside forces of any kind."""
-    random = np.random.default_rng(seed)
-    width = float(np.exp(random.uniform(np.log(3.0), np.log(12.0))))
-    speeds = np.exp(random.uniform(np.log(0.1), np.log(0.5), 2))
-    machine = moving_axis.machine([cogging.effects.CommandDeadZone(width=width)])
-    logs = [moving_axis.record(machine, 10 * seed + k, moving_axis.strokes(v, 0.24)) for k, v in enumerate(speeds, 1)]
-    outcome = search(logs[:1], logs[1:], STATED)
-    assert [one.found.name for one in outcome.accepted] == ["command_dead_zone"]
-    assert outcome.evidence.model.effects[-1].width == pytest.approx(width, rel=0.01)
-
-
 @pytest.mark.parametrize("seed", [2, 11])
 def test_a_force_of_any_shape_makes_way_for_the_effects_that_it_stood_in_for(seed):
     """At first it explains more than either of two large effects; the build before kept it beside them."""

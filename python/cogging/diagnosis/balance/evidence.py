@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.ndimage import minimum_filter1d
-from scipy.optimize import brentq, lsq_linear, minimize_scalar, nnls
+from scipy.optimize import brentq, minimize_scalar, nnls
 
 from cogging.arrays import FloatArray, IntArray, Mask
 from cogging.diagnosis.balance.cells import hats, splines
@@ -40,8 +40,7 @@ OCTAVES = 14  # of the speed, below the highest, in each of which the noise has 
 FEWEST_IN_OCTAVE = 5.0  # rows of the usual level that are added to each octave
 BLOCKS = (0.1, 0.5)  # s: block lengths of the variance of a score, a reversal and a stroke
 HELD = 3.0  # standard deviations of a reading: presliding of a contact that sticks, as far as the readings show
-STATED = 3.0  # deviations of mass and friction from their stated values, beyond which a model lacks something
-LARGELY = 0.3  # of the command (standard deviations): a residual beyond is not noise; half of that if it is systematic
+LARGELY = 0.3  # share of the command's standard deviation above which the residual is not treated as noise
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the line search
@@ -365,42 +364,15 @@ class Evidence:
         stale = [len(one) for one in self.levels] != [int(m.sum()) for m in self.counted]
         if stale:
             self.levels = [np.ones(int(m.sum())) for m in self.counted]
-        fit = self.fitted(self.plain, rounds=1)
-        theta, within = fit.theta, self.within_stated(fit)
+        theta = self.fitted(self.plain, rounds=1).theta
         rows = zip(self.residuals, self.nuisances, self.masks, strict=True)
-        left = np.hstack([(r - within @ x)[m] for r, x, m in rows])
+        left = np.hstack([(r - theta @ x)[m] for r, x, m in rows])
         command = np.hstack([b.rows(b.command)[0][m] for b, m in zip(self.balances, self.masks, strict=True)])
-        size = float(np.std(left) / max(np.std(command), 1e-300))
-        # what is left beside effects may be an error of their laws
-        stated = not self.free and len(self.model.effects) == len(self.given.effects)
-        stated = stated and all(isinstance(column, Sticking) for column in self.extra)
-        lacks = size > LARGELY or (stated and size > 0.5 * LARGELY and self.is_systematic(left))
-        self.largely = self.plainly or lacks
+        self.largely = self.plainly or bool(np.std(left) > LARGELY * np.std(command))
         self.alike = 1.0
         if self.largely:  # rows of a systematic residual are dependent: weight the priors accordingly
             self.alike = float(self.inflation(left[None] / np.std(left))[0] / len(left))
         return theta, stale
-
-    def within_stated(self, fit: Maximum) -> FloatArray:
-        """Return the amplitudes of a fit with those of the axis no further from the stated values than STATED, (q,)."""
-        prior = np.sqrt(fit.variance / np.maximum(fit.prior[0] ** 2, 1e-12 * fit.variance))
-        rows = np.hstack([fit.x * np.sqrt(fit.weight), np.diag(prior)])
-        right = rows @ np.append(fit.r * np.sqrt(fit.weight), prior * fit.prior[1])
-        value, vector = np.linalg.eigh(rows @ rows.T)
-        root = np.sqrt(np.maximum(value, RIDGE * value[-1]))
-        far = np.full(len(value), np.inf)
-        for k, path in enumerate(self.paths):
-            if path.startswith("axis."):
-                far[k] = max(STATED * self.prior_sigma[k], 1e-9)
-        low, high = ((self.prior_offset + side * far) * fit.size for side in (-1.0, 1.0))
-        found = lsq_linear(root[:, None] * vector.T, vector.T @ right / root, (low, high), method="bvls")
-        return np.asarray(found.x / fit.size)
-
-    def is_systematic(self, left: FloatArray) -> bool:
-        """Return whether generic forces explain most of a residual, (n,) over the valid rows of all logs."""
-        parts = zip(self.any_force(), self.nuisances, self.masks, strict=True)
-        basis = orthonormal(np.hstack([np.vstack([f, x])[:, m] for f, x, m in parts]))
-        return float(np.sum((basis @ left) ** 2)) > 0.5 * float(left @ left)
 
     def filtered(self, tables: Sequence[FloatArray], taps: Sequence[FloatArray]) -> FloatArray:
         """Return the valid rows of columns (p, m) of each log behind its filter, logs concatenated, (p, n)."""
