@@ -43,7 +43,7 @@ FIRST, SHAPES = 3, 2  # always among them: the best of the given logs; maximum n
 FAINT = 0.02  # of the largest T: smaller candidates are skipped
 WIDE = 2  # amplitudes: what has more may stand in for several effects
 RETUNED = 3  # maximum number of Gauss-Newton steps of a scale error
-SHOWN = 22.0  # minimum expected gain of a log that can contradict a candidate: a true one loses there in 1 %
+SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
 LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
 REPEATED = (  # may occur several times, with another period, frequency or time
     *("cogging_harmonic", "force_constant_ripple", "encoder_periodic_error", "disturbance_tone", "disturbance_step"),
@@ -137,12 +137,14 @@ def search(
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
     sought: list[Found] = []  # accepted effects that were sought again
     kept: tuple[Model, Outcome] | None = None  # before the last of them was taken out
+    tried = False  # whether the first effect was accepted though it is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
     current = model
     for step in range(ROUNDS):
-        evidence = Evidence(balances, model, current, *beside_model(outcome))
+        uniform = outcome is not None and outcome.nominal.largely
+        evidence = Evidence(balances, model, current, *beside_model(outcome), uniform=uniform)
         evidence.prepare(2 if step == 0 else 3, listen=step == 0)
         current = evidence.model
         found = [f for f in search_once(evidence, also or {}) if f.name not in excluded]
@@ -150,11 +152,11 @@ def search(
         progress(f"round {step}: " + "; ".join(f"{f.name} {f.label} T {f.T:.0f}" for f in found[:5]))
         if outcome is None:
             for b in others:
-                b.listen(b.residual(current), current.axis, balances[0].largely)
+                b.listen(b.residual(current), current.axis, evidence.largely)
             outcome = Outcome(evidence, evidence, evidence, [], [], found)
         outcome.evidence = outcome.both = evidence
         outcome.found = found
-        outcome.both = with_logs(evidence, others)
+        outcome.both = with_logs(evidence, others, uniform=outcome.nominal.largely)
         if step == ROUNDS - 1:
             break
 
@@ -166,7 +168,7 @@ def search(
         shift = shift_of_zero(outcome.both, contenders, len(given)) if seeks_zero else 0.0
         if shift:
             outcome.shift, others = shift, [b.moved(shift) for b in others]
-            outcome.both = with_logs(evidence, others)
+            outcome.both = with_logs(evidence, others, uniform=outcome.nominal.largely)
             contenders, kept = contenders_of(outcome.both, close, len(given)), None
 
         outcome.refused += [
@@ -176,6 +178,9 @@ def search(
         contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = contenders if contenders and not is_weak(contenders[0], outcome.accepted, sought) else []
+        if not fit and evidence.largely and not outcome.accepted and not tried:
+            # beside a second large effect the first may not be significant: it is sought again at the end
+            tried, fit = True, [c for c in contenders if c.found.name != LATE]
         part = shares(fit) if fit else np.zeros(0)
         alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
@@ -527,11 +532,11 @@ def ranked(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contende
     return simplest_first(evidence, in_one_noise(evidence, one_of_each_name(good)))
 
 
-def with_logs(evidence: Evidence, others: Sequence[DifferencedBalance]) -> Evidence:
+def with_logs(evidence: Evidence, others: Sequence[DifferencedBalance], *, uniform: bool) -> Evidence:
     """Return the evidence of these and other logs under the same model; `evidence` itself without others."""
     if not others:
         return evidence
-    return replace(evidence, balances=[*evidence.balances, *others]).prepare()
+    return replace(evidence, balances=[*evidence.balances, *others], uniform=uniform).prepare()
 
 
 def shift_of_zero(evidence: Evidence, contenders: Sequence[Contender], given: int) -> float:

@@ -44,7 +44,6 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 # Re-tuning
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the line search
-SETTLED = 1.0  # Newton decrement below which re-tuning ends: less is chance
 RIDGE = 1e-12  # relative information that is added on each scaled amplitude, for columns that are collinear
 LEAST_MASS = 0.05  # of the mass: lower bound in one step
 
@@ -208,6 +207,7 @@ class Evidence:
     extra: list[Any] = field(default_factory=list)  # accepted candidates without a law: each has `columns(evidence)`
     free: tuple[str, ...] = ()  # paths of the axis without a prior
     plainly: bool = False  # whether to skip whitening whatever the size of the residual
+    uniform: bool = False  # whether all rows have the same noise level, as where a model lacks most of the command
     #: Whether the width of the model's friction law is a nuisance parameter. In the search it is not: the change of an
     #: arctangent with its width has the shape of Stribeck friction.
     with_width: bool = False
@@ -245,8 +245,6 @@ class Evidence:
         for _ in range(rounds):
             self.make()
             before = self.decrement(self.model)
-            if before < SETTLED:
-                break
             step = self.orthogonal_step() if orthogonal else self.fit.theta
             for share in SHARES_OF_A_STEP:
                 model = self.retuned(step, share)
@@ -385,7 +383,7 @@ class Evidence:
         The quantum of an encoder makes a noise that depends on the motion, and an inexact friction law a force that
         is large wherever the axis is slow. Without these levels, candidates that act there are detected falsely.
         """
-        if self.largely or self.balances[0].largely:
+        if self.largely or self.uniform:
             return self.levels
         fit = self.fitted(taps, self.any_force(), rounds=2)
         ends = np.cumsum([len(one) for one in self.levels])[:-1]
@@ -614,7 +612,7 @@ class Evidence:
         if not np.any(law):
             return own
         # where all laws stay, their narrowest may be much wider than the arctangent that stands for them
-        least = 0.1 if self.largely or self.balances[0].largely else 1.0 / 3.0
+        least = 0.1 if self.largely or self.uniform else 1.0 / 3.0
         tried = np.geomspace(min(own, least * min(parts)), max(own, max(parts)), 80)
         fits = np.arctan(v / tried[:, None])
         return float(tried[np.argmax((fits @ law) ** 2 / np.sum(fits**2, axis=1))])
@@ -630,7 +628,7 @@ class Evidence:
         if not len(own):
             return
         slope = fit.slope(fit.r, fit.prior[1])
-        if self.largely or self.balances[0].largely:
+        if self.largely or self.uniform:
             needed = own[nnls(*reduced(fit.gram, slope, own))[0] > 0.0]
         else:
             parts, y = self.friction_parts(fit.gram, slope, fit)
