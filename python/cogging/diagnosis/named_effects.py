@@ -94,8 +94,8 @@ def named(
 
 def weighty(terms: Sequence[Term]) -> list[Term]:
     """Return the terms without minor generic forces, which a slightly wrong law of a named effect leaves."""
-    most = max((t.accepted.score for t in terms if not t.accepted.found.name.startswith("~")), default=0.0)
-    return [t for t in terms if not t.accepted.found.name.startswith("~") or t.accepted.score > NAMELESS * most]
+    most = max((t.force for t in terms if not t.accepted.found.name.startswith("~")), default=0.0)
+    return [t for t in terms if not t.accepted.found.name.startswith("~") or t.force > NAMELESS * most]
 
 
 def _parameters(term: Term, final: Model, evidence: Evidence, held_out: bool) -> dict[str, Value]:

@@ -34,7 +34,8 @@ Law = Callable[[FloatArray], Effect | tuple[Effect, ...] | None]  # effect, or e
 SMALL = 1e-2  # of the largest command: amplitude at which the column of a force law is evaluated
 UNIT = 1e-3  # amplitude at which columns of gains, reading errors and own effects are evaluated
 LEAST_DELAY = 0.02  # samples: accuracy of the time stamps
-WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect
+WHOLE = (0.65, 1.5)  # allowed amplitude of a command limit, whose column is the complete effect, by its instrument
+WIDTHS = 31  # of a dead zone that are tried
 LIMIT_STEP = 0.25  # step of a saturation, in the logit of its share of the largest command
 MOST = 0.9  # quantile: a saturation lets most forces pass that the motion needs
 PASSED = 0.45  # of the power of the force that the motion needs: least that a limit of the command lets pass
@@ -87,7 +88,7 @@ class Shape(NamedTuple):
     label: str
     columns: Columns
     law: Law | None = None
-    whole: bool = False  # whether the one column is the complete effect, whose amplitude is 1
+    instrument: Columns | None = None  # without noise, of one column that is the complete effect, of amplitude 1
     sudden: bool = False  # whether the one column acts in few rows, which a fit without it takes for outliers
 
 
@@ -248,8 +249,11 @@ class Search:
         if shape.sudden:
             return *fall_of_cost(ctx, shape.columns), 1
         T, a, k = ctx.score(rows_of(ctx, shape.columns))
-        if shape.whole and k:  # the fall of the sum of squares with the amplitude 1: a rise where a < 0.5
-            T, a = T * (1.0 - (1.0 / a[0] - 1.0) ** 2) if a[0] > 0.5 else 0.0, np.ones(1)
+        if shape.instrument is not None and k:
+            x, z = (ctx.project(rows_of(ctx, columns))[0][0] for columns in (shape.columns, shape.instrument))
+            whole = a[0] > 0.5 and WHOLE[0] < z @ ctx.basis[2] / (z @ x) < WHOLE[1]
+            # the fall of the sum of squares with the amplitude 1: a rise where a < 0.5
+            T, a = T * (1.0 - (1.0 / a[0] - 1.0) ** 2) if whole else 0.0, np.ones(1)
         return T, a, k
 
     def varied(
@@ -580,32 +584,27 @@ def command(s: Search) -> None:
         later("command_delay", "delay", delayed)
         later("actuator_lag", "time_constant", lagged)
 
-    # a limit and a dead zone act on peaks and on small values of the command itself, which its drive smooths away
+    def limited(label: str, make: Callable[[FloatArray], FloatArray], law: Callable[[], Effect]) -> Shape:
+        """Return a limit, which acts on peaks and small values of the command itself: its drive smooths them away."""
+        return Shape(label, along(lambda b: make(b.command)), lambda a: law(), driven(lambda b, d: make(d)))
+
     def saturation(limit: float) -> Shape:
-        columns = limiting(lambda u: np.clip(u, -limit, limit) - u)
-        return Shape(f"{limit:.4g}", columns, lambda a: E["command_saturation"].replace(limit=float(limit)), True)
+        law = partial(E["command_saturation"].replace, limit=float(limit))
+        return limited(f"{limit:.4g}", lambda u: np.clip(u, -limit, limit) - u, law)
 
     def dead_zone(width: float) -> Shape:
-        columns = limiting(lambda u: -np.clip(u, -width, width))
-        return Shape(f"{width:.4g}", columns, lambda a: E["command_dead_zone"].replace(width=float(width)), True)
-
-    def limits(name: str, make: Callable[[float], Shape], values: FloatArray) -> None:
-        """Try limits of the command; keep the best if it is possible and its column, left free, has about its size."""
-        for value in values:
-            s.varied(name, value, make, len(values))
-        found = s.found.pop(name, None)
-        if found is not None and name == "command_saturation":  # its amplitude changes fast with its limit
-            found = refined(s, found)
-        if found is not None and WHOLE[0] < s.ctx.score(rows_of(s.ctx, found.columns))[1][0] < WHOLE[1]:
-            s.found[name] = found
+        law = partial(E["command_dead_zone"].replace, width=float(width))
+        return limited(f"{width:.4g}", lambda u: -np.clip(u, -width, width), law)
 
     least = max(float(np.quantile(np.abs(one.needed), MOST)) for one in s.ctx.instruments)
     s.least["command_saturation"] = 2.0 * least
     shares = expit(np.arange(logit(0.99), logit(np.clip(least / s.force, 1e-6, 0.9)), -LIMIT_STEP))
-    limits("command_saturation", saturation, shares * s.force)
-    limits("command_dead_zone", dead_zone, np.geomspace(1e-3, 1.0, 31) * s.force)
+    for limit in shares * s.force:
+        s.varied("command_saturation", limit, saturation, len(shares))
+    for width in np.geomspace(1e-3, 1.0, WIDTHS) * s.force:
+        s.varied("command_dead_zone", width, dead_zone, WIDTHS)
     for power in (2, 4, 8):
-        soft = limiting(partial(lambda power, u: -u * np.abs(u / s.force) ** power, power))
+        soft = driven(partial(lambda power, b, u: -u * np.abs(u / s.force) ** power, power))
         s.put("command_saturation", Shape(f"power {power}", soft), 3, lambda a: bool(a[0] > 0))
     for tau in np.geomspace(0.05, 2.0, 5) * s.duration:
         s.law("force_constant_drift", {"time_constant": float(tau)}, "change", UNIT, 5, vary="time_constant")
@@ -628,14 +627,6 @@ def passes(c: Evidence, f: Found) -> bool:
             needed += float(np.sum((u + rest)[m] ** 2))
         shares.append(1.0 - left / needed)
     return sum(shares) > 2.0 * PASSED
-
-
-def limiting(make: Callable[[FloatArray], FloatArray]) -> Columns:
-    """Return columns made from the command that a limit acts on: as logged where a model lacks most of it."""
-    return lambda c: [
-        np.atleast_2d(make(b.command if b.largely else one.quiet))
-        for b, one in zip(c.balances, c.instruments, strict=True)
-    ]
 
 
 def delayed(time: float, b: DifferencedBalance, d: FloatArray) -> FloatArray:

@@ -28,9 +28,9 @@ from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
-MINOR = 0.05  # of the largest score: smaller ones come from a law that is only nearly right
-NAMELESS = 0.1  # the same for forces without a law, which fit any error of a law
-LEAST_FORCE = 0.03  # of the largest force: an effect of less force than that is an error of a law, too
+MINOR = 0.05  # of the larger gain: a smaller one may come from a law that is only nearly right
+LEAST_FORCE = 0.05  # of the largest force: an effect of less may be an error of a law that is only nearly right
+NAMELESS = 0.15  # the same for forces without a law, which fit any error of a law
 SHARE = 0.05  # minimum probability of an alternative name
 BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
@@ -177,7 +177,7 @@ def search(
         contenders = ranked(outcome.both, contenders)
         contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
-        fit = contenders if contenders and not is_weak(contenders[0], outcome.accepted, sought) else []
+        fit = [c for c in contenders if not is_weak(c, outcome.accepted, sought)]
         if not fit and evidence.largely and not outcome.accepted and not tried:
             # beside a second large effect the first may not be significant: it is sought again at the end
             tried, fit = True, [c for c in contenders if c.found.name != LATE]
@@ -329,9 +329,8 @@ def is_weak(c: Contender, accepted: Sequence[Accepted], sought: Sequence[Found])
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
-    minor = 0.0 if c.found.columns is None else MINOR if c.is_lawful else NAMELESS  # priors limit the score of a change
-    least = max([THRESHOLD, *(minor * one.score for one in known)])
-    return c.alone < least or any(c.force < LEAST_FORCE * one.force for one in known)
+    least = LEAST_FORCE if c.is_lawful else NAMELESS
+    return c.alone < THRESHOLD or any(c.force < least * one.force for one in known)
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:

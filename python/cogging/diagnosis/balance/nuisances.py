@@ -49,7 +49,6 @@ class Instruments(NamedTuple):
     force: FloatArray  # net force, with what the ringing of loads adds to the command, V, (n,)
     #: The one that the drive causes, m/s^2, (n,): with ringing, mass and the share of a load could replace each other.
     acceleration: FloatArray
-    quiet: FloatArray  # measured command less what answers noise, V, (n,): of limits, which act on its peaks
     moves: FloatArray  # measured acceleration regressed like the drive, m/s^2, (n,): of a play, where drift would count
 
     def residual(self, b: DifferencedBalance, model: Model) -> FloatArray:
@@ -87,12 +86,12 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     only = model.replace(effects=tuple(e for e in model.effects if "force" in e.HOOKS or "friction_level" in e.HOOKS))
     plant = quiet_plant(only)
     forces = b.forces([plant])[0]
-    slow = b.low_passed(b.command, 0.5 * b.corner)
-    # below the crossover use the measured acceleration: the command also balances noise and forces that the model lacks
-    quiet = slow + b.low_passed(model.axis.mass * b.acceleration - forces - slow, b.crossover)
-    net = quiet + forces
     if b.reference is None:
-        return Instruments(quiet, quiet, net, net / model.axis.mass, quiet, net / model.axis.mass)
+        slow = b.low_passed(b.command, 0.5 * b.corner)
+        # below the crossover use the acceleration: the command also balances noise and forces that the model lacks
+        quiet = slow + b.low_passed(model.axis.mass * b.acceleration - forces - slow, b.crossover)
+        net = quiet + forces
+        return Instruments(quiet, quiet, net, net / model.axis.mass, net / model.axis.mass)
     x, v, a = b.reference
     along = Predictor(b.time, x, np.zeros(len(x))).net_force([plant], x, v)[0]
     rows = np.arange(len(x))
@@ -109,7 +108,7 @@ def instruments_of(b: DifferencedBalance, model: Model) -> Instruments:
     explained, ringing = (np.linalg.solve(gram[:k, :k], slope[:k]) @ table[:k] for k in (count, len(table)))
     moves = np.linalg.solve(gram[:count, :count], table[:count] @ b.acceleration) @ table[:count]
     needed = model.axis.mass * moves - forces
-    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, quiet, moves)
+    return Instruments(explained, needed, ringing + along, (explained + along) / model.axis.mass, moves)
 
 
 def nuisances_of(
