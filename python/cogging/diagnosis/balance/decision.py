@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import combinations, pairwise
+from itertools import combinations, dropwhile, pairwise
 from math import log, prod
 
 import numpy as np
@@ -177,7 +177,7 @@ def search(
         contenders = ranked(outcome.both, contenders)
         contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
-        fit = [c for c in contenders if not is_weak(c, outcome.accepted, sought)]
+        fit = list(dropwhile(partial(is_weak, outcome.accepted, sought), contenders))
         if not fit and evidence.largely and not outcome.accepted and not tried:
             # beside a second large effect the first may not be significant: it is sought again at the end
             tried, fit = True, [c for c in contenders if c.found.name != LATE]
@@ -325,7 +325,7 @@ def is_column(f: Found) -> bool:
     return f.columns is not None and (not f.laws(f.amplitudes) or f.name in CONTACTS)
 
 
-def is_weak(c: Contender, accepted: Sequence[Accepted], sought: Sequence[Found]) -> bool:
+def is_weak(accepted: Sequence[Accepted], sought: Sequence[Found], c: Contender) -> bool:
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
