@@ -345,7 +345,7 @@ def test_a_dead_zone_is_named_on_strokes_of_one_speed(seed, closed):
     found = cogging.diagnose(logs[0], stated, confirm=logs[1])
     assert found.verdict == "named"
     assert [e.name for e in found.effects] == ["command_dead_zone"]
-    assert found.effects[0].parameters["width"].value == pytest.approx(width, rel=5e-3)
+    assert found.effects[0].parameters["width"].value == pytest.approx(width, rel=3e-3)
     assert found.gap.after < 0.1 * found.gap.before
 
 
