@@ -28,6 +28,7 @@ from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
+EQUAL = 0.9  # of the score or the gain: the same of a law of another name
 MINOR = 0.05  # of the larger gain: a smaller one may come from a law that is only nearly right
 LEAST_FORCE = 0.05  # of the largest force: an effect of less may be an error of a law that is only nearly right
 NAMELESS = 0.15  # the same for forces without a law, which fit any error of a law
@@ -137,7 +138,6 @@ def search(
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
     sought: list[Found] = []  # accepted effects that were sought again
     kept: tuple[Model, Outcome] | None = None  # before the last of them was taken out
-    tried = False  # whether the first effect was accepted though it is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
@@ -178,9 +178,6 @@ def search(
         contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = list(dropwhile(partial(is_weak, outcome.accepted, sought), contenders))
-        if not fit and evidence.largely and not outcome.accepted and not tried:
-            # beside a second large effect the first may not be significant: it is sought again at the end
-            tried, fit = True, [c for c in contenders if c.found.name != LATE]
         part = shares(fit) if fit else np.zeros(0)
         alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
@@ -192,12 +189,9 @@ def search(
         kept = None
         if not fit:
             # what was found before the others may have stood in for several effects: seek it once more beside them
-            last = outcome.accepted[-1] if outcome.accepted else None
-            doubtful = [
-                one for one in outcome.accepted if one.score < THRESHOLD or (one.found.k > WIDE and one is not last)
-            ]
             known = (*CONTACTS, *(f.name for f in sought))
-            again = next((one for one in doubtful if one.found.name not in known), None)
+            wide = (one for one in outcome.accepted[:-1] if one.found.k > WIDE and one.found.name not in known)
+            again = next(wide, None)
             if again is None or step > ROUNDS - 3:
                 break
             kept = current, copy(outcome)
@@ -227,28 +221,33 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """Return the best shape of each name, without shapes that have no law where a law explains most of their gain.
+    """Return the best shape of each name, without shapes that have no law where a law stands for them.
 
-    Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others. A law
-    that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
+    A law that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
     """
     best: dict[str, Contender] = {}
     for c in contenders:
-        name = c.found.name
-        if c.found.k > 1 and not c.is_lawful:
-            along = {name}.union(*(names for names in CELLS.values() if name in names))
-            if name.startswith("~"):
-                laws = [other for other in contenders if not other.found.name.startswith("~")]
-            else:
-                laws = [other for other in contenders if other.found.name in along and other.is_lawful]
-            rival = max(laws, key=lambda other: other.score, default=None)
-            if rival is not None and rival.score >= PREFERRED * c.score:
-                share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
-                if share < NESTED:
-                    rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
-                continue
-        best.setdefault(name, c)
+        rivals = [law for law in contenders if c.found.k > 1 and not c.is_lawful and stands_for(law, c)]
+        if rivals:
+            rival = max(rivals, key=lambda law: law.score)
+            share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
+            if share < NESTED:
+                rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
+        else:
+            best.setdefault(c.found.name, c)
     return sorted(best.values(), key=lambda c: -c.score)
+
+
+def stands_for(law: Contender, c: Contender) -> bool:
+    """Return whether a law explains enough of a shape without a law to be accepted instead.
+
+    A law of another name, of the same coordinate, has to explain nearly as much, in its own noise or in one noise.
+    """
+    name, other = law.found.name, c.found.name
+    if other.startswith("~") or name == other:
+        return not name.startswith("~") and (law.is_lawful or name != other) and law.score >= PREFERRED * c.score
+    alike = law.is_lawful and any(name in names and other in names for names in CELLS.values())
+    return alike and (law.score >= EQUAL * c.score or law.gain >= EQUAL * c.gain)
 
 
 def in_one_noise(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
@@ -375,7 +374,7 @@ def beside(evidence: Evidence, first: Contender, given: int, c: Contender) -> Co
 
 @np.errstate(all="ignore")
 def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] | None = None) -> Contender | None:
-    """Fit a candidate to all logs, the first `given` of which are given logs; None for an implausible change.
+    """Fit a candidate to all logs, the first `given` of which are given logs; None if it is implausible.
 
     A filter of each log that was tried with another candidate is a further starting point.
     """
@@ -393,6 +392,8 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
         return weighed(evidence, Contender(f, best, evidence.alike, force))
     own, rows = f.rows(evidence)
     best = own.maximised(rows, tried, f.sudden)
+    if not f.accepts(best.theta[-len(rows[0]) :]):
+        return None
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
