@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, Maximum
+from cogging.diagnosis.balance.evidence import Evidence, Maximum, orthonormal
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -65,6 +65,7 @@ class Contender:
     fit: Maximum = field(repr=False)  # of the candidate and, as `none`, without it
     inflation: float  # of the variance of its score, by which the gain is divided
     force: float  # root mean square of its force, V
+    net: float  # the same of its part that the model cannot explain, V
     ratio: float = 0.0  # gain in 2 ln likelihood over the model without it
     score: float = 0.0  # `ratio` less the expected gain of its amplitudes and trials under the null hypothesis
     alone: float = 0.0  # score in the noise that the candidate itself leaves
@@ -329,7 +330,7 @@ def is_weak(accepted: Sequence[Accepted], sought: Sequence[Found], c: Contender)
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
     least = LEAST_FORCE if c.is_lawful else NAMELESS
-    return c.alone < THRESHOLD or any(c.force < least * one.force for one in known)
+    return c.alone < THRESHOLD or any(c.net < least * one.force for one in known)
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
@@ -389,7 +390,7 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
         best.none = evidence.null
         at = evidence.paths.index(f.effect)
         force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], np.array([value - stated]))
-        return weighed(evidence, Contender(f, best, evidence.alike, force))
+        return weighed(evidence, Contender(f, best, evidence.alike, force, force))
     own, rows = f.rows(evidence)
     best = own.maximised(rows, tried, f.sudden)
     if not f.accepts(best.theta[-len(rows[0]) :]):
@@ -399,14 +400,23 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
     expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in own.counted[:given])
     gains, show = ((float(x[:first].sum()), float(x[first:].sum())) for x in (of_log, expected))
-    force = root_mean_square(own, rows, best.theta[-len(rows[0]) :])
-    return weighed(evidence, Contender(f, best, best.inflation, force, gains=gains, expected=show))
+    amplitudes = best.theta[-len(rows[0]) :]
+    force, net = root_mean_square(own, rows, amplitudes), root_mean_square(own, rows, amplitudes, net=True)
+    return weighed(evidence, Contender(f, best, best.inflation, force, net, gains=gains, expected=show))
 
 
-def root_mean_square(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> float:
-    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows."""
-    force = [amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)]
-    return float(np.sqrt(np.mean(np.concatenate(force) ** 2)))
+def root_mean_square(
+    evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray, *, net: bool = False
+) -> float:
+    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows.
+
+    `net`: of its part that the nuisance parameters cannot explain.
+    """
+    force = np.hstack([amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)])
+    if net:
+        known = orthonormal(np.hstack([t[:, m] for t, m in zip(evidence.nuisances, evidence.counted, strict=True)]))
+        force = force - (known @ force) @ known
+    return float(np.sqrt(np.mean(force**2)))
 
 
 def weighed(evidence: Evidence, c: Contender) -> Contender:
