@@ -1174,7 +1174,6 @@ CELLS = {
     "~command": ("command_saturation", "command_dead_zone"),
     "~friction wave": ("position_dependent_friction",),
     "~force in time": ("disturbance_step", "disturbance_tone"),
-    "~friction over speed": ("stribeck_friction", "quadratic_drag"),
 }
 
 

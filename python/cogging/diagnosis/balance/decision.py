@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, Maximum, orthonormal
+from cogging.diagnosis.balance.evidence import BLOCKS, Evidence, Maximum, orthonormal
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -29,11 +29,8 @@ from cogging.resources import on_threads
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
 EQUAL = 0.9  # of the score or the gain: the same of a law of another name
-MINOR = 0.05  # of the larger gain: a smaller one may come from a law that is only nearly right
-LEAST_FORCE = 0.05  # of the largest force: an effect of less may be an error of a law that is only nearly right
+MINOR = 0.05  # of the largest gain or force: less may come from a law that is only nearly right; of all probability
 NAMELESS = 0.15  # the same for forces without a law, which fit any error of a law
-SHARE = 0.05  # minimum probability of an alternative name
-BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
 CHANCE = 2.0  # inflation that the few blocks of a log show by chance
 COLUMN_ERROR = 0.01  # relative error of a gain: accuracy of the columns under an inexact friction law
@@ -180,7 +177,7 @@ def search(
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = list(dropwhile(partial(is_weak, outcome.accepted, sought), contenders))
         part = shares(fit) if fit else np.zeros(0)
-        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
+        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > MINOR]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
             current, outcome = kept
             (same,) = (one for one in outcome.accepted if one.found is sought[-1])
@@ -329,7 +326,7 @@ def is_weak(accepted: Sequence[Accepted], sought: Sequence[Found], c: Contender)
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
-    least = LEAST_FORCE if c.is_lawful else NAMELESS
+    least = MINOR if c.is_lawful else NAMELESS
     return c.alone < THRESHOLD or any(c.net < least * one.force for one in known)
 
 
@@ -596,7 +593,7 @@ def block_edges(evidence: Evidence, near_rest: bool = False) -> NDArray[np.intp]
 
     No block spans two logs.
     """
-    size, own = round(BLOCK * evidence.rate), evidence.near_rest if near_rest else evidence
+    size, own = round(BLOCKS[-1] * evidence.rate), evidence.near_rest if near_rest else evidence
     edges: list[int] = []
     at = 0
     for m, rows in zip(evidence.counted, own.counted, strict=True):
