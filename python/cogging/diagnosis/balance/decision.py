@@ -30,7 +30,7 @@ THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms sc
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
 EQUAL = 0.9  # of the score or the gain: the same of a law of another name
 MINOR = 0.05  # of the largest gain or force: less may come from a law that is only nearly right; of all probability
-NAMELESS = 0.15  # the same for forces of several amplitudes without a law, which fit any error of a law
+NAMELESS = 0.15  # the same for forces of several amplitudes without a law
 RESAMPLED = 2000  # bootstrap samples
 CHANCE = 2.0  # inflation that the few blocks of a log show by chance
 COLUMN_ERROR = 0.01  # relative error of a gain: accuracy of the columns under an inexact friction law
@@ -326,8 +326,9 @@ def is_weak(accepted: Sequence[Accepted], sought: Sequence[Found], c: Contender)
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
-    least = MINOR if c.is_lawful or c.found.k == 1 else NAMELESS
-    return c.alone < THRESHOLD or any(c.net < least * one.force for one in known)
+    # several amplitudes without a law fit any error of a law, and much of their force re-tuning explains
+    least, force = (MINOR, c.force) if c.is_lawful or c.found.k == 1 else (NAMELESS, c.net)
+    return c.alone < THRESHOLD or any(force < least * one.force for one in known)
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
