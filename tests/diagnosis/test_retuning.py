@@ -415,7 +415,7 @@ def test_a_cable_of_any_shape_is_a_spring():
 
 
 @pytest.mark.parametrize(
-    "seed", [3, 4, *(pytest.param(seed, marks=pytest.mark.study) for seed in (0, 2, 5, 6, 7, 9, 10, 11))]
+    "seed", [3, 9, *(pytest.param(seed, marks=pytest.mark.study) for seed in (0, 2, 5, 6, 7, 10, 11))]
 )
 def test_a_small_spring_of_a_drawn_shape_is_one_effect(seed):
     """The ends of the travel and local forces explain much of it, too."""
