@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import BLOCKS, Evidence, Maximum, orthonormal
+from cogging.diagnosis.balance.evidence import Evidence, Maximum
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -28,9 +28,11 @@ from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
-EQUAL = 0.9  # of the score or the gain: the same of a law of another name
-MINOR = 0.05  # of the largest gain or force: less may come from a law that is only nearly right; of all probability
-NAMELESS = 0.15  # the same for forces of several amplitudes without a law
+MINOR = 0.05  # of the larger gain: a smaller one may come from a law that is only nearly right
+LEAST_FORCE = 0.05  # of the largest force: an effect of less may be an error of a law that is only nearly right
+NAMELESS = 0.15  # the same for forces without a law, which fit any error of a law
+SHARE = 0.05  # minimum probability of an alternative name
+BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
 RESAMPLED = 2000  # bootstrap samples
 CHANCE = 2.0  # inflation that the few blocks of a log show by chance
 COLUMN_ERROR = 0.01  # relative error of a gain: accuracy of the columns under an inexact friction law
@@ -62,7 +64,6 @@ class Contender:
     fit: Maximum = field(repr=False)  # of the candidate and, as `none`, without it
     inflation: float  # of the variance of its score, by which the gain is divided
     force: float  # root mean square of its force, V
-    net: float  # the same of its part that the model cannot explain, V
     ratio: float = 0.0  # gain in 2 ln likelihood over the model without it
     score: float = 0.0  # `ratio` less the expected gain of its amplitudes and trials under the null hypothesis
     alone: float = 0.0  # score in the noise that the candidate itself leaves
@@ -136,6 +137,7 @@ def search(
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
     sought: list[Found] = []  # accepted effects that were sought again
     kept: tuple[Model, Outcome] | None = None  # before the last of them was taken out
+    tried = False  # whether the first effect was accepted though it is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
@@ -176,8 +178,11 @@ def search(
         contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = list(dropwhile(partial(is_weak, outcome.accepted, sought), contenders))
+        if not fit and evidence.largely and not outcome.accepted and not tried:
+            # beside a second large effect the first may not be significant: it is sought again at the end
+            tried, fit = True, [c for c in contenders if c.found.name != LATE]
         part = shares(fit) if fit else np.zeros(0)
-        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > MINOR]
+        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
             current, outcome = kept
             (same,) = (one for one in outcome.accepted if one.found is sought[-1])
@@ -187,9 +192,12 @@ def search(
         kept = None
         if not fit:
             # what was found before the others may have stood in for several effects: seek it once more beside them
+            last = outcome.accepted[-1] if outcome.accepted else None
+            doubtful = [
+                one for one in outcome.accepted if one.score < THRESHOLD or (one.found.k > WIDE and one is not last)
+            ]
             known = (*CONTACTS, *(f.name for f in sought))
-            wide = (one for one in outcome.accepted[:-1] if one.found.k > WIDE and one.found.name not in known)
-            again = next(wide, None)
+            again = next((one for one in doubtful if one.found.name not in known), None)
             if again is None or step > ROUNDS - 3:
                 break
             kept = current, copy(outcome)
@@ -219,33 +227,28 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """Return the best shape of each name, without shapes that have no law where a law stands for them.
+    """Return the best shape of each name, without shapes that have no law where a law explains most of their gain.
 
-    A law that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
+    Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others. A law
+    that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
     """
     best: dict[str, Contender] = {}
     for c in contenders:
-        rivals = [law for law in contenders if c.found.k > 1 and not c.is_lawful and stands_for(law, c)]
-        if rivals:
-            rival = max(rivals, key=lambda law: law.score)
-            share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
-            if share < NESTED:
-                rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
-        else:
-            best.setdefault(c.found.name, c)
+        name = c.found.name
+        if c.found.k > 1 and not c.is_lawful:
+            along = {name}.union(*(names for names in CELLS.values() if name in names))
+            if name.startswith("~"):
+                laws = [other for other in contenders if not other.found.name.startswith("~")]
+            else:
+                laws = [other for other in contenders if other.found.name in along and other.is_lawful]
+            rival = max(laws, key=lambda other: other.score, default=None)
+            if rival is not None and rival.score >= PREFERRED * c.score:
+                share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
+                if share < NESTED:
+                    rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
+                continue
+        best.setdefault(name, c)
     return sorted(best.values(), key=lambda c: -c.score)
-
-
-def stands_for(law: Contender, c: Contender) -> bool:
-    """Return whether a law explains enough of a shape without a law to be accepted instead.
-
-    A law of another name, of the same coordinate, has to explain nearly as much, in its own noise or in one noise.
-    """
-    name, other = law.found.name, c.found.name
-    if other.startswith("~") or name == other:
-        return not name.startswith("~") and (law.is_lawful or name != other) and law.score >= PREFERRED * c.score
-    alike = law.is_lawful and any(name in names and other in names for names in CELLS.values())
-    return alike and (law.score >= EQUAL * c.score or law.gain >= EQUAL * c.gain)
 
 
 def in_one_noise(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
@@ -326,9 +329,8 @@ def is_weak(accepted: Sequence[Accepted], sought: Sequence[Found], c: Contender)
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
-    # several amplitudes without a law fit any error of a law, and much of their force re-tuning explains
-    least, force = (MINOR, c.force) if c.is_lawful or c.found.k == 1 else (NAMELESS, c.net)
-    return c.alone < THRESHOLD or any(force < least * one.force for one in known)
+    least = LEAST_FORCE if c.is_lawful else NAMELESS
+    return c.alone < THRESHOLD or any(c.force < least * one.force for one in known)
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
@@ -373,7 +375,7 @@ def beside(evidence: Evidence, first: Contender, given: int, c: Contender) -> Co
 
 @np.errstate(all="ignore")
 def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] | None = None) -> Contender | None:
-    """Fit a candidate to all logs, the first `given` of which are given logs; None if it is implausible.
+    """Fit a candidate to all logs, the first `given` of which are given logs; None for an implausible change.
 
     A filter of each log that was tried with another candidate is a further starting point.
     """
@@ -388,33 +390,22 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
         best.none = evidence.null
         at = evidence.paths.index(f.effect)
         force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], np.array([value - stated]))
-        return weighed(evidence, Contender(f, best, evidence.alike, force, force))
+        return weighed(evidence, Contender(f, best, evidence.alike, force))
     own, rows = f.rows(evidence)
     best = own.maximised(rows, tried, f.sudden)
-    if not f.accepts(best.theta[-len(rows[0]) :]):
-        return None
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
     of_log = (best.same.by_row() - best.by_row()) / best.inflation
     expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in own.counted[:given])
     gains, show = ((float(x[:first].sum()), float(x[first:].sum())) for x in (of_log, expected))
-    amplitudes = best.theta[-len(rows[0]) :]
-    force, net = root_mean_square(own, rows, amplitudes), root_mean_square(own, rows, amplitudes, net=True)
-    return weighed(evidence, Contender(f, best, best.inflation, force, net, gains=gains, expected=show))
+    force = root_mean_square(own, rows, best.theta[-len(rows[0]) :])
+    return weighed(evidence, Contender(f, best, best.inflation, force, gains=gains, expected=show))
 
 
-def root_mean_square(
-    evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray, *, net: bool = False
-) -> float:
-    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows.
-
-    `net`: of its part that the nuisance parameters cannot explain.
-    """
-    force = np.hstack([amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)])
-    if net:
-        known = orthonormal(np.hstack([t[:, m] for t, m in zip(evidence.nuisances, evidence.counted, strict=True)]))
-        force = force - (known @ force) @ known
-    return float(np.sqrt(np.mean(force**2)))
+def root_mean_square(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> float:
+    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows."""
+    force = [amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)]
+    return float(np.sqrt(np.mean(np.concatenate(force) ** 2)))
 
 
 def weighed(evidence: Evidence, c: Contender) -> Contender:
@@ -594,7 +585,7 @@ def block_edges(evidence: Evidence, near_rest: bool = False) -> NDArray[np.intp]
 
     No block spans two logs.
     """
-    size, own = round(BLOCKS[-1] * evidence.rate), evidence.near_rest if near_rest else evidence
+    size, own = round(BLOCK * evidence.rate), evidence.near_rest if near_rest else evidence
     edges: list[int] = []
     at = 0
     for m, rows in zip(evidence.counted, own.counted, strict=True):

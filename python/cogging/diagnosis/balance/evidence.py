@@ -169,15 +169,14 @@ def likeliest(
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
         prior = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
-        root = np.sqrt(weight)
-        scaled = x * root
+        scaled = x * np.sqrt(weight)
         gram = scaled @ scaled.T
         gram += np.diag(prior + RIDGE * (len(r) + np.diag(gram)))
         # drop directions of nearly collinear columns: their amplitudes would be huge and cancel
         unit = np.sqrt(np.diag(gram))
         value, vector = np.linalg.eigh(gram / np.outer(unit, unit))
         seen = value > ROUNDING * value[-1]
-        along = vector[:, seen].T @ ((scaled @ (root * r) + prior * target) / unit)
+        along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
         w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
         weight = (tail + 1.0) / (tail + rest**2 / variance)
