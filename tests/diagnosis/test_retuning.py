@@ -414,6 +414,60 @@ def test_a_cable_of_any_shape_is_a_spring():
     assert only.share > 0.9
 
 
+@pytest.mark.parametrize(
+    "seed", [5, 9, *(pytest.param(seed, marks=pytest.mark.study) for seed in (0, 2, 6, 7, 8, 10, 11))]
+)
+def test_a_small_spring_of_a_drawn_shape_is_one_effect(seed):
+    """The ends of the travel and local forces explain much of it, too."""
+    random = np.random.default_rng(seed)
+    levels = np.concatenate([[0.0], np.cumsum(random.uniform(0.1, 1.0, 5))])
+    size = np.exp(random.uniform(*np.log([0.1, 1.0]))) * random.choice([-1.0, 1.0])
+    forces = size * (levels / levels[-1] - random.uniform())
+    places = np.linspace(-0.16, 0.16, 6).tolist()
+    force = cogging.EFFECTS["empirical_force"](position_nodes=places, position_forces=forces.tolist())
+    accepted = searched(moving_axis.machine([force]), seed, STATED).accepted
+    assert [one.found.name for one in accepted] == ["cable_spring"]
+
+
+@pytest.mark.parametrize(
+    ("bell", "name", "fields", "speeds"),
+    [
+        ((-6.0, -0.0097, 0.0229), "disturbance_step", {"force": 6.0, "start": 2.606, "stop": 5.806}, (0.32, 0.14)),
+        ((-10.0, 0.0769, 0.0156), "viscous_asymmetry", {"difference": 23.3}, (0.19, 0.14)),
+    ],
+)
+def test_a_wide_local_force_beside_another_effect_leaves_no_third(bell, name, fields, speeds):
+    """Its law is found at its width; the pulse of a window would leave a wave that is not there."""
+    law = cogging.EFFECTS["local_force"](**dict(zip(("force", "center", "width"), bell, strict=True)))
+    true = moving_axis.machine([law, cogging.EFFECTS[name](**fields)])
+    logs = [moving_axis.record(true, k, moving_axis.strokes(speed, 0.24)) for k, speed in enumerate(speeds, 1)]
+    found = cogging.diagnose(logs[0], STATED, confirm=logs[1])
+    assert {e.name for e in found.effects} == {"local_force", name}
+    values = next(e for e in found.effects if e.name == "local_force").parameters
+    assert values["width"].value == pytest.approx(law.width, rel=0.02)
+    assert values["center"].value == pytest.approx(law.center, abs=2e-4)
+
+
+def test_no_candidate_has_amplitudes_that_its_law_excludes():
+    """A refined shape may have another sign than that which it was refined from: here a load of negative mass."""
+    mode = cogging.EFFECTS["flexible_mode"](frequency=17.1, damping_ratio=0.018, mass_ratio=0.15)
+    log = moving_axis.record(moving_axis.machine([mode]), 1371, moving_axis.strokes(0.292, 0.24))
+    evidence = Evidence([DifferencedBalance(log, 3e-3, 1e-7)], STATED, STATED).prepare(2, listen=True)
+    found = search_once(evidence, {})
+    assert any(f.accept for f in found)
+    assert all(f.accepts(f.amplitudes) for f in found)
+
+
+def test_the_mass_stays_within_a_tenth_and_ten_times_the_stated_one():
+    """Beside a wrong law it would fall to zero: with that, and no friction, a wide dead zone explains any motion."""
+    log = moving_axis.record(moving_axis.machine(), 1)
+    evidence = Evidence([DifferencedBalance(log, 3e-3, 1e-7)], STATED, STATED).prepare(1)
+    stated = STATED.axis.mass
+    for step, bound in ((-stated, 0.1 * stated), (20.0 * stated, 10.0 * stated)):
+        model = evidence.moved(evidence.moved(STATED, {"axis.mass": step}), {"axis.mass": step})
+        assert model.axis.mass == pytest.approx(bound)
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_dead_zone_is_no_name_for_all_that_the_command_balances(seed):
     """The motion needs most of its force at commands within such a zone, where no force acts."""

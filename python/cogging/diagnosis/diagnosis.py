@@ -12,7 +12,7 @@ import numpy as np
 from cogging._core import DivergedError
 from cogging.calls import check_arguments
 from cogging.diagnosis.balance.decision import Outcome, search
-from cogging.diagnosis.balance.evidence import TooLittleMotion
+from cogging.diagnosis.balance.evidence import LARGEST_CHANGE, TooLittleMotion
 from cogging.diagnosis.detection_limits import limits, unmeasured
 from cogging.diagnosis.diagnosis_result import Diagnosis
 from cogging.diagnosis.entries import Gap, Limit, Step
@@ -156,7 +156,7 @@ def _result(
     nominal = found.nominal.settled(found.nominal.model)
 
     # 1. exclude terms; measure the gaps of the re-tuned model, the patched model and the latter less each family
-    held_out, refused = _objections(terms, logs, stated)
+    held_out, refused = _objections(terms, whole, logs, stated)
     families = [[k for k, term in enumerate(terms) if term.accepted is one] for one in found.accepted]
     families = [family for family in families if terms[family[0]].path and not set(family) <= {*held_out, *refused}]
     harmed = True
@@ -285,14 +285,18 @@ def _replayed(yardstick: Yardstick, models: Sequence[Model]) -> tuple[Gaps | Non
     return gaps if followed else None, f"the replayed loop does not {does}"
 
 
-def _objections(terms: Sequence[Term], logs: Prepared, stated: Model) -> tuple[dict[int, str], dict[int, str]]:
-    """Return by index why a term is uncertain, and why another is unphysical."""
+def _objections(
+    terms: Sequence[Term], whole: Model, logs: Prepared, stated: Model
+) -> tuple[dict[int, str], dict[int, str]]:
+    """Return by index why a term of the re-tuned model is uncertain, and why another is unphysical."""
     named = {place: term for place, term in enumerate(terms) if not term.accepted.found.name.startswith("~")}
-    refused = {
-        place: why
-        for place, term in named.items()
-        if term.effect is not None and (why := unphysical(stated.replace(effects=[term.effect]), 0, logs.given))
-    }
+    refused: dict[int, str] = {}
+    for place, term in named.items():
+        factor = whole.axis.mass / stated.axis.mass
+        if term.path == "axis.mass" and abs(np.log(factor)) > 0.99 * np.log(LARGEST_CHANGE):
+            refused[place] = f"the mass would be {factor:.3g} of its stated value"
+        if term.effect is not None and (why := unphysical(stated.replace(effects=[term.effect]), 0, logs.given)):
+            refused[place] = why
     uncertain = {place for place, term in named.items() if not term.certain and place not in refused}
     return dict.fromkeys(uncertain, "its interval includes zero"), refused
 

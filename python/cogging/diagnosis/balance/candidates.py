@@ -54,7 +54,7 @@ LINEAR = 0.1  # of the command's standard deviation: columns of a larger change 
 LARGEST_SCALE = 0.1  # largest scale error of an encoder
 SECANTS = 3  # sizes at which columns of large effects are evaluated, each the one that the columns before give
 OWN_SHAPES = 6  # grid values of each shape parameter of an own effect
-BUMPS = (0.004, 0.06)  # of the travel: range of the widths of a local force
+BUMPS = (0.004, 0.12)  # of the travel: range of the widths of a local force
 SPRING, REVERSED = 8, 0.05  # splines of a cable's force along the travel; share of its variation that may turn back
 PLACES = 1001  # grid of the centre of a local force
 FAR_END = 50.0  # decay lengths: distance at which an end has no effect
@@ -112,6 +112,11 @@ class Found:
     period: float | None = None  # of a wave along the travel, m
     refine: Refine | None = None  # a number of the shape, function(number) that returns a `Shape`, first relative step
     sudden: bool = False  # see `Shape`
+    accept: Callable[[FloatArray], bool] | None = None  # test of the amplitudes
+
+    def accepts(self, amplitudes: FloatArray) -> bool:
+        """Return whether amplitudes (k,) are those of this effect."""
+        return self.accept is None or self.accept(amplitudes)
 
     @property
     def near_rest(self) -> bool:
@@ -214,7 +219,7 @@ class Search:
             return 0.0
         key, made = family or name, (shape.columns, shape.law)
         one = Found(name, shape.label, T, k, trials, amplitudes, *made, period=period, refine=refine)
-        one.sudden = shape.sudden
+        one.sudden, one.accept = shape.sudden, accept
         if key not in self.found or one.score > self.found[key].score:
             self.found[key] = one
         return T
@@ -395,15 +400,7 @@ def search_once(ctx: Evidence, also: Mapping[str, Effect]) -> list[Found]:
     limit = max(min(best[0].score - REFINED, REFINED_SHARE * best[0].score), CERTAIN_ZERO)
     final = [f for f in on_threads(lambda f: refined(s, f) if f.score > limit else f, best) if f is not None]
     final = [f for f in final if f.name not in LIMITS or passes(ctx, f)]
-    final += [replace(f, name="end_effect", label="other shape", effect=None) for f in final if is_cut(s, f)]
     return sorted(with_cells(final), key=lambda f: -f.score)
-
-
-def is_cut(s: Search, f: Found) -> bool:
-    """Return whether the motion ends within the width of a local force: it may then be the effect of an end."""
-    bells = f.laws(f.amplitudes) if f.name == "local_force" else ()
-    widths = [bell.to_dict() for bell in bells]
-    return any(min(w["center"] - s.low, s.high - w["center"]) < w["width"] for w in widths)
 
 
 @np.errstate(all="ignore")
@@ -416,7 +413,7 @@ def refined(s: Search, f: Found) -> Found | None:
 
     def at(logarithm: float) -> float:
         tried[logarithm] = s.fitted(f.name, make(float(value * np.exp(logarithm))))
-        return tried[logarithm][1]
+        return tried[logarithm][1] if f.accepts(tried[logarithm][2]) else 0.0
 
     x = sharpen(at, 0.0, step, 8)
     if value * np.exp(x) < 0.5 * s.least.get(f.name, -np.inf):
@@ -450,13 +447,14 @@ def forces_of_place(s: Search) -> None:
         fields = {"decay_length": float(L), "travel": travel}
         s.law("end_effect", fields, "force", small, 8, vary="decay_length")
         s.varied("end_effect", float(L), partial(two_ends, s), 8)
-    widths = [float(width) for width in np.geomspace(*BUMPS, 6) * length]
+    widths = [float(width) for width in np.geomspace(*BUMPS, 7) * length]
 
     def bump(center: float, width: float) -> float:
         fields = {"center": center, "width": width}
-        return s.law("local_force", fields, "force", small, round(length / width), vary="center")
+        return s.law("local_force", fields, "force", small, round(length / width), vary="width")
 
-    _, best = max((bump(center, width), center) for width in widths for center in best_places(s, width))
+    _, best, at = max((bump(center, width), center, width) for width in widths for center in best_places(s, width))
+    best = sharpen(partial(bump, width=at), best, 0.5 * at)
     for width in widths:
         bump(best, width)
     place = pulse("position", *best_window(s, "position", low, high, LOCAL * length))
@@ -596,9 +594,9 @@ def command(s: Search) -> None:
         law = partial(E["command_dead_zone"].replace, width=float(width))
         return limited(f"{width:.4g}", lambda u: -np.clip(u, -width, width), law)
 
-    least = max(float(np.quantile(np.abs(one.needed), MOST)) for one in s.ctx.instruments)
-    s.least["command_saturation"] = 2.0 * least
-    shares = expit(np.arange(logit(0.99), logit(np.clip(least / s.force, 1e-6, 0.9)), -LIMIT_STEP))
+    needed = max(float(np.quantile(np.abs(one.needed), MOST)) for one in s.ctx.instruments)
+    s.least["command_saturation"] = 2.0 * needed
+    shares = expit(np.arange(logit(0.99), logit(np.clip(needed / s.force, 1e-6, 0.9)), -LIMIT_STEP))
     for limit in shares * s.force:
         s.varied("command_saturation", limit, saturation, len(shares))
     for width in np.geomspace(1e-3, 1.0, WIDTHS) * s.force:

@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
-from cogging.diagnosis.balance.evidence import Evidence, Maximum
+from cogging.diagnosis.balance.evidence import BLOCKS, LARGEST_CHANGE, Evidence, Maximum, orthonormal
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -28,11 +28,9 @@ from cogging.resources import on_threads
 
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
-MINOR = 0.05  # of the larger gain: a smaller one may come from a law that is only nearly right
-LEAST_FORCE = 0.05  # of the largest force: an effect of less may be an error of a law that is only nearly right
-NAMELESS = 0.15  # the same for forces without a law, which fit any error of a law
-SHARE = 0.05  # minimum probability of an alternative name
-BLOCK = 0.5  # s: block of motion that is resampled, about a stroke
+EQUAL = 0.9  # of the gain: the same of a law of another name
+MINOR = 0.05  # of the largest gain or force: less may come from a law that is only nearly right; of all probability
+NAMELESS = 0.15  # the same for forces of several amplitudes without a law
 RESAMPLED = 2000  # bootstrap samples
 CHANCE = 2.0  # inflation that the few blocks of a log show by chance
 COLUMN_ERROR = 0.01  # relative error of a gain: accuracy of the columns under an inexact friction law
@@ -44,7 +42,6 @@ FAINT = 0.02  # of the largest T: smaller candidates are skipped
 WIDE = 2  # amplitudes: what has more may stand in for several effects
 RETUNED = 3  # maximum number of Gauss-Newton steps of a scale error
 SHOWN = 10.0  # minimum expected gain in 2 ln likelihood of logs that can contradict a candidate
-LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
 REPEATED = (  # may occur several times, with another period, frequency or time
     *("cogging_harmonic", "force_constant_ripple", "encoder_periodic_error", "disturbance_tone", "disturbance_step"),
 )
@@ -64,6 +61,7 @@ class Contender:
     fit: Maximum = field(repr=False)  # of the candidate and, as `none`, without it
     inflation: float  # of the variance of its score, by which the gain is divided
     force: float  # root mean square of its force, V
+    net: float  # the same of its part that the effects of the model cannot explain, V
     ratio: float = 0.0  # gain in 2 ln likelihood over the model without it
     score: float = 0.0  # `ratio` less the expected gain of its amplitudes and trials under the null hypothesis
     alone: float = 0.0  # score in the noise that the candidate itself leaves
@@ -94,6 +92,7 @@ class Accepted:
     found: Found  # `effect(amplitudes)` is its law, None without one
     score: float  # gain in 2 ln likelihood less the expected gain under the null hypothesis
     force: float  # root mean square of its force, V
+    net: float  # the same of its part that the effects before it cannot explain, V
     share: float  # probability of the candidate over resampled motion
     alternatives: list[tuple[str, float]]  # their names and probabilities
 
@@ -137,7 +136,6 @@ def search(
     others = [DifferencedBalance(log, width, quantum) for log in confirm]
     sought: list[Found] = []  # accepted effects that were sought again
     kept: tuple[Model, Outcome] | None = None  # before the last of them was taken out
-    tried = False  # whether the first effect was accepted though it is not significant alone
     excluded = {e.NAME for e in model.effects if "state" in e.HOOKS}
     excluded.update(COUPLINGS if excluded & set(COUPLINGS) else ())
     outcome: Outcome | None = None
@@ -178,26 +176,29 @@ def search(
         contenders = beside_second(outcome.both, compared, pairs, contenders, len(given))
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = list(dropwhile(partial(is_weak, outcome.accepted, sought), contenders))
-        if not fit and evidence.largely and not outcome.accepted and not tried:
-            # beside a second large effect the first may not be significant: it is sought again at the end
-            tried, fit = True, [c for c in contenders if c.found.name != LATE]
         part = shares(fit) if fit else np.zeros(0)
-        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
+        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > MINOR]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
             current, outcome = kept
-            (same,) = (one for one in outcome.accepted if one.found is sought[-1])
+            (at,) = (k for k, one in enumerate(outcome.accepted) if one.found is sought[-1])
+            same, later = outcome.accepted[at], outcome.accepted[at + 1 :]
             same.score, same.share, same.alternatives = fit[0].alone, float(part[0]), alternatives
             excluded.update({same.found.name}.difference(REPEATED))
             fit = []
+            # what came beside it and did not take its place may be its error
+            for one in (one for one in later if one.net < MINOR * same.force):
+                current = without(current, len(model.effects), outcome.accepted, one)
+                outcome.accepted = [other for other in outcome.accepted if other is not one]
+                excluded.add(one.found.name)
+                kept = None
+            if kept is None:
+                continue
         kept = None
         if not fit:
             # what was found before the others may have stood in for several effects: seek it once more beside them
-            last = outcome.accepted[-1] if outcome.accepted else None
-            doubtful = [
-                one for one in outcome.accepted if one.score < THRESHOLD or (one.found.k > WIDE and one is not last)
-            ]
             known = (*CONTACTS, *(f.name for f in sought))
-            again = next((one for one in doubtful if one.found.name not in known), None)
+            wide = (one for one in outcome.accepted[:-1] if one.found.k > WIDE and one.found.name not in known)
+            again = next(wide, None)
             if again is None or step > ROUNDS - 3:
                 break
             kept = current, copy(outcome)
@@ -214,7 +215,8 @@ def search(
             outcome.late += seconds
             continue
         f = owned(fit[0].found, outcome.accepted)
-        outcome.accepted.append(Accepted(f, fit[0].alone, fit[0].force, float(part[0]), alternatives))
+        first = fit[0]
+        outcome.accepted.append(Accepted(f, first.alone, first.force, first.net, float(part[0]), alternatives))
         if f.columns is not None and not is_column(f):
             current = current.replace(effects=(*current.effects, *f.laws(f.amplitudes)))
         excluded.update({*COUPLINGS} if f.name in COUPLINGS else {f.name}.difference(REPEATED))
@@ -227,28 +229,33 @@ def search(
 
 
 def one_of_each_name(contenders: Sequence[Contender]) -> list[Contender]:
-    """Return the best shape of each name, without shapes that have no law where a law explains most of their gain.
+    """Return the best shape of each name, without shapes that have no law where a law stands for them.
 
-    Every law is a rival of a generic force without a name; laws of the same coordinate are rivals of the others. A law
-    that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
+    A law that explains less than NESTED of such a shape gets this share as its likeness, which lowers its confidence.
     """
     best: dict[str, Contender] = {}
     for c in contenders:
-        name = c.found.name
-        if c.found.k > 1 and not c.is_lawful:
-            along = {name}.union(*(names for names in CELLS.values() if name in names))
-            if name.startswith("~"):
-                laws = [other for other in contenders if not other.found.name.startswith("~")]
-            else:
-                laws = [other for other in contenders if other.found.name in along and other.is_lawful]
-            rival = max(laws, key=lambda other: other.score, default=None)
-            if rival is not None and rival.score >= PREFERRED * c.score:
-                share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
-                if share < NESTED:
-                    rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
-                continue
-        best.setdefault(name, c)
+        rivals = [law for law in contenders if c.found.k > 1 and not c.is_lawful and stands_for(law, c)]
+        if rivals:
+            rival = max(rivals, key=lambda law: law.score)
+            share = float((rival.ratio - rival.found.k) / (c.ratio - c.found.k))
+            if share < NESTED:
+                rival.found = replace(rival.found, likeness=min(rival.found.likeness, share))
+        else:
+            best.setdefault(c.found.name, c)
     return sorted(best.values(), key=lambda c: -c.score)
+
+
+def stands_for(law: Contender, c: Contender) -> bool:
+    """Return whether a law explains enough of a shape without a law to be accepted instead.
+
+    A law of another name, of the same coordinate, has to explain nearly as much.
+    """
+    name, other = law.found.name, c.found.name
+    if name.startswith("~") or law.score < PREFERRED * c.score:
+        return False
+    alike = law.is_lawful and any(name in names and other in names for names in CELLS.values())
+    return other.startswith("~") or (law.is_lawful and name == other) or (alike and law.gain >= EQUAL * c.gain)
 
 
 def in_one_noise(evidence: Evidence, contenders: Sequence[Contender]) -> list[Contender]:
@@ -329,8 +336,8 @@ def is_weak(accepted: Sequence[Accepted], sought: Sequence[Found], c: Contender)
     """Return whether a candidate may be chance or, if it is not sought again, an error of an accepted law."""
     missing = {f.name for f in sought} - {one.found.name for one in accepted}
     known = [] if c.found.name in missing else accepted
-    least = LEAST_FORCE if c.is_lawful else NAMELESS
-    return c.alone < THRESHOLD or any(c.force < least * one.force for one in known)
+    least, force = (MINOR, c.force) if c.is_lawful else (NAMELESS, c.net)
+    return c.alone < THRESHOLD or any(force < least * one.force for one in known)
 
 
 def without_each_other(accepted: Sequence[Accepted]) -> None:
@@ -390,7 +397,7 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
         best.none = evidence.null
         at = evidence.paths.index(f.effect)
         force = root_mean_square(evidence, [t[[at]] for t in evidence.nuisances], np.array([value - stated]))
-        return weighed(evidence, Contender(f, best, evidence.alike, force))
+        return weighed(evidence, Contender(f, best, evidence.alike, force, force))
     own, rows = f.rows(evidence)
     best = own.maximised(rows, tried, f.sudden)
     # what each log says of the candidate: behind one filter, as expected is, which then cannot absorb it in one log
@@ -398,14 +405,25 @@ def contender(evidence: Evidence, f: Found, given: int, tried: list[FloatArray] 
     expected = best.explained**2 / best.inflation
     first = sum(int(m.sum()) for m in own.counted[:given])
     gains, show = ((float(x[:first].sum()), float(x[first:].sum())) for x in (of_log, expected))
-    force = root_mean_square(own, rows, best.theta[-len(rows[0]) :])
-    return weighed(evidence, Contender(f, best, best.inflation, force, gains=gains, expected=show))
+    amplitudes = best.theta[-len(rows[0]) :]
+    force, net = root_mean_square(own, rows, amplitudes), root_mean_square(own, rows, amplitudes, net=True)
+    return weighed(evidence, Contender(f, best, best.inflation, force, net, gains=gains, expected=show))
 
 
-def root_mean_square(evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray) -> float:
-    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows."""
-    force = [amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)]
-    return float(np.sqrt(np.mean(np.concatenate(force) ** 2)))
+def root_mean_square(
+    evidence: Evidence, tables: Sequence[FloatArray], amplitudes: FloatArray, *, net: bool = False
+) -> float:
+    """Return the root mean square (V) of the force of columns with amplitudes, over the valid rows.
+
+    `net`: of its part that the effects of the model cannot explain.
+    """
+    force = np.hstack([amplitudes @ t[:, m] for t, m in zip(tables, evidence.counted, strict=True)])
+    if net:
+        of_effects = [path.startswith("effects.") for path in evidence.paths]
+        known = np.hstack([t[:, m] for t, m in zip(evidence.nuisances, evidence.counted, strict=True)])
+        known = orthonormal(known[[*of_effects, *[True] * (len(known) - len(of_effects))]])
+        force = force - (known @ force) @ known
+    return float(np.sqrt(np.mean(force**2)))
 
 
 def weighed(evidence: Evidence, c: Contender) -> Contender:
@@ -585,7 +603,7 @@ def block_edges(evidence: Evidence, near_rest: bool = False) -> NDArray[np.intp]
 
     No block spans two logs.
     """
-    size, own = round(BLOCK * evidence.rate), evidence.near_rest if near_rest else evidence
+    size, own = round(BLOCKS[-1] * evidence.rate), evidence.near_rest if near_rest else evidence
     edges: list[int] = []
     at = 0
     for m, rows in zip(evidence.counted, own.counted, strict=True):

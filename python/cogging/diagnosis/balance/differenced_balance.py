@@ -369,17 +369,18 @@ class DifferencedBalance:
 
     def reading_error(self, effects: list[Any]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the error of the reading along the fine motion, m, (m,), and its slope and curvature at each row."""
-        known = self.cache.get("reading")  # most models that are compared have the same
-        if known is None or known[0] != effects:
+        old = self.cache.get("reading", [])  # most models that are compared share their laws
+        by = SLOPE_STEP * float(np.ptp(self.position))
 
-            def error_at(x: FloatArray) -> FloatArray:
-                return np.asarray(np.sum([e.reading_at(x) - x for e in effects], axis=0))
+        def made(law: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+            before, at, after = (law.reading_at(x) - x for x in (self.position - by, self.position, self.position + by))
+            fine = self.fine.position
+            return law.reading_at(fine) - fine, (after - before) / (2.0 * by), (after - 2.0 * at + before) / by**2
 
-            by = SLOPE_STEP * float(np.ptp(self.position))
-            before, at, after = (error_at(self.position + step) for step in (-by, 0.0, by))
-            slopes = (after - before) / (2.0 * by), (after - 2.0 * at + before) / by**2
-            self.cache["reading"] = known = effects, (error_at(self.fine.position), *slopes)
-        return known[1]
+        known = [(law, next((parts for one, parts in old if one == law), None) or made(law)) for law in effects]
+        self.cache["reading"] = known
+        error, slope, bend = (np.sum(rows, axis=0) for rows in zip(*(parts for _, parts in known), strict=True))
+        return error, slope, bend
 
     def loads(self, model: Model, force: FloatArray, acceleration: FloatArray) -> FloatArray:
         """Return what loads of a model behind a spring or a gap add to the residual of a rigid axis, V, (n,).

@@ -45,7 +45,7 @@ LARGELY = 0.3  # share of the command's standard deviation above which the resid
 WIDER = (0.35, 0.5, 0.7, 1.4, 2.0)  # factors of the friction width that `settled` tries
 SHARES_OF_A_STEP = (1.0, 0.5, 0.25, 0.1)  # step lengths of the line search
 RIDGE = 1e-12  # relative information that is added on each scaled amplitude, for columns that are collinear
-LEAST_MASS = 0.05  # of the mass: lower bound in one step
+LARGEST_CHANGE = 10.0  # largest factor between mass or friction and its stated value
 
 
 def noise_filter(e: FloatArray, mask: Mask, rate: float) -> FloatArray:
@@ -169,14 +169,15 @@ def likeliest(
     weight, variance = (np.ones(len(r)), deviation(r) ** 2) if near is None else (near.weight, near.variance)
     for _ in range(rounds if near is None else rounds - 1):
         prior = 1.0 / np.maximum(sigma**2 / variance, 1e-12)
-        scaled = x * np.sqrt(weight)
+        root = np.sqrt(weight)
+        scaled = x * root
         gram = scaled @ scaled.T
         gram += np.diag(prior + RIDGE * (len(r) + np.diag(gram)))
         # drop directions of nearly collinear columns: their amplitudes would be huge and cancel
         unit = np.sqrt(np.diag(gram))
         value, vector = np.linalg.eigh(gram / np.outer(unit, unit))
         seen = value > ROUNDING * value[-1]
-        along = vector[:, seen].T @ ((x @ (weight * r) + prior * target) / unit)
+        along = vector[:, seen].T @ ((scaled @ (root * r) + prior * target) / unit)
         w = vector[:, seen] @ (along / value[seen]) / unit
         rest = r - w @ x
         weight = (tail + 1.0) / (tail + rest**2 / variance)
@@ -591,9 +592,10 @@ class Evidence:
         for path, step in steps.items():
             if path in known and path not in exact:
                 value = known[path].value
-                least = LEAST_MASS * value if path == "axis.mass" else 0.0 if path.startswith("axis.") else -np.inf
-                low, high = self.limits.get(path, (-np.inf, np.inf))
-                values[path] = min(max(value + step, least, low), high)
+                mass = self.given.axis.mass
+                axis = (mass / LARGEST_CHANGE, mass * LARGEST_CHANGE) if path == "axis.mass" else (0.0, np.inf)
+                low, high = axis if path.startswith("axis.") else self.limits.get(path, (-np.inf, np.inf))
+                values[path] = min(max(value + step, low), high)
         try:
             return with_values(model, values)
         except ValueError:  # the effect rejects the shape
