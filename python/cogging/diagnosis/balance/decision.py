@@ -184,14 +184,13 @@ def search(
             same, later = outcome.accepted[at], outcome.accepted[at + 1 :]
             same.score, same.share, same.alternatives = fit[0].alone, float(part[0]), alternatives
             excluded.update({same.found.name}.difference(REPEATED))
-            fit = []
-            # what came beside it and did not take its place may be its error
-            for one in (one for one in later if one.net < MINOR * same.force):
+            fit, kept = [], None
+            errors = [one for one in later if one.net < MINOR * same.force]  # they came, but did not take its place
+            for one in errors:
                 current = without(current, len(model.effects), outcome.accepted, one)
                 outcome.accepted = [other for other in outcome.accepted if other is not one]
                 excluded.add(one.found.name)
-                kept = None
-            if kept is None:
+            if errors:
                 continue
         kept = None
         if not fit:
@@ -209,13 +208,13 @@ def search(
             progress(f"  again: {again.found.name} {again.found.label}")
             continue
 
-        if fit[0].found.name == LATE:
-            seconds = likeliest_lateness(outcome.both, -float(fit[0].found.amplitudes[0]))
+        first = fit[0]
+        if first.found.name == LATE:
+            seconds = likeliest_lateness(outcome.both, -float(first.found.amplitudes[0]))
             balances, others = ([b.earlier(seconds) for b in logs] for logs in (balances, others))
             outcome.late += seconds
             continue
-        f = owned(fit[0].found, outcome.accepted)
-        first = fit[0]
+        f = owned(first.found, outcome.accepted)
         outcome.accepted.append(Accepted(f, first.alone, first.force, first.net, float(part[0]), alternatives))
         if f.columns is not None and not is_column(f):
             current = current.replace(effects=(*current.effects, *f.laws(f.amplitudes)))

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.signal import welch
 
 from cogging import plot
 from cogging.arrays import FloatArray
@@ -180,13 +181,9 @@ def _spectrum(result: Diagnosis) -> Picture:
 
 def spectrum(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return frequencies and amplitude density (per √Hz), by Welch's method with Hann windows of an eighth."""
-    step = float(np.median(np.diff(time)))
     length = min(len(values), max(256, 2 * (len(values) // 16)))
-    window = np.hanning(length)
-    parts = [values[first : first + length] for first in range(0, len(values) - length + 1, max(1, length // 2))]
-    power = np.mean([np.abs(np.fft.rfft(window * (part - part.mean()))) ** 2 for part in parts], axis=0)
-    density = np.sqrt(2.0 * power * step / float((window**2).sum()))
-    return np.asarray(np.fft.rfftfreq(length, step)[1:]), np.asarray(density[1:])
+    frequencies, density = welch(values, 1.0 / np.median(np.diff(time)), nperseg=length)
+    return frequencies[1:], np.sqrt(density[1:])
 
 
 def _means(values: FloatArray, few: int) -> FloatArray:
