@@ -1,6 +1,7 @@
 """Candidates that are not linear at the model without them, and forces that re-tuning absorbs."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,9 @@ from cogging.diagnosis.balance.candidates import Search, is_monotone, search_onc
 from cogging.diagnosis.balance.decision import contender, search
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import Evidence
+from cogging.diagnosis.diagnosis import _objections
 from cogging.diagnosis.named_effects import named
-from cogging.diagnosis.patched_model import terms_of
+from cogging.diagnosis.patched_model import Term, terms_of
 from tests.fixtures import moving_axis, pid_axis
 from tests.fixtures.pid_axis import FAST, other, run
 
@@ -415,10 +417,10 @@ def test_a_cable_of_any_shape_is_a_spring():
 
 
 @pytest.mark.parametrize(
-    "seed", [5, 9, *(pytest.param(seed, marks=pytest.mark.study) for seed in (0, 2, 6, 7, 8, 10, 11))]
+    "seed", [5, 9, *(pytest.param(seed, marks=pytest.mark.study) for seed in (0, 1, 2, 6, 7, 8, 10, 11))]
 )
 def test_a_small_spring_of_a_drawn_shape_is_one_effect(seed):
-    """The ends of the travel and local forces explain much of it, too."""
+    """The ends of the travel and local forces explain much of it, too; seeds 3 and 4 have a second name."""
     random = np.random.default_rng(seed)
     levels = np.concatenate([[0.0], np.cumsum(random.uniform(0.1, 1.0, 5))])
     size = np.exp(random.uniform(*np.log([0.1, 1.0]))) * random.choice([-1.0, 1.0])
@@ -444,8 +446,8 @@ def test_a_wide_local_force_beside_another_effect_leaves_no_third(bell, name, fi
     found = cogging.diagnose(logs[0], STATED, confirm=logs[1])
     assert {e.name for e in found.effects} == {"local_force", name}
     values = next(e for e in found.effects if e.name == "local_force").parameters
-    assert values["width"].value == pytest.approx(law.width, rel=0.02)
-    assert values["center"].value == pytest.approx(law.center, abs=2e-4)
+    assert values["width"].value == pytest.approx(law.width, rel=2e-3)  # seen: 4e-4
+    assert values["center"].value == pytest.approx(law.center, abs=1e-5)  # seen: 3e-6
 
 
 def test_no_candidate_has_amplitudes_that_its_law_excludes():
@@ -466,6 +468,15 @@ def test_the_mass_stays_within_a_tenth_and_ten_times_the_stated_one():
     for step, bound in ((-stated, 0.1 * stated), (20.0 * stated, 10.0 * stated)):
         model = evidence.moved(evidence.moved(STATED, {"axis.mass": step}), {"axis.mass": step})
         assert model.axis.mass == pytest.approx(bound)
+
+
+@pytest.mark.parametrize(("factor", "refused"), [(0.1, True), (0.11, False), (9.0, False), (10.0, True)])
+def test_a_change_of_the_mass_to_the_bound_of_the_search_is_refused(factor, refused):
+    """It is where the search ended, not what the logs show."""
+    term = Term(SimpleNamespace(found=SimpleNamespace(name="mass_change")), None, "axis.mass", 1.0)
+    whole = STATED.replace(axis=STATED.axis.replace(mass=factor * STATED.axis.mass))
+    reasons = _objections([term], whole, SimpleNamespace(given=[]), STATED)[1]
+    assert list(reasons.values()) == [f"the mass would be {factor:.3g} of its stated value"] * refused
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -20,7 +20,7 @@ from cogging.diagnosis.generic_force import predicted
 from cogging.diagnosis.locate import location_of
 from cogging.diagnosis.named_effects import final_verdict, named, unlisted
 from cogging.diagnosis.patched_model import Term, merged, paths_without, terms_of, with_intervals, without
-from cogging.diagnosis.physical import seconds_of_motion, unphysical
+from cogging.diagnosis.physical import AT_END, seconds_of_motion, unphysical
 from cogging.diagnosis.places import empirical_term
 from cogging.diagnosis.preparation import Logs, Prepared, prepared, whole_logs
 from cogging.diagnosis.running_controller import running_controller
@@ -293,7 +293,7 @@ def _objections(
     refused: dict[int, str] = {}
     for place, term in named.items():
         factor = whole.axis.mass / stated.axis.mass
-        if term.path == "axis.mass" and abs(np.log(factor)) > 0.99 * np.log(LARGEST_CHANGE):
+        if term.path == "axis.mass" and abs(np.log(factor)) > np.log(LARGEST_CHANGE) - AT_END:
             refused[place] = f"the mass would be {factor:.3g} of its stated value"
         if term.effect is not None and (why := unphysical(stated.replace(effects=[term.effect]), 0, logs.given)):
             refused[place] = why

@@ -21,6 +21,7 @@ from cogging.arrays import FloatArray
 from cogging.diagnosis.balance.candidates import CELLS, JUMPS, LATE, NESTED, Found, search_once
 from cogging.diagnosis.balance.differenced_balance import DifferencedBalance
 from cogging.diagnosis.balance.evidence import BLOCKS, LARGEST_CHANGE, Evidence, Maximum, orthonormal
+from cogging.diagnosis.balance.evidence import beside as orthogonal
 from cogging.effects.effect import Effect
 from cogging.logs.log import Log
 from cogging.model.model import Model
@@ -29,8 +30,9 @@ from cogging.resources import on_threads
 THRESHOLD = 30.0  # minimum score of an accepted candidate: most false alarms score 20 to 28 (docs/evidence.md)
 PREFERRED = 0.5  # of the score of a force without a law: a law that explains more is accepted, the rest may follow
 EQUAL = 0.9  # of the gain: the same of a law of another name
-MINOR = 0.05  # of the largest gain or force: less may come from a law that is only nearly right; of all probability
+MINOR = 0.05  # of the largest gain or force: less may come from a law that is only nearly right
 NAMELESS = 0.15  # the same for forces of several amplitudes without a law
+SHARE = 0.05  # minimum probability of an alternative name
 RESAMPLED = 2000  # bootstrap samples
 CHANCE = 2.0  # inflation that the few blocks of a log show by chance
 COLUMN_ERROR = 0.01  # relative error of a gain: accuracy of the columns under an inexact friction law
@@ -177,7 +179,7 @@ def search(
         progress("  all logs: " + "; ".join(f"{c.found.name} {c.found.label} {c.score:.0f}" for c in contenders[:5]))
         fit = list(dropwhile(partial(is_weak, outcome.accepted, sought), contenders))
         part = shares(fit) if fit else np.zeros(0)
-        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > MINOR]
+        alternatives = [(c.found.name, float(p)) for c, p in zip(fit[1:], part[1:], strict=True) if p > SHARE]
         if kept and fit and (fit[0].found.name, fit[0].found.k) == (sought[-1].name, sought[-1].k):
             current, outcome = kept
             (at,) = (k for k, one in enumerate(outcome.accepted) if one.found is sought[-1])
@@ -420,8 +422,7 @@ def root_mean_square(
     if net:
         of_effects = [path.startswith("effects.") for path in evidence.paths]
         known = np.hstack([t[:, m] for t, m in zip(evidence.nuisances, evidence.counted, strict=True)])
-        known = orthonormal(known[[*of_effects, *[True] * (len(known) - len(of_effects))]])
-        force = force - (known @ force) @ known
+        force = orthogonal(force[None], orthonormal(known[[*of_effects, *[True] * (len(known) - len(of_effects))]]))
     return float(np.sqrt(np.mean(force**2)))
 
 
